@@ -1,0 +1,3 @@
+//! Library behind the `goniochrome` command: scenes, estimation with threads, files and pictures.
+
+pub mod error;

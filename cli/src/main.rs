@@ -1,0 +1,2 @@
+//! The `goniochrome` command.
+fn main() {}

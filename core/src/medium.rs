@@ -1,0 +1,382 @@
+//! The complex refractive index η(λ) = n + ik of a medium: constants, dispersion formulas, borrowed tables.
+//!
+//! The formulas are those of the refractiveindex.info database (M. N. Polyanskiy, *Sci. Data* 11, 94 (2024)), numbered
+//! as there. A [`Medium`] is checked when it is made; evaluation can fail only because a wavelength lies outside the
+//! range for which the data hold.
+
+use libm::{exp, pow, sqrt};
+use num_complex::Complex64;
+
+/// Where a medium stands in the list of media of a scene.
+pub type MediumIndex = u16;
+
+/// Dispersion formulas of refractiveindex.info; λ in micrometres, c₁ first. Missing trailing coefficients are zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Formula {
+    /// 1: n² − 1 = c₁ + Σ c₂λ²/(λ² − c₃²)
+    Sellmeier,
+    /// 2: n² − 1 = c₁ + Σ c₂λ²/(λ² − c₃)
+    Sellmeier2,
+    /// 3: n² = c₁ + Σ c₂ λ^c₃
+    Polynomial,
+    /// 4: n² = c₁ + c₂λ^c₃/(λ² − c₄^c₅) + c₆λ^c₇/(λ² − c₈^c₉) + Σ c₁₀ λ^c₁₁
+    RefractiveIndexInfo,
+    /// 5: n = c₁ + Σ c₂ λ^c₃
+    Cauchy,
+    /// 6: n − 1 = c₁ + Σ c₂/(c₃ − λ⁻²)
+    Gases,
+    /// 7: n = c₁ + c₂/(λ² − 0.028) + c₃/(λ² − 0.028)² + c₄λ² + c₅λ⁴ + c₆λ⁶
+    Herzberger,
+    /// 8: (n² − 1)/(n² + 2) = c₁ + c₂λ²/(λ² − c₃) + c₄λ²
+    Retro,
+    /// 9: n² = c₁ + c₂/(λ² − c₃) + c₄(λ − c₅)/((λ − c₅)² + c₆)
+    Exotic,
+    /// Absorption falling exponentially with wavelength, k = c₁ exp(−λ/c₂): melanin (Stavenga et al. 2015)
+    Exponential,
+}
+
+impl Formula {
+    /// The formula of that number in refractiveindex.info files, 1 to 9.
+    #[must_use]
+    pub fn from_number(number: u32) -> Option<Self> {
+        Some(match number {
+            1 => Self::Sellmeier,
+            2 => Self::Sellmeier2,
+            3 => Self::Polynomial,
+            4 => Self::RefractiveIndexInfo,
+            5 => Self::Cauchy,
+            6 => Self::Gases,
+            7 => Self::Herzberger,
+            8 => Self::Retro,
+            9 => Self::Exotic,
+            _ => return None,
+        })
+    }
+
+    /// The formula's value at `um` micrometres.
+    #[must_use]
+    pub fn evaluate(self, c: &[f64], um: f64) -> f64 {
+        let at = |i: usize| c.get(i).copied().unwrap_or(0.0);
+        let tail = |from: usize| c.get(from..).unwrap_or(&[]).chunks_exact(2).map(|pair| (pair[0], pair[1]));
+        let l2 = um * um;
+        match self {
+            Self::Sellmeier => sqrt(1.0 + at(0) + tail(1).map(|(b, l)| b * l2 / (l2 - l * l)).sum::<f64>()),
+            Self::Sellmeier2 => sqrt(1.0 + at(0) + tail(1).map(|(b, l)| b * l2 / (l2 - l)).sum::<f64>()),
+            Self::Polynomial => sqrt(at(0) + tail(1).map(|(a, e)| a * pow(um, e)).sum::<f64>()),
+            Self::RefractiveIndexInfo => {
+                let pole = |i: usize| match at(i) {
+                    0.0 => 0.0,
+                    a => a * pow(um, at(i + 1)) / (l2 - pow(at(i + 2), at(i + 3))),
+                };
+                sqrt(at(0) + pole(1) + pole(5) + tail(9).map(|(a, e)| a * pow(um, e)).sum::<f64>())
+            }
+            Self::Cauchy => at(0) + tail(1).map(|(a, e)| a * pow(um, e)).sum::<f64>(),
+            Self::Gases => 1.0 + at(0) + tail(1).map(|(b, l)| b / (l - 1.0 / l2)).sum::<f64>(),
+            Self::Herzberger => {
+                let w = 1.0 / (l2 - 0.028);
+                at(0) + at(1) * w + at(2) * w * w + l2 * (at(3) + l2 * (at(4) + l2 * at(5)))
+            }
+            Self::Retro => {
+                let x = at(0) + at(1) * l2 / (l2 - at(2)) + at(3) * l2;
+                sqrt((1.0 + 2.0 * x) / (1.0 - x))
+            }
+            Self::Exotic => {
+                let d = um - at(4);
+                sqrt(at(0) + at(1) / (l2 - at(2)) + at(3) * d / (d * d + at(5)))
+            }
+            Self::Exponential => at(0) * exp(-um / at(1)),
+        }
+    }
+}
+
+/// A real function of wavelength: the n or the k of a medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Dispersion<'a> {
+    /// The same at every wavelength.
+    Constant(f64),
+    /// A formula of the wavelength in micrometres.
+    Formula {
+        /// Which one.
+        formula: Formula,
+        /// c₁, c₂, …
+        coefficients: &'a [f64],
+        /// The wavelengths for which the formula was fitted, ends included.
+        range_nm: [f64; 2],
+    },
+    /// Samples, linear in wavelength between them.
+    Table {
+        /// Strictly increasing.
+        wavelength_nm: &'a [f64],
+        /// One value for each wavelength.
+        value: &'a [f64],
+    },
+}
+
+/// What to do with a wavelength outside the range for which data exist.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extrapolate {
+    /// Refuse it: [`MediumError::OutOfRange`].
+    #[default]
+    Refuse,
+    /// Use the value at the nearest end of the range.
+    Clamp,
+}
+
+/// Why a medium was refused, or could not be evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MediumError {
+    /// A number that is NaN or infinite; its index among the coefficients or rows.
+    NotFinite {
+        /// Row or coefficient.
+        index: usize,
+    },
+    /// n ≤ 0 or k < 0 (gain): not a passive medium.
+    NotPassive {
+        /// The offending n.
+        n: f64,
+        /// The offending k.
+        k: f64,
+        /// Where; 0 for a constant.
+        wavelength_nm: f64,
+    },
+    /// A table's wavelengths do not increase, or are not positive, at this row.
+    NotIncreasing {
+        /// Row, from 0.
+        index: usize,
+    },
+    /// A table with no rows, or columns of different lengths.
+    Shape,
+    /// The wavelength lies outside the data.
+    OutOfRange {
+        /// The wavelength asked for.
+        wavelength_nm: f64,
+        /// The range of the data.
+        range_nm: [f64; 2],
+    },
+}
+
+impl core::fmt::Display for MediumError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::NotFinite { index } => write!(f, "number {} is not finite", index + 1),
+            Self::NotPassive { n, k, wavelength_nm } if wavelength_nm > 0.0 => {
+                write!(f, "n = {n}, k = {k} at {wavelength_nm} nm is not passive (n > 0 and k >= 0 are required)")
+            }
+            Self::NotPassive { n, k, .. } => {
+                write!(f, "n = {n}, k = {k} is not passive (n > 0 and k >= 0 are required)")
+            }
+            Self::NotIncreasing { index } => write!(f, "row {}: wavelengths must be positive and increase", index + 1),
+            Self::Shape => write!(f, "the table is empty or its columns differ in length"),
+            Self::OutOfRange { wavelength_nm, range_nm: [from, to] } => {
+                write!(f, "no data at {wavelength_nm} nm (data cover {from} to {to} nm)")
+            }
+        }
+    }
+}
+
+impl core::error::Error for MediumError {}
+
+impl Dispersion<'_> {
+    /// The wavelengths for which this holds, ends included.
+    #[must_use]
+    pub fn range_nm(&self) -> [f64; 2] {
+        match *self {
+            Self::Constant(_) => [0.0, f64::INFINITY],
+            Self::Formula { range_nm, .. } => range_nm,
+            Self::Table { wavelength_nm, .. } => match (wavelength_nm.first(), wavelength_nm.last()) {
+                (Some(&from), Some(&to)) => [from, to],
+                _ => [0.0, 0.0],
+            },
+        }
+    }
+
+    fn check(&self) -> Result<(), MediumError> {
+        let finite = |values: &[f64]| match values.iter().position(|x| !x.is_finite()) {
+            Some(index) => Err(MediumError::NotFinite { index }),
+            None => Ok(()),
+        };
+        match *self {
+            Self::Constant(x) => finite(&[x]),
+            Self::Formula { coefficients, range_nm, .. } => {
+                finite(coefficients)?;
+                finite(&range_nm)?;
+                if range_nm[0] > 0.0 && range_nm[0] <= range_nm[1] {
+                    Ok(())
+                } else {
+                    Err(MediumError::NotIncreasing { index: 0 })
+                }
+            }
+            Self::Table { wavelength_nm, value } => {
+                if wavelength_nm.is_empty() || wavelength_nm.len() != value.len() {
+                    return Err(MediumError::Shape);
+                }
+                finite(wavelength_nm)?;
+                finite(value)?;
+                if wavelength_nm[0] <= 0.0 {
+                    return Err(MediumError::NotIncreasing { index: 0 });
+                }
+                match wavelength_nm.windows(2).position(|pair| pair[0] >= pair[1]) {
+                    Some(index) => Err(MediumError::NotIncreasing { index: index + 1 }),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// The value at `nm`, which must lie in [`Dispersion::range_nm`].
+    fn at(&self, nm: f64) -> f64 {
+        match *self {
+            Self::Constant(x) => x,
+            Self::Formula { formula, coefficients, .. } => formula.evaluate(coefficients, nm * 1e-3),
+            Self::Table { wavelength_nm: x, value: y } => {
+                let upper = x.partition_point(|&l| l < nm);
+                match (upper.checked_sub(1), x.get(upper)) {
+                    (Some(lower), Some(&x1)) => {
+                        let w = (nm - x[lower]) / (x1 - x[lower]);
+                        y[lower] + w * (y[upper] - y[lower])
+                    }
+                    (None, _) => y.first().copied().unwrap_or(0.0),
+                    (_, None) => y.last().copied().unwrap_or(0.0),
+                }
+            }
+        }
+    }
+}
+
+/// A passive, isotropic, non-magnetic medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium<'a> {
+    n: Dispersion<'a>,
+    k: Dispersion<'a>,
+    extrapolate: Extrapolate,
+}
+
+impl<'a> Medium<'a> {
+    /// A medium of the same η at every wavelength.
+    ///
+    /// # Errors
+    /// [`MediumError::NotFinite`], [`MediumError::NotPassive`].
+    pub fn constant(eta: Complex64) -> Result<Self, MediumError> {
+        Self::new(Dispersion::Constant(eta.re), Dispersion::Constant(eta.im), Extrapolate::Refuse)
+    }
+
+    /// A medium from its n and its k. Where both have a range, the medium holds in their intersection.
+    ///
+    /// # Errors
+    /// Any but [`MediumError::OutOfRange`]. A formula that gives n ≤ 0 is found when it is evaluated.
+    pub fn new(n: Dispersion<'a>, k: Dispersion<'a>, extrapolate: Extrapolate) -> Result<Self, MediumError> {
+        n.check()?;
+        k.check()?;
+        let bad = |x: &Dispersion<'_>, passive: fn(f64) -> bool| match *x {
+            Dispersion::Constant(x) => (!passive(x)).then_some((x, 0.0)),
+            Dispersion::Table { wavelength_nm, value } => {
+                value.iter().position(|&v| !passive(v)).map(|i| (value[i], wavelength_nm[i]))
+            }
+            Dispersion::Formula { .. } => None,
+        };
+        if let Some((n, wavelength_nm)) = bad(&n, |n| n > 0.0) {
+            return Err(MediumError::NotPassive { n, k: 0.0, wavelength_nm });
+        }
+        if let Some((k, wavelength_nm)) = bad(&k, |k| k >= 0.0) {
+            return Err(MediumError::NotPassive { n: n.at(wavelength_nm), k, wavelength_nm });
+        }
+        Ok(Self { n, k, extrapolate })
+    }
+
+    /// The wavelengths for which data exist, ends included.
+    #[must_use]
+    pub fn range_nm(&self) -> [f64; 2] {
+        let ([n0, n1], [k0, k1]) = (self.n.range_nm(), self.k.range_nm());
+        [n0.max(k0), n1.min(k1)]
+    }
+
+    /// η = n + ik at a vacuum wavelength in nanometres.
+    ///
+    /// # Errors
+    /// [`MediumError::OutOfRange`] unless the medium clamps; [`MediumError::NotPassive`] where a formula leaves the
+    /// passive domain.
+    pub fn eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
+        let range_nm @ [from, to] = self.range_nm();
+        // Files give micrometres; their conversion may move an end of the range by one rounding.
+        let slack = 4.0 * f64::EPSILON * wavelength_nm;
+        let inside = wavelength_nm >= from - slack && wavelength_nm <= to + slack;
+        if !inside && self.extrapolate == Extrapolate::Refuse {
+            return Err(MediumError::OutOfRange { wavelength_nm, range_nm });
+        }
+        let clamped = |x: &Dispersion<'_>| {
+            let [from, to] = x.range_nm();
+            x.at(wavelength_nm.max(from).min(to))
+        };
+        let (n, k) = (clamped(&self.n), clamped(&self.k));
+        if n > 0.0 && n.is_finite() && k >= 0.0 && k.is_finite() {
+            Ok(Complex64::new(n, k))
+        } else {
+            Err(MediumError::NotPassive { n, k, wavelength_nm })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Published values quoted to five digits.
+    const QUOTED_DIGITS: f64 = 5e-6;
+
+    fn n(formula: Formula, coefficients: &[f64], nm: f64) -> f64 {
+        formula.evaluate(coefficients, nm * 1e-3)
+    }
+
+    #[test]
+    fn formulas_give_the_published_indices() {
+        let silica = [0.0, 0.6961663, 0.0684043, 0.4079426, 0.1162414, 0.8974794, 9.896161];
+        assert!((n(Formula::Sellmeier, &silica, 587.6) - 1.45846).abs() < QUOTED_DIGITS);
+        let bk7 = [0.0, 1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653];
+        assert!((n(Formula::Sellmeier2, &bk7, 587.5618) - 1.5168).abs() < QUOTED_DIGITS);
+        let air = [0.0, 0.05792105, 238.0185, 0.00167917, 57.362];
+        assert!((n(Formula::Gases, &air, 589.3) - 1.000277).abs() < 1e-6);
+        let rutile = [5.913, 0.2441, 0.0, 0.0803, 1.0, 0.0, 0.0, 0.0, 1.0];
+        assert!((n(Formula::RefractiveIndexInfo, &rutile, 589.3) - 2.6128).abs() < 1e-4);
+    }
+
+    #[test]
+    fn formulas_reduce_to_each_other_where_they_must() {
+        // Cauchy and Polynomial: n = n0 when only c1 is given; Retro: Lorentz-Lorenz of a constant.
+        assert!((n(Formula::Cauchy, &[1.5, 0.01, -2.0], 500.0) - 1.54).abs() < 1e-12);
+        assert!((n(Formula::Polynomial, &[2.25, 0.04, -2.0], 500.0) - sqrt(2.41)).abs() < 1e-12);
+        assert!((n(Formula::Retro, &[0.25, 0.0, 0.1, 0.0], 500.0) - sqrt(2.0)).abs() < 1e-12);
+        assert!((n(Formula::Exotic, &[2.25, 0.0, 0.1, 0.0, 0.0, 1.0], 500.0) - 1.5).abs() < 1e-12);
+        assert!((n(Formula::Herzberger, &[1.5, 0.0, 0.0, 0.04], 500.0) - 1.51).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_table_interpolates_and_names_its_range() {
+        let medium = Medium::new(
+            Dispersion::Table { wavelength_nm: &[400.0, 600.0], value: &[1.5, 1.7] },
+            Dispersion::Constant(0.0),
+            Extrapolate::Refuse,
+        )
+        .unwrap();
+        assert!((medium.eta(450.0).unwrap().re - 1.55).abs() < 1e-12);
+        assert!((medium.eta(600.0).unwrap().re - 1.7).abs() < 1e-12);
+        assert_eq!(medium.eta(700.0), Err(MediumError::OutOfRange { wavelength_nm: 700.0, range_nm: [400.0, 600.0] }));
+        let clamped = Medium { extrapolate: Extrapolate::Clamp, ..medium };
+        assert!((clamped.eta(700.0).unwrap().re - 1.7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn gain_disorder_and_nonsense_are_refused_by_place() {
+        let k = |value| Medium::new(Dispersion::Constant(1.5), Dispersion::Constant(value), Extrapolate::Refuse);
+        assert!(matches!(k(-0.1), Err(MediumError::NotPassive { .. })));
+        assert!(matches!(k(f64::NAN), Err(MediumError::NotFinite { index: 0 })));
+        let table = |wavelength_nm: &'static [f64]| {
+            Medium::new(
+                Dispersion::Table { wavelength_nm, value: &[1.5, 1.5, 1.5] },
+                Dispersion::Constant(0.0),
+                Extrapolate::Refuse,
+            )
+        };
+        assert_eq!(table(&[400.0, 500.0, 450.0]), Err(MediumError::NotIncreasing { index: 2 }));
+        assert_eq!(table(&[400.0, 500.0]), Err(MediumError::Shape));
+    }
+}

@@ -1,0 +1,1 @@
+//! Member package `tests`; its contents stand in the folders beside this file.
