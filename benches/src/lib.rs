@@ -1,1 +1,1 @@
-//! Member package `benches`; its contents stand in the folders beside this file.
+//! Work shared by the benches.

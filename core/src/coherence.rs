@@ -1,0 +1,81 @@
+//! Sinks: how rays that leave a cell add up, and the ledger of their power.
+
+use crate::complex::{ComplexLanes, Polarised};
+use crate::lanes::Lanes;
+use crate::stack::Response;
+use crate::trace::Sink;
+
+/// A side of a plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The side of the incident light.
+    Above,
+    /// The side of the substrate.
+    Below,
+}
+
+/// The sink of a planar cell: all rays that leave on one side have one direction, so they add as amplitudes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specular<V> {
+    above: Polarised<ComplexLanes<V>>,
+    below: Polarised<ComplexLanes<V>>,
+}
+
+impl<V: Lanes> Specular<V> {
+    /// Nothing has left yet.
+    #[must_use]
+    pub fn new() -> Self {
+        let nothing = Polarised::both(ComplexLanes::zero());
+        Self { above: nothing, below: nothing }
+    }
+
+    /// The sums.
+    #[must_use]
+    pub fn response(&self) -> Response<V> {
+        Response { reflection: self.above, transmission: self.below }
+    }
+}
+
+impl<V: Lanes> Default for Specular<V> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<V: Lanes> Sink<Side, Polarised<ComplexLanes<V>>> for Specular<V> {
+    #[inline]
+    fn exit(&mut self, side: Side, field: Polarised<ComplexLanes<V>>) {
+        let sum = match side {
+            Side::Above => &mut self.above,
+            Side::Below => &mut self.below,
+        };
+        *sum = sum.zip(field, |a, b| a + b);
+    }
+}
+
+/// Where the power of a trace went: reflected + transmitted + absorbed + truncated + imbalance = 1 per polarisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ledger<V> {
+    /// Left on the side of the light.
+    pub reflected: Polarised<V>,
+    /// Entered the substrate.
+    pub transmitted: Polarised<V>,
+    /// Lost inside the cell, from the fields there.
+    pub absorbed: Polarised<V>,
+    /// In flight at the end, or dropped: the error bar of the result.
+    pub truncated: V,
+    /// What is missing: rounding on planar cells in the physical model. The paper's model does not conserve power.
+    pub imbalance: Polarised<V>,
+}
+
+impl<V: Lanes> Ledger<V> {
+    /// Closes the ledger.
+    pub fn new(reflected: Polarised<V>, transmitted: Polarised<V>, absorbed: Polarised<V>, truncated: V) -> Self {
+        let rest = |r: V, t: V, a: V| V::one() - r - t - a - truncated;
+        let imbalance = Polarised {
+            s: rest(reflected.s, transmitted.s, absorbed.s),
+            p: rest(reflected.p, transmitted.p, absorbed.p),
+        };
+        Self { reflected, transmitted, absorbed, truncated, imbalance }
+    }
+}

@@ -1,0 +1,318 @@
+//! The tracer's view of a planar cell, and the exact sum of its rays.
+//!
+//! Two ways to add the same rays:
+//!
+//! - [`Summation::Generations`] follows them hit by hit ([`crate::trace`]). It converges for every passive stack, but a
+//!   resonance rings for as long as light does: visits grow like layers^3.7 (measured, contrast 1.56/1.0).
+//! - [`Summation::ClosedLoops`] (default) notes that a ray that comes back to a state it has passed is the same plane wave
+//!   times the loop's gain g, and adds all its rounds at once, 1 + g + g² + … = 1/(1 − g). From the bottom upwards
+//!   every loop is closed before the next is met, so each state is visited once: visits grow like layers.
+//!
+//! Adding ray by ray in another order than that of generations is not safe. Sweeping down and up through the layers, so
+//! that an amplitude merged now is used in the same sweep, orders the rays by their number of reversals; that is the
+//! Bremmer series, which diverges for strong mirrors (it overflows on a 20-layer quarter-wave mirror).
+
+use crate::coherence::{Ledger, Side, Specular};
+use crate::complex::{ComplexLanes, Polarised};
+use crate::interface::{Below, Model, flux, transmission};
+use crate::lanes::Lanes;
+use crate::stack::{Optics, Response};
+use crate::trace::{Facets, Limits, Sink, Slot, Split, Target, Trace, trace};
+
+/// Amplitudes of s and p, which do not mix where all facets share the plane of incidence.
+pub type Field<V> = Polarised<ComplexLanes<V>>;
+
+/// About to meet `facet` from `side`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct State {
+    facet: u32,
+    side: Side,
+}
+
+/// A slot of the tracer's workspace for planar cells.
+pub type LayerSlot<V> = Slot<State, Field<V>>;
+
+/// All that has met one facet, from above (travelling down) and from below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Totals<V> {
+    down: Field<V>,
+    up: Field<V>,
+}
+
+impl<V: Lanes> Totals<V> {
+    /// Nothing yet.
+    #[must_use]
+    pub fn none() -> Self {
+        let nothing = Polarised::both(ComplexLanes::zero());
+        Self { down: nothing, up: nothing }
+    }
+}
+
+/// How rays are added: see the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Summation {
+    /// Close every loop by its geometric series.
+    ClosedLoops,
+    /// Hit by hit until the limits are met.
+    Generations(Limits),
+}
+
+/// The tracer's memory for planar cells of up to `PLANES` planes.
+#[derive(Clone, Debug)]
+pub struct Workspace<V: Lanes, const PLANES: usize = DEFAULT_PLANES> {
+    totals: [Totals<V>; PLANES],
+    slots: [[LayerSlot<V>; 2]; PLANES],
+}
+
+/// Planes that the default workspace holds: 31 layers.
+pub const DEFAULT_PLANES: usize = 32;
+
+/// Upper bound of the default workspace, which is meant to live on the stack.
+pub const DEFAULT_WORKSPACE_BYTES: usize = 64 * 1024;
+
+const _: () = assert!(size_of::<Workspace<crate::lanes::F32>>() <= DEFAULT_WORKSPACE_BYTES);
+const _: () = assert!(size_of::<Workspace<crate::lanes::F64>>() <= DEFAULT_WORKSPACE_BYTES);
+
+impl<V: Lanes, const PLANES: usize> Workspace<V, PLANES> {
+    /// Empty.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { totals: [Totals::none(); PLANES], slots: [[free_slot(); 2]; PLANES] }
+    }
+
+    /// Lends the memory.
+    pub fn memory(&mut self) -> TraceMemory<'_, V> {
+        TraceMemory { totals: &mut self.totals, slots: self.slots.as_flattened_mut() }
+    }
+}
+
+impl<V: Lanes, const PLANES: usize> Default for Workspace<V, PLANES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A slot in which no ray waits.
+#[must_use]
+pub fn free_slot<V: Lanes>() -> LayerSlot<V> {
+    Slot::free(State { facet: 0, side: Side::Above }, Polarised::both(ComplexLanes::zero()))
+}
+
+/// Memory of a trace through a planar cell.
+#[derive(Debug)]
+pub struct TraceMemory<'m, V: Lanes> {
+    /// One for each plane.
+    pub totals: &'m mut [Totals<V>],
+    /// Two for each plane; needed by [`Summation::Generations`] alone. Fewer cost rays, which the ledger accounts for.
+    pub slots: &'m mut [LayerSlot<V>],
+}
+
+/// Planes for which there is room are fewer than the stack has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooFewPlanes {
+    /// Planes of the stack.
+    pub needed: usize,
+}
+
+impl core::fmt::Display for TooFewPlanes {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "the workspace must have room for {} planes", self.needed)
+    }
+}
+
+impl core::error::Error for TooFewPlanes {}
+
+/// What a trace through a planar cell found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Traced<V> {
+    /// Amplitudes that left, as the closed form gives them.
+    pub response: Response<V>,
+    /// Where the power went.
+    pub ledger: Ledger<V>,
+    /// What it cost.
+    pub trace: Trace<V>,
+}
+
+/// Traces a plane wave of unit amplitude in both polarisations through a planar cell.
+///
+/// # Errors
+/// [`TooFewPlanes`] if `memory` is smaller than the stack.
+pub fn trace_layers<V: Lanes>(
+    optics: &Optics<'_, V>,
+    summation: Summation,
+    memory: TraceMemory<'_, V>,
+) -> Result<Traced<V>, TooFewPlanes> {
+    let needed = optics.stack().planes();
+    let totals = memory.totals.get_mut(..needed).ok_or(TooFewPlanes { needed })?;
+    let mut layers = Layers { optics, totals, reversal: optics.reversal() };
+    let mut sink = Specular::new();
+    let unit = Polarised::both(ComplexLanes::one());
+    let trace = match summation {
+        Summation::ClosedLoops => layers.close_loops(unit, &mut sink),
+        Summation::Generations(limits) => {
+            layers.totals.fill(Totals::none());
+            trace(&mut layers, State { facet: 0, side: Side::Above }, unit, memory.slots, limits, &mut sink)
+        }
+    };
+    let response = sink.response();
+    let absorbed = layers.absorbed();
+    let ledger = Ledger::new(
+        optics.reflectance(response.reflection),
+        optics.transmittance(response.transmission),
+        absorbed,
+        trace.truncated,
+    );
+    Ok(Traced { response, ledger, trace })
+}
+
+struct Layers<'a, 'm, V: Lanes> {
+    optics: &'a Optics<'m, V>,
+    totals: &'a mut [Totals<V>],
+    /// σ: reflection from below is σ times that from above.
+    reversal: V,
+}
+
+impl<V: Lanes> Layers<'_, '_, V> {
+    fn last(&self) -> usize {
+        self.totals.len() - 1
+    }
+
+    /// The wave that leaves facet `j` downwards, of what met it.
+    fn departing_down(&self, j: usize) -> Field<V> {
+        let Totals { down, up } = self.totals[j];
+        let r = self.optics.reflection_at(j);
+        let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| {
+            transmission(r, self.reversal) * down + r.scale(self.reversal) * up
+        };
+        Polarised { s: side(r.s, down.s, up.s), p: side(r.p, down.p, up.p) }
+    }
+
+    /// The wave that leaves facet `j` upwards.
+    fn departing_up(&self, j: usize) -> Field<V> {
+        let Totals { down, up } = self.totals[j];
+        let r = self.optics.reflection_at(j);
+        let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| r * down + transmission(r, V::one()) * up;
+        Polarised { s: side(r.s, down.s, up.s), p: side(r.p, down.p, up.p) }
+    }
+
+    /// Adds all rays by closing loops from the bottom upwards; leaves the totals of every state.
+    fn close_loops(&mut self, incident: Field<V>, sink: &mut impl Sink<Side, Field<V>>) -> Trace<V> {
+        let (last, sigma, one) = (self.last(), self.reversal, ComplexLanes::one());
+        // Upwards. `answer` is all that a facet, with everything below it, returns of a unit wave from above. Totals hold
+        // meanwhile: in `up`, what comes back to the facet of a unit wave that leaves it downwards; in `down`, what
+        // leaves it downwards of a unit wave from above, after all rounds of the film below.
+        let mut answer = self.optics.reflection_at(last);
+        for j in (0..last).rev() {
+            let r = self.optics.reflection_at(j);
+            let e = self.optics.propagator_below(j);
+            let round_trip = e.square();
+            let back = answer.map(|answer| answer * round_trip);
+            let departing = r.zip(back, |r, back| {
+                let gain = r.scale(sigma) * back;
+                transmission(r, sigma).div_or_zero(one - gain)
+            });
+            answer.s = transmission(r.s, V::one()).mul_add(back.s * departing.s, r.s);
+            answer.p = transmission(r.p, V::one()).mul_add(back.p * departing.p, r.p);
+            self.totals[j] = Totals { down: departing, up: back };
+        }
+        sink.exit(Side::Above, answer.zip(incident, |answer, incident| answer * incident));
+        // Downwards: every state's total follows from that of the one above.
+        let mut down = incident;
+        for j in 0..last {
+            let e = self.optics.propagator_below(j);
+            let departing = self.totals[j].down.zip(down, |departing, down| departing * down);
+            let up = self.totals[j].up.zip(departing, |back, departing| back * departing);
+            self.totals[j] = Totals { down, up };
+            down = departing.map(|departing| departing * e);
+        }
+        self.totals[last] = Totals { down, up: Polarised::both(ComplexLanes::zero()) };
+        sink.exit(Side::Below, self.departing_down(last));
+        let states = 2 * last + 1;
+        Trace { truncated: V::zero(), visits: states as u64, generations: 0 }
+    }
+
+    /// Power lost in absorbing films: the flux into each less the flux out of it, from the fields just inside its faces.
+    fn absorbed(&self) -> Polarised<V> {
+        let zero = Polarised::both(V::zero());
+        let stack = self.optics.stack();
+        if self.optics.model() == Model::Paper {
+            return zero; // the paper's weights are not fields; absorption shows as imbalance
+        }
+        let incident = self.optics.admittance(stack.ambient());
+        (0..self.last()).fold(zero, |sum, j| {
+            let admittance = self.optics.admittance(stack.film(j).medium);
+            if !admittance.s.im.any_above(0.0) {
+                return sum;
+            }
+            let (top_down, top_up) = (self.departing_down(j), self.totals[j].up);
+            let (bottom_down, bottom_up) = (self.totals[j + 1].down, self.departing_up(j + 1));
+            let lost = |k, incident: ComplexLanes<V>, td, tu, bd, bu| (flux(k, td, tu) - flux(k, bd, bu)) / incident.re;
+            Polarised {
+                s: sum.s + lost(admittance.s, incident.s, top_down.s, top_up.s, bottom_down.s, bottom_up.s),
+                p: sum.p + lost(admittance.p, incident.p, top_down.p, top_up.p, bottom_down.p, bottom_up.p),
+            }
+        })
+    }
+}
+
+impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
+    type State = State;
+    type Field = Field<V>;
+    type Exit = Side;
+    const PROBES: usize = 1;
+
+    fn home(&self, state: State) -> usize {
+        2 * state.facet as usize + usize::from(state.side == Side::Below)
+    }
+
+    fn merge(&self, a: Field<V>, b: Field<V>) -> Field<V> {
+        a.zip(b, |a, b| a + b)
+    }
+
+    fn power(&self, state: State, field: Field<V>) -> V {
+        let stack = self.optics.stack();
+        let interface = stack.interface(state.facet as usize);
+        let medium = match (state.side, interface.below) {
+            (Side::Above, _) => interface.above,
+            (Side::Below, Below::Medium(below)) => below,
+            (Side::Below, Below::Mirror) => return V::zero(),
+        };
+        let (here, incident) = (self.optics.admittance(medium), self.optics.admittance(stack.ambient()));
+        let of =
+            |k: ComplexLanes<V>, incident: ComplexLanes<V>, a: ComplexLanes<V>| a.norm_sqr() * k.norm() / incident.re;
+        of(here.s, incident.s, field.s).max(of(here.p, incident.p, field.p))
+    }
+
+    fn split(&mut self, state: State, field: Field<V>) -> Split<State, Side, Field<V>> {
+        let j = state.facet as usize;
+        let total = &mut self.totals[j];
+        let total = if state.side == Side::Above { &mut total.down } else { &mut total.up };
+        *total = total.zip(field, |a, b| a + b);
+
+        let r = self.optics.reflection_at(j);
+        let (reflected, refracted) = match state.side {
+            Side::Above => (field.zip(r, |a, r| a * r), field.zip(r, |a, r| a * transmission(r, self.reversal))),
+            Side::Below => {
+                (field.zip(r, |a, r| a * r.scale(self.reversal)), field.zip(r, |a, r| a * transmission(r, V::one())))
+            }
+        };
+        let (up, down) = match state.side {
+            Side::Above => (reflected, refracted),
+            Side::Below => (refracted, reflected),
+        };
+        let upwards = match state.facet.checked_sub(1) {
+            None => (Target::Exit(Side::Above), up),
+            Some(facet) => {
+                let e = self.optics.propagator_below(j - 1);
+                (Target::State(State { facet, side: Side::Below }), up.map(|a| a * e))
+            }
+        };
+        let downwards = if j == self.last() {
+            (Target::Exit(Side::Below), down)
+        } else {
+            let e = self.optics.propagator_below(j);
+            (Target::State(State { facet: state.facet + 1, side: Side::Above }), down.map(|a| a * e))
+        };
+        [Some(upwards), Some(downwards)]
+    }
+}

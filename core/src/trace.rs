@@ -1,0 +1,177 @@
+//! Ray splitting with coherent merging.
+//!
+//! A ray is a plane wave; at each facet it becomes a reflected and a refracted one. Followed literally the number of paths
+//! doubles at every hit. But two rays about to meet the same facet from the same side with the same wavevector are the
+//! same plane wave: their amplitudes, referred to the facet's anchor, are **added and continue as one** (the paper's "rays
+//! which have the same direction are coherent", applied inside the tracer). Rays are processed generation by
+//! generation and merged as they are produced, so a planar stack of N planes has 2N states whatever the number of bounces.
+//!
+//! What a state is and where its amplitude goes is the cell's to say ([`Facets`]); where rays that leave end up is the
+//! sink's ([`Sink`]). Planar cells have an accelerated sum of the same series in [`crate::layers`].
+
+use crate::lanes::Lanes;
+
+/// Where a ray goes after a hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target<S, X> {
+    /// On to another facet.
+    State(S),
+    /// Out of the cell.
+    Exit(X),
+}
+
+/// A cell as the tracer sees it.
+pub trait Facets<V: Lanes> {
+    /// What tells two plane waves apart: the facet about to be met, the side, and where needed wavevector and tile.
+    type State: Copy + PartialEq;
+    /// The complex amplitudes that a ray carries, referred to the facet's anchor.
+    type Field: Copy;
+    /// How a ray leaves: a side of the stack, or a direction.
+    type Exit;
+
+    /// A state waits at most this many slots behind its home; 1 where every state has a home of its own.
+    const PROBES: usize;
+
+    /// The first slot in which a state may wait, taken modulo the number of slots.
+    fn home(&self, state: Self::State) -> usize;
+    /// Adds the fields of two rays in equal states.
+    fn merge(&self, a: Self::Field, b: Self::Field) -> Self::Field;
+    /// Power of a ray in units of the incident one, per lane; an upper bound where the wave is evanescent.
+    fn power(&self, state: Self::State, field: Self::Field) -> V;
+    /// Splits a ray at its facet: the reflected and the refracted ray.
+    fn split(&mut self, state: Self::State, field: Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
+}
+
+/// The rays that come of a hit, each with where it goes: reflected, refracted.
+pub type Split<S, X, F> = [Option<(Target<S, X>, F)>; 2];
+
+/// Receives the rays that leave a cell. How they add is the sink's business: see [`crate::coherence`].
+pub trait Sink<X, F> {
+    /// One ray leaves.
+    fn exit(&mut self, exit: X, field: F);
+}
+
+/// A place for one state of the present or the next generation.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot<S, F> {
+    /// Generation of the ray that waits here; 0 if none does.
+    generation: u32,
+    state: S,
+    field: F,
+}
+
+impl<S, F> Slot<S, F> {
+    /// A free slot; the values are never read.
+    pub const fn free(state: S, field: F) -> Self {
+        Self { generation: 0, state, field }
+    }
+}
+
+/// When to stop following rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Power in flight, relative to the incident, below which the sum is complete. What is left enters the amplitude that
+    /// leaves, so reflectance is in error by up to 2√(R·in flight).
+    pub in_flight: f64,
+    /// Generations after which to give up.
+    pub generations: u32,
+}
+
+impl Limits {
+    /// For single precision: 2√1e-14 = 2e-7 is of the order of its rounding.
+    pub const SINGLE: Self = Self { in_flight: 1e-14, generations: 1_000_000 };
+    /// For double precision: 2√1e-22 = 2e-11.
+    pub const DOUBLE: Self = Self { in_flight: 1e-22, generations: 4_000_000 };
+}
+
+/// What a trace cost and what it left undone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trace<V> {
+    /// Power in flight at the end plus power of rays dropped for want of a slot, per lane.
+    pub truncated: V,
+    /// States visited: one for each splitting of a merged ray.
+    pub visits: u64,
+    /// Hits of the longest path.
+    pub generations: u32,
+}
+
+/// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace: a full one drops rays and accounts for
+/// them in [`Trace::truncated`].
+pub fn trace<V: Lanes, C: Facets<V>>(
+    cell: &mut C,
+    start: C::State,
+    field: C::Field,
+    slots: &mut [Slot<C::State, C::Field>],
+    limits: Limits,
+    sink: &mut impl Sink<C::Exit, C::Field>,
+) -> Trace<V> {
+    for slot in slots.iter_mut() {
+        slot.generation = 0;
+    }
+    let mut dropped = V::zero();
+    let mut visits = 0;
+    let mut generation = 1;
+    if !offer(cell, slots, generation, start, field) {
+        return Trace { truncated: cell.power(start, field), visits, generations: 0 };
+    }
+    loop {
+        for place in 0..slots.len() {
+            let Slot { generation: waiting, state, field } = slots[place];
+            if waiting != generation {
+                continue;
+            }
+            slots[place].generation = 0;
+            visits += 1;
+            for (target, field) in cell.split(state, field).into_iter().flatten() {
+                match target {
+                    Target::Exit(exit) => sink.exit(exit, field),
+                    Target::State(state) => {
+                        if !offer(cell, slots, generation + 1, state, field) {
+                            dropped += cell.power(state, field);
+                        }
+                    }
+                }
+            }
+        }
+        let next = generation + 1;
+        let in_flight = slots
+            .iter()
+            .filter(|slot| slot.generation == next)
+            .fold(V::zero(), |sum, slot| sum + cell.power(slot.state, slot.field));
+        if !in_flight.any_above(limits.in_flight) || generation >= limits.generations {
+            return Trace { truncated: in_flight + dropped, visits, generations: generation };
+        }
+        generation = next;
+    }
+}
+
+/// Merges a ray of the coming generation with its equal, or gives it a free slot; false if there is none.
+fn offer<V: Lanes, C: Facets<V>>(
+    cell: &C,
+    slots: &mut [Slot<C::State, C::Field>],
+    generation: u32,
+    state: C::State,
+    field: C::Field,
+) -> bool {
+    if slots.is_empty() {
+        return false;
+    }
+    let home = cell.home(state);
+    let mut vacant = None;
+    let len = slots.len();
+    for probe in 0..C::PROBES.min(len) {
+        let place = (home + probe) % len;
+        let slot = &mut slots[place];
+        if slot.generation == generation && slot.state == state {
+            slot.field = cell.merge(slot.field, field);
+            return true;
+        }
+        if slot.generation == 0 && vacant.is_none() {
+            vacant = Some(place);
+        }
+    }
+    if let Some(place) = vacant {
+        slots[place] = Slot { generation, state, field };
+    }
+    vacant.is_some()
+}

@@ -1,0 +1,93 @@
+//! Closed form and ray tracing against the independent transfer-matrix results.
+
+use crate::reference::{Layered, PlanarCase, planar};
+use goniochrome::complex::Polarised;
+use goniochrome::interface::Model;
+use goniochrome::lanes::{F32, F64, Lanes};
+use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome::trace::Limits;
+
+/// The reference is printed to 12 significant digits.
+const PRINTED: f64 = 1e-12;
+const SINGLE: f64 = 1e-5;
+const DOUBLE_CLOSED_FORM: f64 = 1e-11;
+const DOUBLE_TRACED: f64 = 1e-9;
+const TRUNCATED: f64 = 1e-6;
+
+struct Worst {
+    error: f64,
+    truncated: f64,
+    imbalance: f64,
+}
+
+fn worst<V: Lanes>(case: &PlanarCase, summation: Option<Summation>) -> Worst {
+    let stack = Layered::from(case);
+    let mut worst = Worst { error: 0.0, truncated: 0.0, imbalance: 0.0 };
+    let mut workspace = Box::new(Workspace::<V>::new());
+    for (row, &theta) in case.theta_deg.iter().enumerate() {
+        for (group, wavelengths) in case.wavelength_nm.chunks(V::WIDTH).enumerate() {
+            let (r, t) = stack.with_optics::<V, _>(theta, wavelengths, Model::Physical, |optics| match summation {
+                None => {
+                    let response = optics.response();
+                    (optics.reflectance(response.reflection), optics.transmittance(response.transmission))
+                }
+                Some(summation) => {
+                    let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
+                    let Polarised { s, p } = traced.ledger.imbalance;
+                    for lane in 0..V::WIDTH {
+                        worst.truncated = worst.truncated.max(traced.ledger.truncated.lane(lane));
+                        worst.imbalance = worst.imbalance.max(s.lane(lane).abs()).max(p.lane(lane).abs());
+                    }
+                    (traced.ledger.reflected, traced.ledger.transmitted)
+                }
+            });
+            for (lane, _) in wavelengths.iter().enumerate() {
+                let column = group * V::WIDTH + lane;
+                for (got, want) in [(r.s, &case.R_s), (r.p, &case.R_p), (t.s, &case.T_s), (t.p, &case.T_p)] {
+                    worst.error = worst.error.max((got.lane(lane) - want[row][column]).abs());
+                }
+            }
+        }
+    }
+    worst
+}
+
+fn holds<V: Lanes>(summation: Option<Summation>, tolerance: f64) {
+    for case in planar() {
+        let Worst { error, truncated, imbalance } = worst::<V>(&case, summation);
+        println!("{:24} error {error:.1e}  truncated {truncated:.1e}  imbalance {imbalance:.1e}", case.name);
+        assert!(error <= tolerance + PRINTED, "{}: {error:e}", case.name);
+        assert!(truncated <= TRUNCATED, "{}: truncated {truncated:e}", case.name);
+        assert!(imbalance <= tolerance, "{}: imbalance {imbalance:e}", case.name);
+    }
+}
+
+#[test]
+fn closed_form_f32() {
+    holds::<F32>(None, SINGLE);
+}
+
+#[test]
+fn closed_form_f64() {
+    holds::<F64>(None, DOUBLE_CLOSED_FORM);
+}
+
+#[test]
+fn ray_tracing_f32() {
+    holds::<F32>(Some(Summation::ClosedLoops), SINGLE);
+}
+
+#[test]
+fn ray_tracing_f64() {
+    holds::<F64>(Some(Summation::ClosedLoops), DOUBLE_TRACED);
+}
+
+#[test]
+fn ray_tracing_hit_by_hit_f32() {
+    holds::<F32>(Some(Summation::Generations(Limits::SINGLE)), SINGLE);
+}
+
+#[test]
+fn ray_tracing_hit_by_hit_f64() {
+    holds::<F64>(Some(Summation::Generations(Limits::DOUBLE)), DOUBLE_TRACED);
+}

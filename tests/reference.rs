@@ -1,0 +1,95 @@
+//! Reference results in `data/`, computed by programs that share no code with this one.
+
+use goniochrome::complex::ComplexLanes;
+use goniochrome::interface::{Below, Model};
+use goniochrome::lanes::Lanes;
+use goniochrome::medium::{MediaLanes, Medium, MediumIndex};
+use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+/// Planes that the largest test stack has.
+pub const MOST_PLANES: usize = 64;
+
+/// Power reflectance and transmittance of planar stacks from an independent transfer-matrix program in float64.
+#[derive(Deserialize)]
+pub struct Planar {
+    /// One stack each.
+    pub cases: Vec<PlanarCase>,
+}
+
+/// Arrays are [theta][wavelength].
+#[derive(Deserialize)]
+#[allow(non_snake_case)]
+pub struct PlanarCase {
+    pub name: String,
+    pub n: Vec<[f64; 2]>,
+    pub thickness_nm: Vec<f64>,
+    pub wavelength_nm: Vec<f64>,
+    pub theta_deg: Vec<f64>,
+    pub R_s: Vec<Vec<f64>>,
+    pub R_p: Vec<Vec<f64>>,
+    pub T_s: Vec<Vec<f64>>,
+    pub T_p: Vec<Vec<f64>>,
+}
+
+/// Every planar case.
+pub fn planar() -> Vec<PlanarCase> {
+    serde_json::from_str::<Planar>(include_str!("data/planar.json")).expect("the reference is JSON").cases
+}
+
+/// A planar stack of constant indices.
+pub struct Layered {
+    /// Ambient first, substrate last.
+    pub eta: Vec<Complex64>,
+    /// Of the layers between them.
+    pub thickness_nm: Vec<f64>,
+}
+
+impl From<&PlanarCase> for Layered {
+    fn from(case: &PlanarCase) -> Self {
+        Self {
+            eta: case.n.iter().map(|&[n, k]| Complex64::new(n, k)).collect(),
+            thickness_nm: case.thickness_nm.clone(),
+        }
+    }
+}
+
+impl Layered {
+    /// Calls `f` with the optics of this stack at one angle and group of wavelengths. Equal indices share a medium.
+    pub fn with_optics<V: Lanes, R>(
+        &self,
+        theta_deg: f64,
+        wavelengths_nm: &[f64],
+        model: Model,
+        f: impl FnOnce(&Optics<'_, V>) -> R,
+    ) -> R {
+        let mut media: Vec<Complex64> = Vec::new();
+        let index: Vec<MediumIndex> = self
+            .eta
+            .iter()
+            .map(|eta| {
+                let place = media.iter().position(|m| m == eta).unwrap_or_else(|| {
+                    media.push(*eta);
+                    media.len() - 1
+                });
+                MediumIndex::try_from(place).expect("few media")
+            })
+            .collect();
+        let media: Vec<Medium<'_>> =
+            media.into_iter().map(|eta| Medium::constant(eta).expect("a passive medium")).collect();
+        let mut eta = vec![ComplexLanes::zero(); media.len()];
+        let lanes =
+            MediaLanes::<V>::evaluate(&media, wavelengths_nm, &mut eta).expect("constant media hold everywhere");
+
+        let layers = index[1..index.len() - 1]
+            .iter()
+            .zip(&self.thickness_nm)
+            .map(|(&medium, &thickness_nm)| Film { medium, thickness_nm });
+        let mut arrays = StackArrays::<MOST_PLANES>::new();
+        let stack = Stack::new(index[0], layers, Below::Medium(index[index.len() - 1]), arrays.memory())
+            .expect("the stack fits");
+        let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
+        f(&Optics::new(stack, &lanes, theta_deg.to_radians().sin(), model, memory.memory()))
+    }
+}

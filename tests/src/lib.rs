@@ -1,1 +1,0 @@
-//! Member package `tests`; its contents stand in the folders beside this file.
