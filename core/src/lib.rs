@@ -3,6 +3,7 @@
 
 pub mod cell;
 pub mod coherence;
+pub mod colour;
 pub mod complex;
 pub mod interface;
 pub mod lanes;

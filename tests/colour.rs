@@ -1,0 +1,87 @@
+//! Colours of films against an independent colour library.
+
+use crate::reference::Layered;
+use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
+use goniochrome::interface::Model;
+use goniochrome::lanes::{F64, Lanes};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+struct Colours {
+    cases: Vec<ColourCase>,
+}
+
+#[derive(Deserialize)]
+#[allow(non_snake_case)]
+struct ColourCase {
+    name: String,
+    XYZ_E: [f64; 3],
+    XYZ_D65: [f64; 3],
+    paper_rgb_E: [f64; 3],
+    linear_srgb_D65: [f64; 3],
+}
+
+fn grid(step_nm: f64) -> Vec<f64> {
+    let count = (400.0 / step_nm).round() as u32;
+    (0..=count).map(|i| 380.0 + f64::from(i) * step_nm).collect()
+}
+
+/// Unpolarised reflectance of a free-standing film in air.
+fn film(n: f64, thickness_nm: f64, theta_deg: f64, wavelengths: &[f64]) -> Vec<f64> {
+    let stack = Layered { eta: [1.0, n, 1.0].map(Complex64::from).to_vec(), thickness_nm: vec![thickness_nm] };
+    wavelengths
+        .chunks(F64::WIDTH)
+        .flat_map(|group| {
+            let r = stack.with_optics::<F64, _>(theta_deg, group, Model::Physical, |optics| {
+                optics.reflectance(optics.reflection())
+            });
+            (0..group.len()).map(move |lane| 0.5 * (Lanes::lane(r.s, lane) + Lanes::lane(r.p, lane)))
+        })
+        .collect()
+}
+
+fn spectrum(case: &str, wavelengths: &[f64]) -> Vec<f64> {
+    match case {
+        "film-2.4-300nm-0deg" => film(2.4, 300.0, 0.0, wavelengths),
+        "film-2.4-300nm-60deg" => film(2.4, 300.0, 60.0, wavelengths),
+        "film-2.4-3000nm-0deg" => film(2.4, 3000.0, 0.0, wavelengths),
+        "soap-1.33-420nm-30deg" => film(1.33, 420.0, 30.0, wavelengths),
+        "flat-0.5" => vec![0.5; wavelengths.len()],
+        other => panic!("no spectrum for {other}"),
+    }
+}
+
+fn holds(step_nm: f64, tolerance: f64) {
+    let cases = serde_json::from_str::<Colours>(include_str!("data/colour.json")).expect("the reference is JSON").cases;
+    assert!(!cases.is_empty());
+    let wavelengths = grid(step_nm);
+    for case in cases {
+        let rho = spectrum(&case.name, &wavelengths);
+        let mut worst: f64 = 0.0;
+        for (illuminant, space, want_xyz, want_rgb) in [
+            (Illuminant::E, RgbSpace::Paper, case.XYZ_E, case.paper_rgb_E),
+            (Illuminant::D65, RgbSpace::Srgb, case.XYZ_D65, case.linear_srgb_D65),
+        ] {
+            let mut weights = vec![[0.0; 3]; wavelengths.len()];
+            xyz_weights(&wavelengths, illuminant, Quadrature::Interpolated, &mut weights).expect("a good grid");
+            let got = xyz(&weights, rho.iter().copied());
+            let rgb = space.from_xyz(got);
+            for (a, b) in got.into_iter().chain(rgb).zip(want_xyz.into_iter().chain(want_rgb)) {
+                worst = worst.max((a - b).abs());
+            }
+        }
+        println!("{:24} step {step_nm} nm: {worst:.1e}", case.name);
+        assert!(worst <= tolerance, "{} at {step_nm} nm: {worst:e}", case.name);
+    }
+}
+
+#[test]
+fn at_one_nanometre() {
+    holds(1.0, 1e-4);
+}
+
+#[test]
+fn at_the_default_grid_of_81_samples() {
+    holds(5.0, 5e-3);
+}
