@@ -1,9 +1,8 @@
 //! Colours of films against an independent colour library.
 
-use crate::reference::Layered;
+use crate::reference::{Layered, reflectance, visible};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use goniochrome::interface::Model;
-use goniochrome::lanes::{F64, Lanes};
 use num_complex::Complex64;
 use serde::Deserialize;
 
@@ -22,23 +21,10 @@ struct ColourCase {
     linear_srgb_D65: [f64; 3],
 }
 
-fn grid(step_nm: f64) -> Vec<f64> {
-    let count = (400.0 / step_nm).round() as u32;
-    (0..=count).map(|i| 380.0 + f64::from(i) * step_nm).collect()
-}
-
 /// Unpolarised reflectance of a free-standing film in air.
 fn film(n: f64, thickness_nm: f64, theta_deg: f64, wavelengths: &[f64]) -> Vec<f64> {
     let stack = Layered { eta: [1.0, n, 1.0].map(Complex64::from).to_vec(), thickness_nm: vec![thickness_nm] };
-    wavelengths
-        .chunks(F64::WIDTH)
-        .flat_map(|group| {
-            let r = stack.with_optics::<F64, _>(theta_deg, group, Model::Physical, |optics| {
-                optics.reflectance(optics.reflection())
-            });
-            (0..group.len()).map(move |lane| 0.5 * (Lanes::lane(r.s, lane) + Lanes::lane(r.p, lane)))
-        })
-        .collect()
+    reflectance(&stack, theta_deg, wavelengths, Model::Physical)
 }
 
 fn spectrum(case: &str, wavelengths: &[f64]) -> Vec<f64> {
@@ -55,7 +41,7 @@ fn spectrum(case: &str, wavelengths: &[f64]) -> Vec<f64> {
 fn holds(step_nm: f64, tolerance: f64) {
     let cases = serde_json::from_str::<Colours>(include_str!("data/colour.json")).expect("the reference is JSON").cases;
     assert!(!cases.is_empty());
-    let wavelengths = grid(step_nm);
+    let wavelengths = visible(step_nm);
     for case in cases {
         let rho = spectrum(&case.name, &wavelengths);
         let mut worst: f64 = 0.0;

@@ -1,5 +1,9 @@
 //! The one integration binary: physics against independent references, the command line, the shape of the source.
 
+mod allocation;
 mod colour;
+mod flow;
+mod growth;
+mod paper;
 mod planar;
 mod reference;

@@ -2,7 +2,7 @@
 
 use goniochrome::complex::ComplexLanes;
 use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::Lanes;
+use goniochrome::lanes::{F64, Lanes};
 use goniochrome::medium::{MediaLanes, Medium, MediumIndex};
 use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
 use num_complex::Complex64;
@@ -40,9 +40,9 @@ pub fn planar() -> Vec<PlanarCase> {
 
 /// A planar stack of constant indices.
 pub struct Layered {
-    /// Ambient first, substrate last.
+    /// Ambient first, then each layer, then the substrate; without it the stack stands on a perfect mirror.
     pub eta: Vec<Complex64>,
-    /// Of the layers between them.
+    /// Of the layers.
     pub thickness_nm: Vec<f64>,
 }
 
@@ -82,14 +82,30 @@ impl Layered {
         let lanes =
             MediaLanes::<V>::evaluate(&media, wavelengths_nm, &mut eta).expect("constant media hold everywhere");
 
-        let layers = index[1..index.len() - 1]
-            .iter()
-            .zip(&self.thickness_nm)
-            .map(|(&medium, &thickness_nm)| Film { medium, thickness_nm });
+        let layers =
+            index[1..].iter().zip(&self.thickness_nm).map(|(&medium, &thickness_nm)| Film { medium, thickness_nm });
+        let substrate = index.get(1 + self.thickness_nm.len()).map_or(Below::Mirror, |&medium| Below::Medium(medium));
         let mut arrays = StackArrays::<MOST_PLANES>::new();
-        let stack = Stack::new(index[0], layers, Below::Medium(index[index.len() - 1]), arrays.memory())
-            .expect("the stack fits");
+        let stack = Stack::new(index[0], layers, substrate, arrays.memory()).expect("the stack fits");
         let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
         f(&Optics::new(stack, &lanes, theta_deg.to_radians().sin(), model, memory.memory()))
     }
+}
+
+/// Unpolarised reflectance of a stack in closed form.
+pub fn reflectance(stack: &Layered, theta_deg: f64, wavelengths: &[f64], model: Model) -> Vec<f64> {
+    wavelengths
+        .chunks(F64::WIDTH)
+        .flat_map(|group| {
+            let r =
+                stack.with_optics::<F64, _>(theta_deg, group, model, |optics| optics.reflectance(optics.reflection()));
+            (0..group.len()).map(move |lane| 0.5 * (Lanes::lane(r.s, lane) + Lanes::lane(r.p, lane)))
+        })
+        .collect()
+}
+
+/// 380 to 780 nm.
+pub fn visible(step_nm: f64) -> Vec<f64> {
+    let count = (400.0 / step_nm).round() as u32;
+    (0..=count).map(|i| 380.0 + f64::from(i) * step_nm).collect()
 }

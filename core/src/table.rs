@@ -1,0 +1,142 @@
+//! BRDF tables over borrowed memory: layout, checks, look-up.
+//!
+//! A mirror-like surface reflects into one direction only, so its BRDF is f(wi, wo) = ρ(θ) δ(wo − mirror(wi)) / cos θ and
+//! its table is ρ(θ) for each channel: "2D" in the paper, angle × wavelength (section 3.1).
+
+use core::f64::consts::FRAC_PI_2;
+
+/// Why a table was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TableError {
+    /// Fewer than two rows, no channels, or a slice that is not rows × channels long.
+    Shape,
+    /// The largest angle is not in (0, π/2].
+    ThetaMax,
+    /// A value that is NaN or infinite.
+    NotFinite {
+        /// Place in the slice.
+        index: usize,
+    },
+}
+
+impl core::fmt::Display for TableError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::Shape => {
+                write!(f, "a table needs at least two angles, one channel, and as many values as both together")
+            }
+            Self::ThetaMax => write!(f, "the largest angle must lie in (0, 90] degrees"),
+            Self::NotFinite { index } => write!(f, "value {index} is not finite"),
+        }
+    }
+}
+
+impl core::error::Error for TableError {}
+
+/// ρ(θ) of a mirror-like surface: rows uniform in θ from 0 to `theta_max`, ends included; linear between rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MirrorTable<'a> {
+    values: &'a [f32],
+    channels: usize,
+    rows_per_radian: f32,
+}
+
+impl<'a> MirrorTable<'a> {
+    /// Checks a table: `values[row * channels + channel]`, `theta_max` in radians.
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn new(values: &'a [f32], channels: usize, theta_max: f64) -> Result<Self, TableError> {
+        if channels == 0 || !values.len().is_multiple_of(channels) || values.len() / channels < 2 {
+            return Err(TableError::Shape);
+        }
+        if !(theta_max > 0.0 && theta_max <= FRAC_PI_2) {
+            return Err(TableError::ThetaMax);
+        }
+        if let Some(index) = values.iter().position(|x| !x.is_finite()) {
+            return Err(TableError::NotFinite { index });
+        }
+        let intervals = (values.len() / channels - 1) as f64;
+        Ok(Self { values, channels, rows_per_radian: (intervals / theta_max) as f32 })
+    }
+
+    /// Number of angles.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.values.len() / self.channels
+    }
+
+    /// Channels of one angle.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// The row before θ and how far θ lies towards the next, in [0, 1]. θ beyond the table, or NaN, is held at its ends.
+    #[inline]
+    fn place(&self, theta: f32) -> (usize, f32) {
+        let last = self.rows() - 2;
+        let row = (theta * self.rows_per_radian).max(0.0);
+        let below = (row as usize).min(last);
+        (below, (row - below as f32).clamp(0.0, 1.0))
+    }
+
+    /// One channel at θ in radians.
+    ///
+    /// # Panics
+    /// If there is no such channel.
+    #[must_use]
+    pub fn channel(&self, theta: f32, channel: usize) -> f32 {
+        assert!(channel < self.channels, "the table has {} channels", self.channels);
+        let (row, w) = self.place(theta);
+        let at = |row: usize| self.values[row * self.channels + channel];
+        at(row) + w * (at(row + 1) - at(row))
+    }
+
+    /// The first three channels at θ in radians; a table of fewer repeats its last.
+    #[must_use]
+    #[inline]
+    pub fn rgb(&self, theta: f32) -> [f32; 3] {
+        let (row, w) = self.place(theta);
+        let (below, above) = self.values[row * self.channels..].split_at(self.channels);
+        let last = self.channels - 1;
+        core::array::from_fn(|c| {
+            let c = c.min(last);
+            below[c] + w * (above[c] - below[c])
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_come_back_and_the_middle_is_their_mean() {
+        let values = [0.1, 0.2, 0.3, 0.5, 0.6, 0.7];
+        let table = MirrorTable::new(&values, 3, 1.0).unwrap();
+        assert_eq!(table.rgb(0.0), [0.1, 0.2, 0.3]);
+        let middle = table.rgb(0.5);
+        for (c, got) in middle.into_iter().enumerate() {
+            assert!((got - 0.5 * (values[c] + values[c + 3])).abs() < f32::EPSILON);
+        }
+        assert_eq!(table.rgb(1.0), [0.5, 0.6, 0.7]);
+        assert!((table.channel(1.0, 1) - 0.6).abs() < f32::EPSILON);
+    }
+
+    #[test]
+    fn angles_beyond_the_table_are_held_at_its_ends() {
+        let table = MirrorTable::new(&[0.25, 0.75], 1, 0.5).unwrap();
+        assert_eq!(table.rgb(-1.0), [0.25; 3]);
+        assert_eq!(table.rgb(9.0), [0.75; 3]);
+        assert_eq!(table.rgb(f32::NAN), [0.25; 3]);
+    }
+
+    #[test]
+    fn bad_tables_are_refused() {
+        assert_eq!(MirrorTable::new(&[0.5; 4], 3, 1.0), Err(TableError::Shape));
+        assert_eq!(MirrorTable::new(&[0.5; 3], 3, 1.0), Err(TableError::Shape));
+        assert_eq!(MirrorTable::new(&[0.5; 4], 2, 2.0), Err(TableError::ThetaMax));
+        assert_eq!(MirrorTable::new(&[0.5, f32::NAN], 1, 1.0), Err(TableError::NotFinite { index: 1 }));
+    }
+}

@@ -1,0 +1,56 @@
+//! The direction of flow inside the core: a module uses only those to its left.
+
+use std::fs;
+use std::path::Path;
+
+const FLOW: [&str; 12] = [
+    "lanes",
+    "complex",
+    "turns",
+    "medium",
+    "interface",
+    "stack",
+    "cell",
+    "trace",
+    "coherence",
+    "layers",
+    "table",
+    "colour",
+];
+
+/// Every `crate::name` in the code of a source text; documentation may point anywhere.
+fn uses(source: &str) -> impl Iterator<Item = &str> {
+    let code = source.lines().filter(|line| !line.trim_start().starts_with("//"));
+    code.flat_map(|line| line.split("crate::").skip(1)).map(|rest| {
+        let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+        &rest[..end]
+    })
+}
+
+fn source(module: &str) -> String {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/src");
+    fs::read_to_string(folder.join(format!("{module}.rs")))
+        .or_else(|_| fs::read_to_string(folder.join(module).join("mod.rs")))
+        .expect("every module of the flow has a file")
+}
+
+#[test]
+fn modules_use_only_what_stands_to_their_left() {
+    for (place, module) in FLOW.iter().enumerate() {
+        for used in uses(&source(module)) {
+            let from = FLOW.iter().position(|m| *m == used);
+            assert!(from.is_some_and(|from| from < place), "core/src/{module}.rs uses crate::{used}");
+        }
+    }
+}
+
+#[test]
+fn the_flow_names_every_module() {
+    let lib = source("lib");
+    let mut modules: Vec<&str> =
+        lib.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
+    let mut flow = FLOW.to_vec();
+    modules.sort_unstable();
+    flow.sort_unstable();
+    assert_eq!(modules, flow);
+}
