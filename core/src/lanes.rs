@@ -52,6 +52,8 @@ pub trait Lanes:
     + Div<Output = Self>
     + Neg<Output = Self>
     + AddAssign
+    + Send
+    + Sync
     + 'static
 {
     /// Double precision lanes of equal width.
