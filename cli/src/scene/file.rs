@@ -1,0 +1,264 @@
+//! The scene file: TOML in, [`Scene`] out.
+//!
+//! ```toml
+//! name = "film"                       # these three document the scene; optional
+//! description = "one line"
+//! source = "where its dimensions come from"
+//! extrapolate = "clamp"               # beyond its data a material keeps its last value; without this it is refused
+//!
+//! [stack]                             # plane layers, top to bottom
+//! ambient = 1.0                       # a medium: a number n, a pair [n, k] or the name of a material
+//! layers = [ { material = 2.4, thickness_nm = 180.0 },
+//!            { repeat = 2, layers = [ { material = "air", thickness_nm = 180.0 } ] } ]
+//! substrate = "mirror"                # a medium, or "mirror": a perfect mirror
+//!
+//! [cell]                              # or a mesh; a scene has one of the two
+//! mesh = "bumps.obj"                  # nanometres, z up; paths start at the scene file
+//! period_nm = [20000.0, 20000.0]
+//! [interface.glass]                   # one for each `usemtl` name
+//! above = 1.0                         # the medium on the side of the facet's normal
+//! below = 1.5                         # a medium or "mirror"
+//!
+//! [materials.chitin]                  # n and k, or a file; hides a built-in material of the same name
+//! n = 1.56
+//! k = 0.06
+//! [materials.rutile]
+//! file = "TiO2-Devore-o.yml"          # in the format of refractiveindex.info
+//! extrapolate = "clamp"
+//! ```
+
+use std::path::{Path, PathBuf};
+
+use goniochrome::interface::{Below, Interface};
+use goniochrome::medium::{Extrapolate, MediumIndex};
+use toml::de::DeTable;
+
+use super::item::{Item, Table};
+use super::media::{self, Media};
+use super::medium::OwnedMedium;
+use super::obj::Mesh;
+use super::source::{Source, canonical, read_text};
+use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, nk};
+use crate::error::Result;
+
+/// After writing out repetitions. Real mirrors have hundreds; a slip in `repeat` asks for millions.
+const MAX_LAYERS: u32 = 10_000;
+
+/// `repeat` within `repeat`.
+const MAX_REPEAT_DEPTH: u32 = 16;
+
+/// Refractive index files.
+const MAX_NK_BYTES: u64 = 16 << 20;
+
+struct Reader<'a> {
+    /// Where relative paths start.
+    folder: Option<&'a Path>,
+    media: Media,
+    files: Vec<PathBuf>,
+}
+
+/// The scene in a text. `name` is used unless the text has one.
+pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) -> Result<Scene> {
+    let source = Source { label, text };
+    let document = DeTable::parse(text).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start);
+        source.refuse(offset, format_args!("not valid TOML: {}", error.message()))
+    })?;
+    let root = Table::root(source, document.get_ref());
+    root.allow(&["name", "description", "source", "extrapolate", "stack", "cell", "materials", "interface"])?;
+    for key in ["description", "source"] {
+        root.get(key).map(|item| item.text()).transpose()?;
+    }
+    let name = root.get("name").map(|item| item.text()).transpose()?.unwrap_or(name).to_owned();
+    let extrapolate = extrapolate(&root, Extrapolate::Refuse)?;
+    let mut reader = Reader { folder, media: Media::new(extrapolate), files: Vec::new() };
+    if let Some(materials) = root.get("materials") {
+        for item in materials.table("[materials]")?.entries() {
+            let medium = reader.material(&item, extrapolate)?;
+            reader.media.declare(&item, medium)?;
+        }
+    }
+    let shape = match (root.get("stack"), root.get("cell")) {
+        (Some(stack), None) => {
+            if let Some(item) = root.get("interface") {
+                return Err(item.refuse("only a [cell] has interfaces; remove it"));
+            }
+            reader.stack(&stack.table("[stack]")?)?
+        }
+        (None, Some(cell)) => reader.cell(&cell.table("[cell]")?, root.get("interface"))?,
+        (Some(_), Some(cell)) => return Err(cell.refuse("a scene has either [stack] or [cell]; remove one")),
+        (None, None) => return Err(root.refuse("neither [stack] nor [cell]; add one")),
+    };
+    let Reader { media, files, .. } = reader;
+    Ok(Scene { name, toml: text.to_owned(), media: media.finish(), shape, files })
+}
+
+fn extrapolate(table: &Table<'_>, default: Extrapolate) -> Result<Extrapolate> {
+    match table.get("extrapolate") {
+        None => Ok(default),
+        Some(item) => match item.text()? {
+            "clamp" => Ok(Extrapolate::Clamp),
+            "refuse" => Ok(Extrapolate::Refuse),
+            other => Err(item.refuse(format_args!("{other:?} is unknown; write \"clamp\" or \"refuse\""))),
+        },
+    }
+}
+
+/// A length of at least 0 nm and at most a metre.
+fn length(item: &Item<'_>) -> Result<f64> {
+    match item.number()? {
+        x if x < 0.0 => Err(item.refuse(format_args!("{x} is negative; lengths are 0 nm or more"))),
+        x if x > MAX_LENGTH_NM => Err(item.refuse(format_args!("{x} is more than {MAX_LENGTH_NM} nm, a metre"))),
+        x => Ok(x),
+    }
+}
+
+impl Reader<'_> {
+    fn path(&mut self, item: &Item<'_>) -> Result<PathBuf> {
+        let path = self.folder.unwrap_or(Path::new("")).join(item.text()?);
+        if !path.exists() {
+            return Err(item.refuse(format_args!("{}: no such file; paths start at the scene file", path.display())));
+        }
+        self.files.push(canonical(&path));
+        Ok(path)
+    }
+
+    /// `[materials.NAME]`: n and k, or a file.
+    fn material(&mut self, item: &Item<'_>, default: Extrapolate) -> Result<OwnedMedium> {
+        let table = item.table(format!("[materials.{}]", item.key()))?;
+        table.allow(&["n", "k", "file", "extrapolate", "description", "source"])?;
+        let extrapolate = extrapolate(&table, default)?;
+        match (table.get("n"), table.get("k"), table.get("file")) {
+            (Some(n), k, None) => {
+                let k_value = k.as_ref().map_or(Ok(0.0), Item::number)?;
+                media::constant(k.as_ref().unwrap_or(&n), n.number()?, k_value)
+            }
+            (None, None, Some(file)) => {
+                let path = self.path(&file)?;
+                let text = read_text(&path, MAX_NK_BYTES)?;
+                nk::parse(&Source { label: &path.to_string_lossy(), text: &text }, extrapolate)
+            }
+            (Some(_), _, Some(file)) | (None, Some(_), Some(file)) => {
+                Err(file.refuse("a material has either a file or n and k; remove one"))
+            }
+            (None, Some(k), None) => Err(k.refuse("k without n; add n")),
+            (None, None, None) => Err(table.refuse("no data; add n (and k), or file")),
+        }
+    }
+
+    fn stack(&mut self, table: &Table<'_>) -> Result<Shape> {
+        table.allow(&["ambient", "layers", "substrate"])?;
+        let ambient = self.media.resolve_ambient(&table.require("ambient", "ambient = 1.0, for air \"air\"")?)?;
+        let layers = table.get("layers").map_or(Ok(Vec::new()), |item| self.layers(&item))?;
+        let substrate = table.require("substrate", "a number, a pair [n, k], a material or \"mirror\"")?;
+        let substrate = self.media.resolve_below(&substrate)?;
+        Ok(Shape::Stack { ambient, layers, substrate })
+    }
+
+    /// A list of layers with its repetitions written out; counted first, so that nothing large is ever made.
+    fn layers(&mut self, item: &Item<'_>) -> Result<Vec<Layer>> {
+        let count = count_layers(item, 0)?;
+        if count > u64::from(MAX_LAYERS) {
+            return Err(item.refuse(format_args!("{count} layers after writing out repeat; at most {MAX_LAYERS}")));
+        }
+        self.expand(item)
+    }
+
+    fn expand(&mut self, item: &Item<'_>) -> Result<Vec<Layer>> {
+        let mut layers = Vec::new();
+        for entry in item.array()? {
+            let table = layer_table(&entry)?;
+            if let Some(repeat) = table.get("repeat") {
+                let group = self.expand(&table.require("layers", "layers = [ … ]")?)?;
+                layers.extend(group.repeat(repeat.count(MAX_LAYERS)? as usize));
+            } else {
+                let medium = self.medium(&table.require("material", "a number, a pair [n, k] or a material")?)?;
+                let thickness_nm = length(&table.require("thickness_nm", "thickness_nm = 100.0")?)?;
+                layers.push(Layer { medium, thickness_nm });
+            }
+        }
+        Ok(layers)
+    }
+
+    fn medium(&mut self, item: &Item<'_>) -> Result<MediumIndex> {
+        self.media.resolve(item)
+    }
+
+    fn cell(&mut self, table: &Table<'_>, interfaces: Option<Item<'_>>) -> Result<Shape> {
+        table.allow(&["mesh", "period_nm"])?;
+        let mesh_item = table.require("mesh", "mesh = \"file.obj\"")?;
+        let period = table.require("period_nm", "period_nm = [x, y]")?;
+        let period_nm = match period.array()?.as_slice() {
+            [x, y] => [length(x)?, length(y)?],
+            _ => return Err(period.refuse(format_args!("expected two lengths [x, y], found {}", period.found()))),
+        };
+        if period_nm.contains(&0.0) {
+            return Err(period.refuse("a period must be more than 0 nm"));
+        }
+        let missing = "a [cell] needs one [interface.NAME] for each usemtl name of its mesh; add them";
+        let entries = interfaces.ok_or_else(|| table.refuse(missing))?.table("[interface]")?.entries();
+        let interfaces = entries.map(|item| self.interface(&item)).collect::<Result<Vec<_>>>()?;
+        if interfaces.len() > usize::from(u16::MAX) {
+            return Err(table.refuse(format_args!("{} interfaces; at most {}", interfaces.len(), u16::MAX)));
+        }
+        let names: Vec<&str> = interfaces.iter().map(|interface| interface.name.as_str()).collect();
+        let mesh = Mesh::read(&self.path(&mesh_item)?, &names)?;
+        Ok(Shape::Cell { mesh, period_nm, interfaces })
+    }
+
+    fn interface(&mut self, item: &Item<'_>) -> Result<NamedInterface> {
+        let table = item.table(format!("[interface.{}]", item.key()))?;
+        table.allow(&["above", "below", "coating"])?;
+        let above = table.require("above", "the medium on the side of the facet's normal")?;
+        let above = self.medium(&above)?;
+        let below = table.require("below", "the medium behind the facet, or \"mirror\"")?;
+        let below: Below = self.media.resolve_below(&below)?;
+        let coating = match table.get("coating") {
+            None => Vec::new(),
+            Some(item) => match self.layers(&item)? {
+                films if films.is_empty() => films,
+                _ => return Err(item.refuse("coatings are not supported yet; model the films as planes of the mesh")),
+            },
+        };
+        Ok(NamedInterface { name: item.key().to_owned(), interface: Interface { above, below }, coating })
+    }
+}
+
+/// A layer, or a repeated group of layers.
+fn layer_table<'a>(entry: &Item<'a>) -> Result<Table<'a>> {
+    let table = entry.table("layer")?;
+    table.allow(&["material", "thickness_nm", "repeat", "layers"])?;
+    let group = ["repeat", "layers"].iter().any(|key| table.get(key).is_some());
+    let single = ["material", "thickness_nm"].iter().any(|key| table.get(key).is_some());
+    match (group, single) {
+        (true, true) => Err(table.refuse("either material and thickness_nm, or repeat and layers; not both")),
+        (true, false) => table.require("repeat", "repeat = 10").map(|_| table.clone()),
+        _ => Ok(table),
+    }
+}
+
+/// How many layers a list has when written out.
+fn count_layers(item: &Item<'_>, depth: u32) -> Result<u64> {
+    if depth > MAX_REPEAT_DEPTH {
+        return Err(item.refuse(format_args!("repeat within repeat, more than {MAX_REPEAT_DEPTH} deep")));
+    }
+    let mut count = 0u64;
+    for entry in item.array()? {
+        let table = layer_table(&entry)?;
+        let here = match table.get("repeat") {
+            None => Some(1),
+            Some(repeat) => {
+                let group = count_layers(&table.require("layers", "layers = [ … ]")?, depth + 1)?;
+                group.checked_mul(u64::from(repeat.count(MAX_LAYERS)?))
+            }
+        };
+        let total = here.and_then(|here| count.checked_add(here));
+        count =
+            total.ok_or_else(|| item.refuse(format_args!("more than {} layers; at most {MAX_LAYERS}", u64::MAX)))?;
+    }
+    Ok(count)
+}
+
+#[cfg(test)]
+#[path = "file_tests.rs"]
+mod tests;

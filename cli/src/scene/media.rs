@@ -1,0 +1,141 @@
+//! The media of a scene: declared ones, built-in ones and plain numbers, each listed once.
+
+use std::collections::HashMap;
+
+use goniochrome::interface::Below;
+use goniochrome::medium::{Extrapolate, MediumIndex};
+
+use super::item::Item;
+use super::medium::OwnedMedium;
+use super::nk::MAX_INDEX;
+use super::source::nearest;
+use super::{NamedMedium, builtin};
+use crate::error::Result;
+
+/// Stands for a perfect mirror where something may lie below.
+pub(super) const MIRROR: &str = "mirror";
+
+/// Collects the media that a scene uses.
+pub(super) struct Media {
+    /// What the scene does with wavelengths beyond the data of its built-in materials.
+    extrapolate: Extrapolate,
+    /// `[materials.X]`, by lower-case name.
+    declared: HashMap<String, NamedMedium>,
+    /// Where in `list` a material or a number stands; names in lower case, numbers by their bits.
+    seen: HashMap<Key, MediumIndex>,
+    list: Vec<NamedMedium>,
+}
+
+#[derive(PartialEq, Eq, Hash)]
+enum Key {
+    Name(String),
+    Number(u64, u64),
+}
+
+impl Media {
+    pub fn new(extrapolate: Extrapolate) -> Self {
+        Self { extrapolate, declared: HashMap::new(), seen: HashMap::new(), list: Vec::new() }
+    }
+
+    /// Adds `[materials.NAME]`, which hides a built-in material of that name.
+    pub fn declare(&mut self, item: &Item<'_>, medium: OwnedMedium) -> Result<()> {
+        let name = item.key();
+        if name.eq_ignore_ascii_case(MIRROR) {
+            return Err(item.refuse("this name stands for a perfect mirror; choose another"));
+        }
+        let medium = NamedMedium { name: name.to_owned(), medium };
+        match self.declared.insert(name.to_lowercase(), medium) {
+            None => Ok(()),
+            Some(other) => Err(item.refuse(format_args!(
+                "[materials.{}] has the same name but for upper and lower case; rename one",
+                other.name
+            ))),
+        }
+    }
+
+    /// The medium that a value names: a number n, a pair [n, k], or the name of a material.
+    pub fn resolve(&mut self, item: &Item<'_>) -> Result<MediumIndex> {
+        let forms = "a number, a pair [n, k] or the name of a material";
+        let (key, name, make): (Key, String, OwnedMedium);
+        if let Some(text) = item.as_text() {
+            key = Key::Name(text.to_lowercase());
+            if let Some(&index) = self.seen.get(&key) {
+                return Ok(index);
+            }
+            NamedMedium { name, medium: make } = self.find(item, text)?;
+        } else {
+            let (n, k) = match item.as_array().as_deref() {
+                Some([n, k]) => (n.number()?, k.number()?),
+                None if item.is_number() => (item.number()?, 0.0),
+                _ => return Err(item.refuse(format_args!("expected {forms}, found {}", item.found()))),
+            };
+            make = constant(item, n, k)?;
+            key = Key::Number(n.to_bits(), k.to_bits());
+            if let Some(&index) = self.seen.get(&key) {
+                return Ok(index);
+            }
+            name = if k == 0.0 { n.to_string() } else { format!("{n}+{k}i") };
+        }
+        let index = self.add(item, name, make)?;
+        self.seen.insert(key, index);
+        Ok(index)
+    }
+
+    /// What lies below: a medium, or a perfect mirror.
+    pub fn resolve_below(&mut self, item: &Item<'_>) -> Result<Below> {
+        match item.as_text() {
+            Some(text) if text.eq_ignore_ascii_case(MIRROR) => Ok(Below::Mirror),
+            _ => self.resolve(item).map(Below::Medium),
+        }
+    }
+
+    /// The medium in which light arrives; it must not absorb, for then a wave from far away never arrives.
+    pub fn resolve_ambient(&mut self, item: &Item<'_>) -> Result<MediumIndex> {
+        let index = self.resolve(item)?;
+        if self.list[usize::from(index)].medium.always_absorbs() {
+            return Err(item.refuse("light cannot arrive through a medium that absorbs; use k = 0"));
+        }
+        Ok(index)
+    }
+
+    pub fn finish(self) -> Vec<NamedMedium> {
+        self.list
+    }
+
+    fn find(&self, item: &Item<'_>, name: &str) -> Result<NamedMedium> {
+        if name.eq_ignore_ascii_case(MIRROR) {
+            return Err(item.refuse("a perfect mirror can only be a substrate or lie below an interface"));
+        }
+        if let Some(found) = self.declared.get(&name.to_lowercase()) {
+            return Ok(found.clone());
+        }
+        if let Some(found) = builtin::get(name, self.extrapolate) {
+            return found;
+        }
+        let known = self
+            .declared
+            .values()
+            .map(|medium| medium.name.as_str())
+            .chain(builtin::names().map(|name| -> &str { name }));
+        let nearest = nearest(name, known).unwrap_or_default();
+        Err(item
+            .refuse(format_args!("unknown material {name:?}; nearest is {nearest:?}, or declare [materials.{name}]")))
+    }
+
+    /// The same η under two names (1.0 and "vacuum" apart) is one medium: facets compare media by number.
+    fn add(&mut self, item: &Item<'_>, name: String, medium: OwnedMedium) -> Result<MediumIndex> {
+        let index = self.list.iter().position(|known| known.medium == medium).unwrap_or_else(|| {
+            self.list.push(NamedMedium { name, medium });
+            self.list.len() - 1
+        });
+        MediumIndex::try_from(index).map_err(|_| item.refuse(format_args!("more than {} media", MediumIndex::MAX)))
+    }
+}
+
+/// A constant medium, refused at `item` unless n > 0 and k ≥ 0.
+pub(super) fn constant(item: &Item<'_>, n: f64, k: f64) -> Result<OwnedMedium> {
+    if n.max(k) > MAX_INDEX {
+        return Err(item.refuse(format_args!("n = {n}, k = {k}: more than {MAX_INDEX}")));
+    }
+    OwnedMedium::constant(n, k).map_err(|error| item.refuse(error))
+}

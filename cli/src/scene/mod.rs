@@ -1,0 +1,172 @@
+//! Scenes: what stands in a scene file, an OBJ mesh and refractive index files, as plain data.
+
+mod builtin;
+mod file;
+mod item;
+mod media;
+mod medium;
+mod nk;
+mod obj;
+mod planes;
+pub mod presets;
+mod source;
+mod yaml;
+
+use std::path::{Path, PathBuf};
+
+use goniochrome::interface::{Below, Interface};
+use goniochrome::medium::MediumIndex;
+
+use crate::error::{Error, Result};
+
+pub use builtin::names as material_names;
+pub use medium::{OwnedDispersion, OwnedMedium};
+pub use obj::{Mesh, Triangle};
+pub use planes::{Plane, planes};
+
+/// Scene files are written by hand or by a script; 4 MiB hold some 50 000 layers.
+const MAX_SCENE_BYTES: u64 = 4 << 20;
+
+/// A metre: no film is thicker, and its phase still has ten digits.
+const MAX_LENGTH_NM: f64 = 1e9;
+
+/// A scene: media, and the surface that they form.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The scene's own name, else that of the preset or file.
+    pub name: String,
+    /// The scene file as read, for the metadata of what is made from it.
+    pub toml: String,
+    /// Every medium in use, each once; a [`MediumIndex`] counts in this list.
+    pub media: Vec<NamedMedium>,
+    /// What lies where.
+    pub shape: Shape,
+    /// Every file that was read, canonical, so that writing over an input can be refused.
+    pub files: Vec<PathBuf>,
+}
+
+/// A medium and what the scene calls it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedMedium {
+    /// A material's name or its numbers, `1.56+0.06i`.
+    pub name: String,
+    /// η(λ).
+    pub medium: OwnedMedium,
+}
+
+/// The two kinds of scene.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Plane layers.
+    Stack {
+        /// The medium in which light arrives.
+        ambient: MediumIndex,
+        /// From the top, repetitions written out.
+        layers: Vec<Layer>,
+        /// What lies under the last layer.
+        substrate: Below,
+    },
+    /// A polygon mesh, periodic in x and y.
+    Cell {
+        /// The facets.
+        mesh: Mesh,
+        /// The period in x and in y.
+        period_nm: [f64; 2],
+        /// What a triangle's `interface` counts.
+        interfaces: Vec<NamedInterface>,
+    },
+}
+
+/// A plane layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// What it is made of.
+    pub medium: MediumIndex,
+    /// 0 or more; a layer of no thickness is legal and does nothing.
+    pub thickness_nm: f64,
+}
+
+/// An `[interface.NAME]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedInterface {
+    /// The `usemtl` name of its facets.
+    pub name: String,
+    /// The media on its two sides.
+    pub interface: Interface,
+    /// Films on its upper side, from the top. Always empty: the reader refuses them as long as nothing traces them.
+    pub coating: Vec<Layer>,
+}
+
+/// The scene in a file, or the preset of that name. A file hides a preset of the same name.
+///
+/// # Errors
+/// One line that names the place and the remedy; a name that is neither a file nor a preset is wrong usage.
+pub fn load(name_or_path: &str) -> Result<Scene> {
+    let path = Path::new(name_or_path);
+    if path.exists() && !path.is_dir() {
+        let text = source::read_text(path, MAX_SCENE_BYTES)?;
+        let stem = path.file_stem().map_or(name_or_path.into(), |stem| stem.to_string_lossy());
+        let mut scene = file::parse(name_or_path, &text, &stem, path.parent())?;
+        scene.files.insert(0, source::canonical(path));
+        return Ok(scene);
+    }
+    if let Some((name, toml)) = presets::find(name_or_path) {
+        return file::parse(&format!("preset {name}"), toml, name, None);
+    }
+    if path.is_dir() {
+        return Err(Error::failed(format_args!("{name_or_path}: is a folder, expected a scene file")));
+    }
+    if path.extension().is_some() || path.components().count() > 1 {
+        return Err(Error::failed(format_args!("{name_or_path}: no such scene file; check the path")));
+    }
+    let nearest = source::nearest(name_or_path, presets::names()).unwrap_or_default();
+    Err(Error::usage(format_args!(
+        "no file and no preset is called {name_or_path:?}; the nearest preset is {nearest:?} (`goniochrome presets` lists all)"
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_neither_file_nor_preset_gets_a_remedy() {
+        let error = load("jewel-betle").unwrap_err();
+        assert_eq!(error.exit_code(), 2);
+        assert_eq!(
+            error.to_string(),
+            "no file and no preset is called \"jewel-betle\"; the nearest preset is \"jewel-beetle\" (`goniochrome presets` lists all)"
+        );
+        let error = load("nowhere/film.toml").unwrap_err();
+        assert_eq!(
+            (error.exit_code(), error.to_string().as_str()),
+            (1, "nowhere/film.toml: no such scene file; check the path")
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let error = load(folder.path().to_str().unwrap()).unwrap_err();
+        assert!(error.to_string().ends_with(": is a folder, expected a scene file"));
+    }
+
+    #[test]
+    fn a_file_is_read_with_what_it_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("n.yml", "DATA:\n  - type: formula 5\n    wavelength_range: 0.3 0.9\n    coefficients: 1.7\n");
+        write("square.obj", "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nusemtl top\nf 1 2 3 4\n");
+        write(
+            "film.toml",
+            "[cell]\nmesh = \"square.obj\"\nperiod_nm = [9, 9.0]\n[interface.top]\nabove = 1\nbelow = \"X\"\n[materials.x]\nfile = \"n.yml\"\n",
+        );
+        let path = folder.path().join("film.toml");
+        let scene = load(path.to_str().unwrap()).unwrap();
+        assert_eq!(scene.name, "film");
+        let root = folder.path().canonicalize().unwrap();
+        assert_eq!(scene.files, ["film.toml", "n.yml", "square.obj"].map(|name| root.join(name)));
+        let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { panic!("a cell") };
+        assert_eq!((mesh.triangles.len(), *period_nm, interfaces.len()), (2, [9.0, 9.0], 1));
+        assert_eq!(scene.media.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["1", "x"]);
+        write("n.yml", "DATA:\n  - type: tabulated nk\n    data: |\n        0.5 1.5\n");
+        let message = load(path.to_str().unwrap()).unwrap_err().to_string();
+        assert!(message.ends_with("n.yml:4: the row needs 3 numbers (wavelength, n, k) but has 2"), "{message}");
+    }
+}

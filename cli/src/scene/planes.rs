@@ -1,0 +1,238 @@
+//! Cells made of horizontal planes: the check that a mesh is such a cell, and its planes from the top.
+//!
+//! A plane covers the period exactly once if (1) its facets are oriented alike, (2) every edge that is not on the border
+//! of the period's rectangle is passed as often in one direction as in the other, and (3) their area is that of the
+//! rectangle. By (2) the number of facets over a point is the same all over the rectangle, by (3) that number is 1.
+
+use std::collections::HashMap;
+use std::fmt::Display;
+
+use goniochrome::interface::{Below, Interface};
+
+use super::obj::{Mesh, Triangle};
+use super::{NamedInterface, NamedMedium};
+use crate::error::{Error, Result};
+
+/// A horizontal plane that covers the whole period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Its height.
+    pub z_nm: f64,
+    /// The media above and below it, in the sense of z.
+    pub interface: Interface,
+}
+
+/// The planes of a cell, from the top; neighbours agree about the medium between them.
+///
+/// # Errors
+/// One line that names the first facet that is tilted or the first plane that is open, or the two planes that disagree.
+pub fn planes(
+    mesh: &Mesh,
+    period_nm: [f64; 2],
+    interfaces: &[NamedInterface],
+    media: &[NamedMedium],
+) -> Result<Vec<Plane>> {
+    let check = Check { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh) };
+    let mut sheets = check.sheets()?;
+    for sheet in &mut sheets {
+        check.orient(sheet)?;
+        check.closed(sheet)?;
+    }
+    sheets.sort_by(|a, b| b.plane.z_nm.total_cmp(&a.plane.z_nm).then(a.facets[0].line.cmp(&b.facets[0].line)));
+    for pair in sheets.windows(2) {
+        check.neighbours(&pair[0], &pair[1])?;
+    }
+    if let Some(top) = sheets.first() {
+        check.ambient(top)?;
+    }
+    Ok(sheets.into_iter().map(|sheet| sheet.plane).collect())
+}
+
+/// Modelling programs keep coordinates in single precision, so heights or corners that are meant to be equal may differ by
+/// the rounding of the largest coordinate.
+fn resolution_nm(mesh: &Mesh) -> f64 {
+    mesh.vertices.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())) * f64::from(f32::EPSILON)
+}
+
+/// The facets of one interface at one height.
+struct Sheet {
+    plane: Plane,
+    facets: Vec<Triangle>,
+}
+
+struct Check<'a> {
+    mesh: &'a Mesh,
+    period_nm: [f64; 2],
+    interfaces: &'a [NamedInterface],
+    media: &'a [NamedMedium],
+    resolution_nm: f64,
+}
+
+impl Check<'_> {
+    fn refuse(&self, line: u32, message: impl Display) -> Error {
+        Error::failed(format_args!("{}:{line}: {message}", self.mesh.path.display()))
+    }
+
+    fn corners(&self, facet: &Triangle) -> [[f64; 3]; 3] {
+        facet.vertices.map(|index| self.mesh.vertices[index as usize])
+    }
+
+    /// How messages call a sheet.
+    fn name(&self, sheet: &Sheet) -> String {
+        format!("the plane {:?} at z = {} nm", self.usemtl(sheet), sheet.plane.z_nm)
+    }
+
+    fn usemtl(&self, sheet: &Sheet) -> &str {
+        &self.interfaces[usize::from(sheet.facets[0].interface)].name
+    }
+
+    /// Facets by interface and height; refuses tilted ones.
+    fn sheets(&self) -> Result<Vec<Sheet>> {
+        let mut by_height = Vec::with_capacity(self.mesh.triangles.len());
+        for facet in &self.mesh.triangles {
+            let [a, b, c] = self.corners(facet).map(|corner| corner[2]);
+            if a.max(b).max(c) - a.min(b).min(c) > self.resolution_nm {
+                return Err(
+                    self.refuse(facet.line, "facet is tilted; this release traces cells of horizontal planes only")
+                );
+            }
+            by_height.push((a, *facet));
+        }
+        by_height
+            .sort_by(|(a, f), (b, g)| f.interface.cmp(&g.interface).then(a.total_cmp(b)).then(f.line.cmp(&g.line)));
+        let same = |a: &(f64, Triangle), b: &(f64, Triangle)| {
+            a.1.interface == b.1.interface && b.0 - a.0 <= self.resolution_nm
+        };
+        let sheet = |group: &[(f64, Triangle)]| {
+            let mut facets: Vec<Triangle> = group.iter().map(|&(_, facet)| facet).collect();
+            facets.sort_by_key(|facet| facet.line);
+            let interface = self.interfaces[usize::from(facets[0].interface)].interface;
+            Sheet { plane: Plane { z_nm: group[0].0, interface }, facets }
+        };
+        Ok(by_height.chunk_by(same).map(sheet).collect())
+    }
+
+    /// Twice the area of a facet seen from above; positive if its normal points up.
+    fn area(&self, facet: &Triangle) -> f64 {
+        let [a, b, c] = self.corners(facet);
+        (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+    }
+
+    /// Turns a plane that faces down; refuses one that faces both ways.
+    fn orient(&self, sheet: &mut Sheet) -> Result<()> {
+        let whole: f64 = sheet.facets.iter().map(|facet| self.area(facet)).sum();
+        // Slivers turn over by the rounding of their corners; they may point either way.
+        let rounding = self.resolution_nm * (self.period_nm[0] + self.period_nm[1]);
+        let turned = |facet: &&Triangle| self.area(facet) * whole.signum() < -rounding;
+        if let Some(facet) = sheet.facets.iter().find(turned) {
+            let message = format!("facet of {} faces the other way; turn its vertices around", self.name(sheet));
+            return Err(self.refuse(facet.line, message));
+        }
+        if whole < 0.0 {
+            let Interface { above, below } = sheet.plane.interface;
+            let Below::Medium(below) = below else {
+                let message = format!("{} faces down, with its mirror on top; turn its faces around", self.name(sheet));
+                return Err(self.refuse(sheet.facets[0].line, message));
+            };
+            sheet.plane.interface = Interface { above: below, below: Below::Medium(above) };
+        }
+        Ok(())
+    }
+
+    /// Refuses a plane that does not cover the period exactly once.
+    fn closed(&self, sheet: &Sheet) -> Result<()> {
+        let corners = || sheet.facets.iter().flat_map(|facet| self.corners(facet));
+        let first_line = sheet.facets[0].line;
+        let mut border = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for corner in corners() {
+            for (axis, [low, high]) in border.iter_mut().enumerate() {
+                *low = low.min(corner[axis]);
+                *high = high.max(corner[axis]);
+            }
+        }
+        // Both ends of a span are rounded.
+        let tolerance = 2.0 * self.resolution_nm;
+        let [width, depth] = border.map(|[low, high]| high - low);
+        let [x, y] = self.period_nm;
+        if (width - x).abs() > tolerance || (depth - y).abs() > tolerance {
+            let message = format!("{} spans {width} by {depth} nm but the period is {x} by {y} nm", self.name(sheet));
+            return Err(self.refuse(first_line, message));
+        }
+        if let Some((line, [a, b])) = self.open_edge(sheet, border, tolerance) {
+            let message = format!(
+                "{} is not closed: the edge from ({}, {}) to ({}, {}) has no partner; fill the hole or share the edge",
+                self.name(sheet),
+                a[0],
+                a[1],
+                b[0],
+                b[1]
+            );
+            return Err(self.refuse(line, message));
+        }
+        // A whole number but for rounding, see the top of this file.
+        let times = (sheet.facets.iter().map(|facet| self.area(facet)).sum::<f64>() / (2.0 * x * y)).abs().round();
+        if (times - 1.0).abs() > 0.5 {
+            let message = format!("{} covers the period {times} times; remove the copies", self.name(sheet));
+            return Err(self.refuse(first_line, message));
+        }
+        Ok(())
+    }
+
+    /// The first edge inside the border that is not passed equally often in both directions.
+    fn open_edge(&self, sheet: &Sheet, border: [[f64; 2]; 2], tolerance: f64) -> Option<(u32, [[f64; 2]; 2])> {
+        // Vertices are compared by place, not by number: many programs write a vertex once for each face.
+        let bits = |p: [f64; 2]| p.map(|x| (x + 0.0).to_bits());
+        let mut passes = HashMap::new();
+        for facet in &sheet.facets {
+            let [a, b, c] = self.corners(facet).map(|corner| [corner[0], corner[1]]);
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let (key, step) =
+                    if bits(from) < bits(to) { ((bits(from), bits(to)), 1) } else { ((bits(to), bits(from)), -1) };
+                let entry = passes.entry(key).or_insert((0i32, facet.line, [from, to]));
+                entry.0 += if bits(from) == bits(to) { 0 } else { step };
+            }
+        }
+        let on_border = |ends: &[[f64; 2]; 2]| {
+            let near = |axis: usize, at: f64| ends.iter().all(|end| (end[axis] - at).abs() <= tolerance);
+            (0..2).any(|axis| border[axis].iter().any(|&at| near(axis, at)))
+        };
+        let open = passes.into_values().filter(|(net, _, ends)| *net != 0 && !on_border(ends));
+        let open = open.map(|(_, line, ends)| (line, ends));
+        open.min_by(|(a, p), (b, q)| a.cmp(b).then(bits(p[0]).cmp(&bits(q[0]))).then(bits(p[1]).cmp(&bits(q[1]))))
+    }
+
+    fn neighbours(&self, upper: &Sheet, lower: &Sheet) -> Result<()> {
+        let line = lower.facets[0].line;
+        if upper.plane.z_nm - lower.plane.z_nm <= self.resolution_nm {
+            let message = format!("{} and {} coincide; move or remove one", self.name(upper), self.name(lower));
+            return Err(self.refuse(line, message));
+        }
+        let Below::Medium(below) = upper.plane.interface.below else {
+            let message = format!("{} lies below the mirror {}; remove it", self.name(lower), self.name(upper));
+            return Err(self.refuse(line, message));
+        };
+        let above = lower.plane.interface.above;
+        if below != above {
+            let medium = |index: u16| &self.media[usize::from(index)].name;
+            let (upper, lower) = (self.name(upper), self.name(lower));
+            let (below, above) = (medium(below), medium(above));
+            let message = format!("{lower} has {above:?} above it but {upper} has {below:?} below it; make them equal");
+            return Err(self.refuse(line, message));
+        }
+        Ok(())
+    }
+
+    fn ambient(&self, top: &Sheet) -> Result<()> {
+        let medium = &self.media[usize::from(top.plane.interface.above)];
+        if medium.medium.always_absorbs() {
+            let (top_name, medium) = (self.name(top), &medium.name);
+            let message = format!("light cannot arrive at {top_name} through {medium:?}, which absorbs; use k = 0");
+            return Err(self.refuse(top.facets[0].line, message));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[path = "planes_tests.rs"]
+mod tests;

@@ -1,0 +1,126 @@
+use super::*;
+use crate::scene::{Scene, Shape};
+
+/// A cell of period 4 × 2 with the given faces; interfaces: top (air over film), film (film over glass), base (film over a
+/// mirror), odd (glass over air), dark (absorber over air).
+fn scene(obj: &str) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.obj"), obj).unwrap();
+    let interface =
+        |name: &str, above: &str, below: &str| format!("[interface.{name}]\nabove = {above}\nbelow = {below}\n");
+    let toml = [
+        "[cell]\nmesh = \"m.obj\"\nperiod_nm = [4, 2]\n".to_owned(),
+        interface("top", "1.0", "1.6"),
+        interface("film", "1.6", "1.5"),
+        interface("base", "1.6", "\"mirror\""),
+        interface("odd", "1.5", "1.0"),
+        interface("dark", "[1.5, 0.1]", "1.0"),
+    ];
+    let path = folder.path().join("s.toml");
+    std::fs::write(&path, toml.concat()).unwrap();
+    crate::scene::load(path.to_str().unwrap()).unwrap()
+}
+
+fn of(obj: &str) -> Result<Vec<Plane>> {
+    let scene = scene(obj);
+    let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { panic!("a cell") };
+    planes(mesh, *period_nm, interfaces, &scene.media)
+}
+
+/// The message without the folder of the mesh.
+fn refusal(obj: &str) -> String {
+    let message = of(obj).unwrap_err().to_string();
+    message[message.find("m.obj").unwrap()..].to_owned()
+}
+
+/// Four vertices at a height, then a quadrilateral that faces up; six lines.
+fn square(usemtl: &str, z: f64) -> String {
+    format!("v 0 0 {z}\nv 4 0 {z}\nv 4 2 {z}\nv 0 2 {z}\nusemtl {usemtl}\nf -4 -3 -2 -1\n")
+}
+
+/// Two such squares that share no vertices, each half the period.
+fn halves(z: [f64; 2]) -> String {
+    let half = |x: f64, z: f64| {
+        let to = x + 2.0;
+        format!("v {x} 0 {z}\nv {to} 0 {z}\nv {to} 2 {z}\nv {x} 2 {z}\nusemtl top\nf -4 -3 -2 -1\n")
+    };
+    half(0.0, z[0]) + &half(2.0, z[1])
+}
+
+#[test]
+fn planes_come_from_the_top_whatever_their_order_and_orientation() {
+    let film = square("film", -100.0).replace("-4 -3 -2 -1", "-1 -2 -3 -4");
+    // The film's faces look down: above and below change places, so it must be declared the other way round.
+    let swapped = film.replace("film", "odd");
+    let planes = of(&(square("top", 50.0) + &square("base", -100.0))).unwrap();
+    assert_eq!(planes.iter().map(|plane| plane.z_nm).collect::<Vec<_>>(), [50.0, -100.0]);
+    assert_eq!(planes[0].interface.below, Below::Medium(planes[1].interface.above));
+    assert_eq!(planes[1].interface.below, Below::Mirror);
+    let down = of(&swapped).unwrap();
+    let up = of(&square("odd", -100.0)).unwrap();
+    assert_eq!(Below::Medium(down[0].interface.above), up[0].interface.below);
+    assert_eq!(down[0].interface.below, Below::Medium(up[0].interface.above));
+    assert_eq!(of(&(square("base", -100.0) + &square("top", 50.0))).unwrap(), planes);
+}
+
+#[test]
+fn facets_may_share_vertices_or_repeat_them() {
+    assert_eq!(of(&halves([7.0, 7.0])).unwrap().len(), 1);
+    let rounding = 7.0 + 2.0 * f64::from(f32::EPSILON);
+    assert_eq!(of(&halves([7.0, rounding])).unwrap().len(), 1);
+    let offset = square("top", 0.0).replace("v 4", "v 2").replace("v 0", "v -2");
+    assert_eq!(of(&offset).unwrap().len(), 1);
+}
+
+#[test]
+fn tilted_facets_are_refused() {
+    let tilted = square("top", 3.0).replace("v 4 2 3", "v 4 2 3.1");
+    assert_eq!(refusal(&tilted), "m.obj:6: facet is tilted; this release traces cells of horizontal planes only");
+}
+
+#[test]
+fn planes_that_do_not_cover_the_period_once_are_refused() {
+    assert_eq!(
+        refusal(&halves([7.0, 8.0])),
+        "m.obj:6: the plane \"top\" at z = 7 nm spans 2 by 2 nm but the period is 4 by 2 nm"
+    );
+    let hole = "v 2 1 0\n".to_owned() + &square("top", 0.0).replace("f -4 -3 -2 -1", "f 1 2 3\nf 1 3 4\nf 1 4 5");
+    assert_eq!(
+        refusal(&hole),
+        "m.obj:7: the plane \"top\" at z = 0 nm is not closed: the edge from (2, 1) to (0, 0) has no partner; fill the hole or share the edge"
+    );
+    let fan = hole + "f 1 5 2\n";
+    assert_eq!(of(&fan).unwrap().len(), 1);
+    let twice = square("top", 0.0) + "f 1 2 3 4\n";
+    assert_eq!(refusal(&twice), "m.obj:6: the plane \"top\" at z = 0 nm covers the period 2 times; remove the copies");
+    let turned = halves([0.0, 0.0]) + "f 1 4 3 2\nf 1 2 3 4\n";
+    assert_eq!(
+        refusal(&turned),
+        "m.obj:13: facet of the plane \"top\" at z = 0 nm faces the other way; turn its vertices around"
+    );
+}
+
+#[test]
+fn planes_that_disagree_are_refused() {
+    assert_eq!(
+        refusal(&(square("top", 5.0) + &square("odd", 0.0))),
+        "m.obj:12: the plane \"odd\" at z = 0 nm has \"1.5\" above it but the plane \"top\" at z = 5 nm has \"1.6\" below it; make them equal"
+    );
+    assert_eq!(
+        refusal(&(square("top", 5.0) + &square("film", 5.0))),
+        "m.obj:12: the plane \"top\" at z = 5 nm and the plane \"film\" at z = 5 nm coincide; move or remove one"
+    );
+    assert_eq!(
+        refusal(&(square("base", 5.0) + &square("film", 0.0))),
+        "m.obj:12: the plane \"film\" at z = 0 nm lies below the mirror the plane \"base\" at z = 5 nm; remove it"
+    );
+    let mirror = square("base", 5.0).replace("-4 -3 -2 -1", "-1 -2 -3 -4");
+    assert_eq!(
+        refusal(&mirror),
+        "m.obj:6: the plane \"base\" at z = 5 nm faces down, with its mirror on top; turn its faces around"
+    );
+    assert_eq!(
+        refusal(&square("dark", 5.0)),
+        "m.obj:6: light cannot arrive at the plane \"dark\" at z = 5 nm through \"1.5+0.1i\", which absorbs; use k = 0"
+    );
+}
