@@ -1,3 +1,6 @@
 //! Library behind the `goniochrome` command: scenes, estimation with threads, files and pictures.
 
 pub mod error;
+pub mod output;
+pub mod table;
+pub mod table_file;
