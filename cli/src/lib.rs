@@ -2,5 +2,6 @@
 
 pub mod error;
 pub mod output;
+pub mod picture;
 pub mod table;
 pub mod table_file;

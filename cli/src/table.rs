@@ -144,6 +144,8 @@ pub(crate) mod tests {
         assert!(refusal(|t| t.theta_deg = vec![0.0; MAX_ANGLES + 1]).contains("are too many"));
     }
 
+    // Powers of two are exact.
+    #[allow(clippy::float_cmp)]
     #[test]
     fn colours_are_interpolated_between_angles_and_held_beyond_them() {
         let table = MirrorTable {
