@@ -1,4 +1,19 @@
 //! Library behind the `goniochrome` command: scenes, estimation with threads, files and pictures.
 
+pub mod args;
+pub mod colours;
+pub mod commands;
+pub mod comparison;
 pub mod error;
+pub mod estimate;
+pub mod grid;
+pub mod html;
+pub mod output;
+pub mod parallel;
+pub mod picture;
+pub mod planar;
+pub mod progress;
+pub mod sampling;
 pub mod scene;
+pub mod table;
+pub mod table_file;

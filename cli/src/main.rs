@@ -1,2 +1,32 @@
-//! The `goniochrome` command.
-fn main() {}
+//! The `goniochrome` command: parse, call, exit code.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use goniochrome_cli::args::CommandLine;
+use goniochrome_cli::commands;
+use goniochrome_cli::error::Error;
+
+fn main() -> ExitCode {
+    let result = match CommandLine::try_parse() {
+        Ok(line) => commands::run(&line.command),
+        // Help and version are not errors; the rest is told in one line, like all else.
+        Err(error) if !error.use_stderr() => return if error.print().is_ok() { 0 } else { 1 }.into(),
+        Err(error) => Err(usage(&error.to_string())),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("goniochrome: {error}");
+            error.exit_code().into()
+        }
+    }
+}
+
+/// The first paragraph of clap's message, and its hint where it has one.
+fn usage(message: &str) -> Error {
+    let message = message.strip_prefix("error: ").unwrap_or(message);
+    let said: Vec<&str> =
+        message.split("\n\n").take_while(|part| !part.starts_with("Usage:") && !part.starts_with("For more")).collect();
+    Error::usage(format_args!("{} (goniochrome --help tells more)", said.join("; ")))
+}

@@ -172,7 +172,7 @@ impl<V: Lanes> Neg for ComplexLanes<V> {
 }
 
 /// A quantity for each of the two polarisations: s across the plane of incidence, p in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polarised<T> {
     /// Perpendicular to the plane of incidence.
     pub s: T,

@@ -1,0 +1,318 @@
+//! The command line.
+
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use goniochrome::colour::{Illuminant, RgbSpace};
+use goniochrome::interface::Model;
+use goniochrome::lanes::simd_level;
+
+use crate::estimate::{Method, Precision, Request};
+use crate::grid::{Angles, Wavelengths};
+use crate::parallel;
+
+/// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
+#[derive(Debug, Parser)]
+#[command(name = "goniochrome", version = version(), max_term_width = 100)]
+pub struct CommandLine {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Version and the instruction set that was compiled in.
+fn version() -> &'static str {
+    static VERSION: OnceLock<String> = OnceLock::new();
+    VERSION.get_or_init(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), simd_level()))
+}
+
+/// The commands; SCENE is a scene file or the name of a preset.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List the built-in scenes, or print one as TOML
+    Presets {
+        /// The scene to print
+        name: Option<String>,
+    },
+    /// Reflectance and transmittance at angles and wavelengths
+    Spectrum(SpectrumArgs),
+    /// Colour at angles
+    Colour(ColourArgs),
+    /// The BRDF table: spectral and RGB, as multi-channel EXR
+    Estimate(EstimateArgs),
+    /// Ray tracing against the closed form (the paper's figure 7)
+    Compare(CompareArgs),
+    /// Colour error against the number of wavelengths (the paper's figure 6)
+    Sampling(SamplingArgs),
+    /// A picture of a table: BRDF disc, spectra, map
+    Plot(PlotArgs),
+    /// Every figure of the paper, with a page that explains them
+    Figures(FiguresArgs),
+}
+
+/// How to compute: shared by all commands that do.
+#[derive(Debug, Clone, Args)]
+pub struct Computing {
+    /// Exact physics, or the paper's words taken literally
+    #[arg(long, value_enum, default_value_t = ModelArg::Physical)]
+    pub model: ModelArg,
+    /// Closed form, ray tracing with loops summed exactly, or ray tracing hit by hit
+    #[arg(long, value_enum, default_value_t = Method::Trace)]
+    pub method: Method,
+    /// Single or double precision
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
+    /// Worker threads [default: as many as the machine has]; results do not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress and no remarks on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl Computing {
+    /// As the estimator wants it.
+    #[must_use]
+    pub fn request(&self) -> Request {
+        Request {
+            model: self.model.into(),
+            method: self.method,
+            precision: self.precision,
+            threads: self.threads.map_or_else(parallel::available, usize::from),
+        }
+    }
+}
+
+/// How a spectrum becomes a colour.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Colouring {
+    /// The light
+    #[arg(long, value_enum, ignore_case = true, default_value_t = IlluminantArg::D65)]
+    pub illuminant: IlluminantArg,
+    /// The colour space of R, G, B; linear, unclipped
+    #[arg(long, value_enum, default_value_t = SpaceArg::Srgb)]
+    pub space: SpaceArg,
+}
+
+/// Arguments of `spectrum`.
+#[derive(Debug, Args)]
+pub struct SpectrumArgs {
+    /// A scene file or the name of a preset
+    pub scene: String,
+    /// Angles of incidence in degrees: 0,30,60 or 0:85:5
+    #[arg(long, default_value = "0")]
+    pub theta: Angles,
+    /// Wavelengths in nm: 450,550 or 380:780:5 or auto
+    #[arg(long, default_value = "380:780:5")]
+    pub wavelengths: Wavelengths,
+    /// Where the CSV goes; - is standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    pub csv: PathBuf,
+    /// How to compute
+    #[command(flatten)]
+    pub computing: Computing,
+}
+
+/// Arguments of `colour`.
+#[derive(Debug, Args)]
+pub struct ColourArgs {
+    /// A scene file or the name of a preset
+    pub scene: String,
+    /// Angles of incidence in degrees: 0,30,60 or 0:85:5
+    #[arg(long, default_value = "0,15,30,45,60,75")]
+    pub theta: Angles,
+    /// Wavelengths in nm: 450,550 or 380:780:5 or auto
+    #[arg(long, default_value = "380:780:5")]
+    pub wavelengths: Wavelengths,
+    /// Where the CSV goes; - is standard output [default: a table with swatches on the terminal]
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// From spectrum to colour
+    #[command(flatten)]
+    pub colouring: Colouring,
+    /// How to compute
+    #[command(flatten)]
+    pub computing: Computing,
+}
+
+/// Arguments of `estimate`.
+#[derive(Debug, Args)]
+pub struct EstimateArgs {
+    /// A scene file or the name of a preset
+    pub scene: String,
+    /// The table to write (.exr)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Number of angles, evenly from 0 up to but not including 90 degrees
+    #[arg(long, default_value_t = 90, value_parser = clap::value_parser!(u16).range(2..=9000))]
+    pub angles: u16,
+    /// Wavelengths in nm: 450,550 or 380:780:5 or auto
+    #[arg(long, default_value = "380:780:5")]
+    pub wavelengths: Wavelengths,
+    /// From spectrum to colour
+    #[command(flatten)]
+    pub colouring: Colouring,
+    /// How to compute
+    #[command(flatten)]
+    pub computing: Computing,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// A scene file or the name of a preset
+    pub scene: String,
+    /// Angles of incidence in degrees: 0,30,60 or 0:85:5
+    #[arg(long, default_value = "0:89:1")]
+    pub theta: Angles,
+    /// Wavelengths in nm: 450,550 or 380:780:5 or auto
+    #[arg(long, default_value = "436,546,700")]
+    pub wavelengths: Wavelengths,
+    /// Where the CSV goes; - is standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    pub csv: PathBuf,
+    /// A picture of both and their difference (.png or .svg)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// How to compute; the method is that of the ray tracer
+    #[command(flatten)]
+    pub computing: Computing,
+}
+
+/// Arguments of `sampling`.
+#[derive(Debug, Args)]
+pub struct SamplingArgs {
+    /// A scene file or the name of a preset
+    pub scene: String,
+    /// Numbers of midpoint samples from 380 to 780 nm
+    #[arg(long, value_delimiter = ',', default_value = "4,5,6,8,10,12,16,20,24,28,32,36,40,48,56,64,80,100")]
+    pub samples: Vec<u16>,
+    /// Angles of incidence over which the largest error is taken
+    #[arg(long, default_value = "0:85:5")]
+    pub theta: Angles,
+    /// Where the CSV goes; - is standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    pub csv: PathBuf,
+    /// A picture of the error curve (.png or .svg)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// The light; the paper's is E
+    #[arg(long, value_enum, ignore_case = true, default_value_t = IlluminantArg::E)]
+    pub illuminant: IlluminantArg,
+    /// The colour space of the error
+    #[arg(long, value_enum, default_value_t = SpaceArg::Srgb)]
+    pub space: SpaceArg,
+    /// How to compute
+    #[command(flatten)]
+    pub computing: Computing,
+}
+
+/// Arguments of `plot`.
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// A table made by `estimate`
+    pub table: PathBuf,
+    /// The picture (.png or .svg)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// What to draw
+    #[arg(long, value_enum, default_value_t = PlotKind::Disc)]
+    pub kind: PlotKind,
+    /// Angles of the spectra, taken from the nearest of the table's
+    #[arg(long, default_value = "0,45,75")]
+    pub theta: Angles,
+}
+
+/// Arguments of `figures`.
+#[derive(Debug, Args)]
+pub struct FiguresArgs {
+    /// The folder to write; made if it is missing
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Worker threads [default: as many as the machine has]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress and no remarks on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// What `plot` draws.
+#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
+pub enum PlotKind {
+    /// The BRDF disc of figures 3 and 4: radius θ, angle φ
+    Disc,
+    /// Reflectance against wavelength at chosen angles: s, p, mean
+    Spectrum,
+    /// Mean reflectance over angle and wavelength
+    Map,
+}
+
+/// `--model`.
+#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
+pub enum ModelArg {
+    /// Complex amplitudes of s and p, power |Σ|²
+    Physical,
+    /// Fresnel power ratios as weights, flux |Σ|
+    Paper,
+}
+
+impl From<ModelArg> for Model {
+    fn from(model: ModelArg) -> Self {
+        match model {
+            ModelArg::Physical => Self::Physical,
+            ModelArg::Paper => Self::Paper,
+        }
+    }
+}
+
+/// `--illuminant`.
+#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
+pub enum IlluminantArg {
+    /// Daylight, 6504 K
+    #[value(name = "D65")]
+    D65,
+    /// Equal energy
+    #[value(name = "E")]
+    E,
+}
+
+impl From<IlluminantArg> for Illuminant {
+    fn from(illuminant: IlluminantArg) -> Self {
+        match illuminant {
+            IlluminantArg::D65 => Self::D65,
+            IlluminantArg::E => Self::E,
+        }
+    }
+}
+
+/// `--space`.
+#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
+pub enum SpaceArg {
+    /// Linear sRGB (Rec. 709 primaries), white D65
+    Srgb,
+    /// The matrix printed in the paper
+    Paper,
+    /// Linear Rec. 2020, white D65
+    Rec2020,
+    /// ACEScg (AP1 primaries), white D60
+    Acescg,
+}
+
+impl From<SpaceArg> for RgbSpace {
+    fn from(space: SpaceArg) -> Self {
+        match space {
+            SpaceArg::Srgb => Self::Srgb,
+            SpaceArg::Paper => Self::Paper,
+            SpaceArg::Rec2020 => Self::Rec2020,
+            SpaceArg::Acescg => Self::AcesCg,
+        }
+    }
+}
+
+/// The name of a value as the command line spells it.
+#[must_use]
+pub fn spelled(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}

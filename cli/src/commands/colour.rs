@@ -1,0 +1,52 @@
+//! `goniochrome colour`.
+
+use std::io::IsTerminal;
+use std::path::Path;
+
+use goniochrome::colour::{Quadrature, RgbSpace};
+
+use crate::args::ColourArgs;
+use crate::colours::{Colour, colours};
+use crate::commands::{compute, write_csv};
+use crate::error::Result;
+use crate::output;
+use crate::picture::{hex, srgb8};
+use crate::planar::Planar;
+use crate::scene::load;
+
+pub fn run(args: &ColourArgs) -> Result<()> {
+    let scene = load(&args.scene)?;
+    if let Some(csv) = &args.csv {
+        output::check_destination(csv, &scene.files)?;
+    }
+    let planar = Planar::new(&scene)?;
+    let spectra = compute(&planar, &args.theta.0, &args.wavelengths, &args.computing)?;
+    let space = RgbSpace::from(args.colouring.space);
+    let colours = colours(&spectra, args.colouring.illuminant.into(), space, Quadrature::Interpolated)?;
+    match &args.csv {
+        Some(path) => {
+            let rows = colours.iter().zip(&spectra.theta_deg).map(|(colour, theta)| {
+                let mut row = vec![theta.to_string()];
+                row.extend(colour.xyz.iter().chain(&colour.rgb).map(|x| format!("{x:.6}")));
+                row.push(hex(colour.display(space)));
+                row
+            });
+            write_csv(path, &["theta_deg", "X", "Y", "Z", "R", "G", "B", "hex"], rows)
+        }
+        None => output::write_text(Path::new("-"), &table(&spectra.theta_deg, &colours, space)),
+    }
+}
+
+/// For eyes: a swatch beside each row, where the terminal can show one.
+fn table(theta_deg: &[f64], colours: &[Colour], space: RgbSpace) -> String {
+    let coloured = std::io::stdout().is_terminal();
+    let mut text = String::from(" theta       R       G       B  on a screen\n");
+    for (theta, colour) in theta_deg.iter().zip(colours) {
+        let display = colour.display(space);
+        let [r, g, b] = srgb8(display);
+        let swatch = if coloured { format!("\x1b[48;2;{r};{g};{b}m        \x1b[0m ") } else { String::new() };
+        let [red, green, blue] = colour.rgb;
+        text += &format!("{theta:5.1}° {red:7.3} {green:7.3} {blue:7.3}  {swatch}{}\n", hex(display));
+    }
+    text
+}

@@ -1,0 +1,39 @@
+//! `goniochrome compare`.
+
+use crate::args::CompareArgs;
+use crate::commands::{number, write_csv};
+use crate::comparison::Comparison;
+use crate::error::Result;
+use crate::output;
+use crate::planar::Planar;
+use crate::progress::remark;
+use crate::scene::load;
+
+pub fn run(args: &CompareArgs) -> Result<()> {
+    let scene = load(&args.scene)?;
+    for path in [Some(&args.csv), args.output.as_ref()].into_iter().flatten() {
+        output::check_destination(path, &scene.files)?;
+    }
+    let planar = Planar::new(&scene)?;
+    let wavelengths = args.wavelengths.resolve(&planar)?;
+    let comparison = Comparison::new(&planar, &args.theta.0, &wavelengths, &args.computing.request())?;
+    if let Some(path) = &args.output {
+        comparison.picture(&format!("{}: ray tracing against the closed form", scene.name)).save(path)?;
+    }
+    let rows = args.theta.0.iter().enumerate().flat_map(|(angle, theta)| {
+        let comparison = &comparison;
+        wavelengths.iter().enumerate().map(move |(wavelength, nm)| {
+            let [closed, traced] = comparison.pair(angle, wavelength);
+            let mut row = vec![theta.to_string(), nm.to_string()];
+            row.extend([closed, traced].map(|r| number(r, args.computing.precision)));
+            row.push(format!("{:.3e}", traced - closed));
+            row
+        })
+    });
+    write_csv(&args.csv, &["theta_deg", "wavelength_nm", "R_closed_form", "R_ray_tracing", "difference"], rows)?;
+    remark(
+        args.computing.quiet,
+        format_args!("largest difference of R_s or R_p: {:.2e}", comparison.largest_difference()),
+    );
+    Ok(())
+}

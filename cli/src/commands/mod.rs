@@ -1,0 +1,81 @@
+//! One file per command: arguments in, files out.
+
+mod colour;
+mod compare;
+mod estimate;
+mod figures;
+mod plot;
+mod presets;
+mod sampling;
+mod spectrum;
+
+use std::path::Path;
+
+use crate::args::{Command, Computing};
+use crate::error::{Error, Result};
+use crate::estimate::{Precision, Spectra, spectra};
+use crate::grid::Wavelengths;
+use crate::output;
+use crate::planar::Planar;
+use crate::progress::{bar, remark};
+
+/// Does what the command line asks for.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Presets { name } => presets::run(name.as_deref()),
+        Command::Spectrum(args) => spectrum::run(args),
+        Command::Colour(args) => colour::run(args),
+        Command::Estimate(args) => estimate::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Sampling(args) => sampling::run(args),
+        Command::Plot(args) => plot::run(args),
+        Command::Figures(args) => figures::run(args),
+    }
+}
+
+/// Spectra over a grid with a progress bar; says how many wavelengths `auto` has chosen.
+fn compute(
+    planar: &Planar<'_>,
+    theta_deg: &[f64],
+    wavelengths: &Wavelengths,
+    computing: &Computing,
+) -> Result<Spectra> {
+    let wavelength_nm = wavelengths.resolve(planar)?;
+    if let Wavelengths::Auto([first, last]) = wavelengths {
+        let path = planar.longest_optical_path_nm([*first, *last])?;
+        remark(
+            computing.quiet,
+            format_args!(
+                "{} wavelengths from {first} to {last} nm for a longest optical path of {path:.0} nm",
+                wavelength_nm.len()
+            ),
+        );
+    }
+    let progress = bar(&planar.scene().name, theta_deg.len(), computing.quiet);
+    let spectra = spectra(planar, theta_deg, &wavelength_nm, &computing.request(), &|| progress.inc(1))?;
+    progress.finish_and_clear();
+    Ok(spectra)
+}
+
+/// Writes rows of text as CSV.
+fn write_csv(path: &Path, header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<()> {
+    let failed = |error| Error::failed(format_args!("{}: {error}", path.display()));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(header).map_err(failed)?;
+    for row in rows {
+        writer.write_record(&row).map_err(failed)?;
+    }
+    let bytes = writer.into_inner().map_err(|error| Error::failed(error.error()))?;
+    output::write_text(path, &String::from_utf8_lossy(&bytes))
+}
+
+/// The shortest text that gives the number back at its precision.
+fn number(x: f64, precision: Precision) -> String {
+    match precision {
+        Precision::F32 => (x as f32).to_string(),
+        Precision::F64 => x.to_string(),
+    }
+}

@@ -1,0 +1,70 @@
+//! `goniochrome plot`.
+
+use std::slice;
+
+use crate::args::{PlotArgs, PlotKind};
+use crate::error::Result;
+use crate::output;
+use crate::picture::{Disc, HeatAxis, LineOptions, PALETTE, Picture, Series, disc, heat_map, line_chart};
+use crate::table::MirrorTable;
+use crate::table_file;
+
+pub fn run(args: &PlotArgs) -> Result<()> {
+    output::check_destination(&args.output, slice::from_ref(&args.table))?;
+    let table = table_file::read(&args.table)?;
+    let name = table.metadata.get("scene").map_or("table", String::as_str);
+    let picture = match args.kind {
+        PlotKind::Disc => disc_of(&table, name),
+        PlotKind::Spectrum => spectra_of(&table, name, &args.theta.0),
+        PlotKind::Map => map_of(&table, name),
+    };
+    picture.save(&args.output)
+}
+
+fn disc_of(table: &MirrorTable, name: &str) -> Picture {
+    let rgb = |theta_deg: f64, _phi_deg: f64| table.rgb_at(theta_deg);
+    disc(&Disc { label: name, rgb: &rgb, theta_max_deg: 90.0, azimuthal: false })
+}
+
+fn spectra_of(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Picture {
+    let width = table.wavelength_nm.len();
+    let series = theta_deg.iter().zip(PALETTE.iter().cycle()).flat_map(|(&wanted, colour)| {
+        let distance = |angle: &usize| (table.theta_deg[*angle] - wanted).abs();
+        let angle = (0..table.theta_deg.len())
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .expect("a table has at least one angle");
+        let theta = table.theta_deg[angle];
+        let curve = |label: String, dashed, of: &dyn Fn(usize) -> f32| Series {
+            label,
+            colour: (*colour).to_owned(),
+            points: (0..width).map(|i| (table.wavelength_nm[i], f64::from(of(angle * width + i)))).collect(),
+            dashed,
+        };
+        let (s, p) = (&table.reflectance_s, &table.reflectance_p);
+        let mean = curve(format!("{theta:.0}°"), false, &|i| 0.5 * (s[i] + p[i]));
+        // s and p coincide at normal incidence.
+        let parts = (theta > 0.0).then(|| {
+            [curve(format!("{theta:.0}° s"), true, &|i| s[i]), curve(format!("{theta:.0}° p"), true, &|i| p[i])]
+        });
+        [mean].into_iter().chain(parts.into_iter().flatten()).collect::<Vec<_>>()
+    });
+    let series: Vec<Series> = series.collect();
+    line_chart(&format!("{name}: reflectance"), "Wavelength (nm)", "Reflectance", &series, LineOptions::default())
+}
+
+fn map_of(table: &MirrorTable, name: &str) -> Picture {
+    let mean: Vec<f64> = table
+        .reflectance_s
+        .iter()
+        .zip(&table.reflectance_p)
+        .map(|(s, p)| 0.5 * (f64::from(*s) + f64::from(*p)))
+        .collect();
+    heat_map(
+        &format!("{name}: unpolarised reflectance"),
+        HeatAxis { label: "Wavelength (nm)", coordinates: &table.wavelength_nm },
+        HeatAxis { label: "Angle of incidence (°)", coordinates: &table.theta_deg },
+        &mean,
+        "Reflectance",
+        None,
+    )
+}

@@ -1,0 +1,231 @@
+//! Spectra of planar scenes over angles and wavelengths: owns allocation and threads, and is the only caller of the tracer.
+
+use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::interface::{Model, Wave};
+use goniochrome::lanes::{F32, F64, Lanes};
+use goniochrome::layers::{LayerSlot, Summation, Totals, TraceMemory, free_slot, trace_layers};
+use goniochrome::medium::MediaLanes;
+use goniochrome::stack::{Optics, OpticsMemory, Stack};
+use goniochrome::trace::Limits;
+
+use crate::error::{Error, Result};
+use crate::parallel;
+use crate::planar::Planar;
+use crate::table::MAX_SAMPLES;
+
+/// How the reflectance is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// The closed form of the planar stack.
+    Stack,
+    /// Ray splitting, every loop summed exactly.
+    #[default]
+    Trace,
+    /// Ray splitting hit by hit, until nothing is left in flight.
+    Hits,
+}
+
+/// Width of the numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Precision {
+    /// Single: errors up to 1e-5.
+    #[default]
+    F32,
+    /// Double: errors up to 1e-11 in closed form.
+    F64,
+}
+
+/// How to compute.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// Exact physics or the paper's words.
+    pub model: Model,
+    /// Closed form or rays.
+    pub method: Method,
+    /// Single or double.
+    pub precision: Precision,
+    /// Worker threads; the result does not depend on it.
+    pub threads: usize,
+}
+
+/// Power at one angle and wavelength.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Reflectance.
+    pub reflectance: Polarised<f64>,
+    /// Transmittance into the substrate.
+    pub transmittance: Polarised<f64>,
+    /// Power that was not followed to its end: the tracer's error bar. 0 in closed form.
+    pub truncated: f64,
+    /// What the tracer's ledger misses, the larger of s and p. 0 in closed form.
+    pub imbalance: f64,
+}
+
+impl Sample {
+    /// Unpolarised reflectance.
+    #[must_use]
+    pub fn mean_reflectance(&self) -> f64 {
+        0.5 * (self.reflectance.s + self.reflectance.p)
+    }
+}
+
+/// Samples over a grid, `samples[angle * wavelengths + wavelength]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectra {
+    /// Angles of incidence in the ambient medium.
+    pub theta_deg: Vec<f64>,
+    /// Vacuum wavelengths.
+    pub wavelength_nm: Vec<f64>,
+    /// One for each pair.
+    pub samples: Vec<Sample>,
+}
+
+impl Spectra {
+    /// The samples at one angle.
+    #[must_use]
+    pub fn row(&self, angle: usize) -> &[Sample] {
+        let width = self.wavelength_nm.len();
+        &self.samples[angle * width..(angle + 1) * width]
+    }
+
+    /// The largest of a quantity over all samples.
+    #[must_use]
+    pub fn worst(&self, of: impl Fn(&Sample) -> f64) -> f64 {
+        self.samples.iter().map(of).fold(0.0, f64::max)
+    }
+}
+
+/// Reflectance and transmittance of a planar scene at every angle and wavelength; `progress` is told of each finished angle.
+///
+/// # Errors
+/// A medium without data at a wavelength, an ambient medium that absorbs, a grid larger than [`MAX_SAMPLES`].
+pub fn spectra(
+    planar: &Planar<'_>,
+    theta_deg: &[f64],
+    wavelength_nm: &[f64],
+    request: &Request,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Spectra> {
+    match request.precision {
+        Precision::F32 => run::<F32>(planar, theta_deg, wavelength_nm, request, Limits::SINGLE, progress),
+        Precision::F64 => run::<F64>(planar, theta_deg, wavelength_nm, request, Limits::DOUBLE, progress),
+    }
+}
+
+fn run<V: Lanes>(
+    planar: &Planar<'_>,
+    theta_deg: &[f64],
+    wavelength_nm: &[f64],
+    request: &Request,
+    limits: Limits,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Spectra> {
+    let count = theta_deg.len().saturating_mul(wavelength_nm.len());
+    if count > MAX_SAMPLES {
+        return Err(Error::failed(format_args!(
+            "{count} samples are more than the {MAX_SAMPLES} that a table may hold"
+        )));
+    }
+    let mut buffer = planar.buffer();
+    let stack = planar.stack(&mut buffer)?;
+    let media = planar.media();
+    let mut etas: Vec<Vec<ComplexLanes<V::Precise>>> =
+        wavelength_nm.chunks(V::WIDTH).map(|_| vec![ComplexLanes::zero(); media.len()]).collect();
+    let mut groups = Vec::with_capacity(etas.len());
+    for (wavelengths, eta) in wavelength_nm.chunks(V::WIDTH).zip(&mut etas) {
+        let group = MediaLanes::<V>::evaluate(&media, wavelengths, eta)
+            .map_err(|(index, error)| planar.medium_error(index, &error))?;
+        refuse_absorbing_ambient(planar, stack, &group)?;
+        groups.push(group);
+    }
+
+    let mut samples = vec![Sample::default(); count];
+    let rows = samples.chunks_mut(wavelength_nm.len().max(1)).zip(theta_deg);
+    parallel::for_each(
+        request.threads,
+        rows,
+        || Worker::<V>::new(stack),
+        |worker, (row, theta)| {
+            let sin_theta = theta.to_radians().sin();
+            for (out, group) in row.chunks_mut(V::WIDTH).zip(&groups) {
+                worker.fill(out, stack, group, sin_theta, request, limits);
+            }
+            progress();
+        },
+    );
+    Ok(Spectra { theta_deg: theta_deg.to_vec(), wavelength_nm: wavelength_nm.to_vec(), samples })
+}
+
+/// Light that arrives through an absorbing medium has no power to compare with.
+fn refuse_absorbing_ambient<V: Lanes>(planar: &Planar<'_>, stack: Stack<'_>, group: &MediaLanes<'_, V>) -> Result<()> {
+    if group.eta()[usize::from(stack.ambient())].im.any_above(0.0) {
+        return Err(Error::failed(format_args!(
+            "{}: the ambient medium {} absorbs; light must arrive through a medium with k = 0",
+            planar.scene().name,
+            planar.medium_name(stack.ambient())
+        )));
+    }
+    Ok(())
+}
+
+/// A thread's memory.
+struct Worker<V: Lanes> {
+    waves: Vec<Wave<V>>,
+    reflections: Vec<Polarised<ComplexLanes<V>>>,
+    propagators: Vec<ComplexLanes<V>>,
+    totals: Vec<Totals<V>>,
+    slots: Vec<LayerSlot<V>>,
+}
+
+impl<V: Lanes> Worker<V> {
+    fn new(stack: Stack<'_>) -> Self {
+        let planes = stack.planes();
+        Self {
+            waves: vec![Wave::none(); stack.media()],
+            reflections: vec![Polarised::both(ComplexLanes::zero()); planes],
+            propagators: vec![ComplexLanes::zero(); planes],
+            totals: vec![Totals::none(); planes],
+            slots: vec![free_slot(); 2 * planes],
+        }
+    }
+
+    fn fill(
+        &mut self,
+        out: &mut [Sample],
+        stack: Stack<'_>,
+        group: &MediaLanes<'_, V>,
+        sin_theta: f64,
+        request: &Request,
+        limits: Limits,
+    ) {
+        let Self { waves, reflections, propagators, totals, slots } = self;
+        let optics =
+            Optics::new(stack, group, sin_theta, request.model, OpticsMemory { waves, reflections, propagators });
+        let summation = match request.method {
+            Method::Stack => {
+                let response = optics.response();
+                let r = optics.reflectance(response.reflection);
+                let t = optics.transmittance(response.transmission);
+                for (lane, sample) in out.iter_mut().enumerate() {
+                    sample.reflectance = r.map(|r| r.lane(lane));
+                    sample.transmittance = t.map(|t| t.lane(lane));
+                }
+                return;
+            }
+            Method::Trace => Summation::ClosedLoops,
+            Method::Hits => Summation::Generations(limits),
+        };
+        let ledger = trace_layers(&optics, summation, TraceMemory { totals, slots })
+            .expect("the worker's memory was made for this stack")
+            .ledger;
+        for (lane, sample) in out.iter_mut().enumerate() {
+            let Polarised { s, p } = ledger.imbalance.map(|x| x.lane(lane).abs());
+            *sample = Sample {
+                reflectance: ledger.reflected.map(|r| r.lane(lane)),
+                transmittance: ledger.transmitted.map(|t| t.lane(lane)),
+                truncated: ledger.truncated.lane(lane),
+                imbalance: s.max(p),
+            };
+        }
+    }
+}

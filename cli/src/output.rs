@@ -1,0 +1,218 @@
+//! Files appear whole or not at all: every output is written beside its destination and renamed into place.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// Writes `bytes` to `path`, replacing what is there only once everything is on disk.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_with(path, |writer| writer.write_all(bytes))
+}
+
+/// Writes `text` to `path`, or to standard output where `path` is `-`.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    if path != Path::new("-") {
+        return write_file(path, text.as_bytes());
+    }
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        // `goniochrome … | head` has seen enough; that is no failure.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => result.map_err(|error| explain(Path::new("standard output"), &error)),
+    }
+}
+
+/// Lets `fill` write to `path`. A failure leaves an earlier file untouched and no temporary file behind.
+///
+/// Symbolic links are followed. Devices and pipes (`/dev/null`) are written in place, since renaming would replace them.
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    check_destination(path, &[])?;
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let written = if target.exists() && !target.is_file() {
+        File::options().write(true).open(&target).and_then(|file| filled(file, fill).map(drop))
+    } else {
+        replace(&target, folder_of(&target), fill)
+    };
+    written.map_err(|error| explain(path, &error))
+}
+
+/// Refuses an output that is one of the inputs, whatever names and links lead to it.
+pub fn refuse_overwrite_of_inputs(output: &Path, inputs: &[PathBuf]) -> Result<()> {
+    match inputs.iter().find(|input| same_file(output, input)) {
+        None => Ok(()),
+        Some(input) => Err(Error::usage(format_args!(
+            "the output {} would overwrite the input {}; choose another -o",
+            output.display(),
+            input.display()
+        ))),
+    }
+}
+
+/// Refuses, before long work, an output that cannot be written at its end: an input, a folder, or a file in no folder.
+pub fn check_destination(output: &Path, inputs: &[PathBuf]) -> Result<()> {
+    if output == Path::new("-") {
+        return Ok(());
+    }
+    refuse_overwrite_of_inputs(output, inputs)?;
+    if output.is_dir() {
+        return Err(Error::failed(format_args!("{} is a folder; name a file in it with -o", output.display())));
+    }
+    let folder = folder_of(output);
+    if !folder.is_dir() {
+        let folder = folder.display();
+        return Err(Error::failed(format_args!("folder {folder} does not exist; create it or choose another -o")));
+    }
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+fn replace(target: &Path, folder: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".goniochrome-");
+    // Temporary files are private by default; a result gets the rights that any new file gets.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let temporary = builder.tempfile_in(folder)?;
+    filled(temporary.as_file(), fill)?.sync_all()?;
+    temporary.persist(target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+fn filled<W: Write>(file: W, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<W> {
+    let mut writer = BufWriter::new(file);
+    fill(&mut writer)?;
+    writer.into_inner().map_err(io::IntoInnerError::into_error)
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    let (Ok(a), Ok(b)) = (fs::canonicalize(a), fs::canonicalize(b)) else { return false };
+    a == b || same_inode(&a, &b)
+}
+
+#[cfg(unix)]
+fn same_inode(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (fs::metadata(a), fs::metadata(b)) {
+        (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
+        _ => false,
+    }
+}
+
+#[cfg(not(unix))]
+fn same_inode(_: &Path, _: &Path) -> bool {
+    false
+}
+
+fn explain(path: &Path, error: &io::Error) -> Error {
+    let path = path.display();
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            Error::failed(format_args!("no space left to write {path}; free some or choose another -o"))
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            Error::failed(format_args!("no permission to write {path}; choose another -o"))
+        }
+        _ => Error::failed(format_args!("cannot write {path}: {error}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_is_written_and_replaced_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        write_file(&path, b"a longer first version").unwrap();
+        write_text(&path, "second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        assert_eq!(names_in(folder.path()), ["table.csv"]);
+    }
+
+    #[test]
+    fn a_full_disk_keeps_the_old_file_and_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        write_file(&path, b"old").unwrap();
+        let error = write_with(&path, |writer| {
+            writer.write_all(&[0; 100_000])?;
+            Err(ErrorKind::StorageFull.into())
+        })
+        .unwrap_err();
+        assert!(error.to_string().starts_with("no space left to write "), "{error}");
+        assert_eq!(error.exit_code(), 1);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names_in(folder.path()), ["table.csv"]);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_are_written_in_place() {
+        let error = write_file(Path::new("/dev/full"), b"x").unwrap_err();
+        assert_eq!(error.to_string(), "no space left to write /dev/full; free some or choose another -o");
+        write_file(Path::new("/dev/null"), b"x").unwrap();
+        assert!(!Path::new("/dev/null").is_file());
+    }
+
+    #[test]
+    fn a_missing_folder_is_named_with_the_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("nowhere");
+        let error = write_file(&missing.join("a.png"), b"x").unwrap_err();
+        let expected = format!("folder {} does not exist; create it or choose another -o", missing.display());
+        assert_eq!(error.to_string(), expected);
+        assert!(write_file(folder.path(), b"x").unwrap_err().to_string().contains("is a folder"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_new_files_have_ordinary_rights() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (folder.path().join("real"), folder.path().join("link"));
+        write_file(&real, b"1").unwrap();
+        symlink(&real, &link).unwrap();
+        write_file(&link, b"2").unwrap();
+        assert_eq!(fs::read(&real).unwrap(), b"2");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        let plain = folder.path().join("plain");
+        fs::write(&plain, b"").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&real), mode(&plain));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_input_is_recognised_behind_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        write_file(&at("scene.toml"), b"").unwrap();
+        std::os::unix::fs::symlink(at("scene.toml"), at("soft")).unwrap();
+        fs::hard_link(at("scene.toml"), at("hard")).unwrap();
+        write_file(&at("other"), b"").unwrap();
+        let inputs = [at("other.obj"), at("scene.toml")];
+        for output in ["scene.toml", "soft", "hard", "./scene.toml"] {
+            let error = refuse_overwrite_of_inputs(&at(output), &inputs).unwrap_err();
+            assert_eq!(error.exit_code(), 2);
+            assert!(error.to_string().contains("would overwrite the input"), "{error}");
+        }
+        refuse_overwrite_of_inputs(&at("other"), &inputs).unwrap();
+        refuse_overwrite_of_inputs(&at("new"), &inputs).unwrap();
+    }
+}

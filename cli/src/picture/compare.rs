@@ -1,0 +1,123 @@
+//! Two calculations of the same reflectance next to each other, with their difference (figure 7 of the paper).
+
+use super::disc::{Disc, disc_grid};
+use super::encode::{grey, wavelength_colour};
+use super::layout::rows;
+use super::line_chart::{LineOptions, Series, line_chart};
+use super::{Picture, axis};
+
+/// Reflectance over the angle at one wavelength, from both calculations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Profile<'a> {
+    /// Vacuum wavelength.
+    pub wavelength_nm: f64,
+    /// Angles from the normal, strictly increasing.
+    pub theta_deg: &'a [f64],
+    /// Reflectance by the calculation on the left, one per angle.
+    pub left: &'a [f64],
+    /// Reflectance by the calculation on the right, one per angle.
+    pub right: &'a [f64],
+}
+
+/// Curves of both calculations and of their difference, and below them a disc for each wavelength whose halves show
+/// the two: where they agree, no seam is seen. White is the larger of 1 and the largest reflectance.
+///
+/// # Panics
+/// If a profile has not as many reflectances as angles, or no angle.
+#[must_use]
+pub fn side_by_side(title: &str, left_label: &str, right_label: &str, profiles: &[Profile]) -> Picture {
+    for profile in profiles {
+        let count = profile.theta_deg.len();
+        assert!(
+            count > 0 && profile.left.len() == count && profile.right.len() == count,
+            "profiles have equal lengths"
+        );
+    }
+    let everything = || profiles.iter().flat_map(|p| p.left.iter().chain(p.right).copied());
+    let shared = axis::range_of(everything().chain([0.0]), false);
+    let chart = |title: &str, y_label: &str, log_y: bool, value: &dyn Fn(&Profile, usize) -> f64| {
+        let curves: Vec<_> = profiles
+            .iter()
+            .map(|p| Series {
+                label: format!("{} nm", p.wavelength_nm),
+                colour: wavelength_colour(p.wavelength_nm),
+                points: p.theta_deg.iter().enumerate().map(|(i, &theta)| (theta, value(p, i))).collect(),
+                dashed: false,
+            })
+            .collect();
+        let y_range = (!log_y).then_some(shared);
+        let options = LineOptions { log_y, x_range: Some((0.0, 90.0)), y_range, size: (380.0, 340.0) };
+        line_chart(title, "angle from the normal θ / °", y_label, &curves, options)
+    };
+    let curves = vec![
+        chart(left_label, "reflectance", false, &|p, i| p.left[i]),
+        chart(right_label, "reflectance", false, &|p, i| p.right[i]),
+        chart("Difference", "absolute difference", true, &|p, i| (p.left[i] - p.right[i]).abs()),
+    ];
+
+    let white = everything().filter(|v| v.is_finite()).fold(1.0, f64::max);
+    let halves: Vec<_> = profiles
+        .iter()
+        .map(|p| {
+            move |theta: f64, phi: f64| {
+                let values = if (90.0..270.0).contains(&phi) { p.left } else { p.right };
+                grey(interpolated(p.theta_deg, values, theta) / white)
+            }
+        })
+        .collect();
+    let discs: Vec<_> = profiles
+        .iter()
+        .zip(&halves)
+        .map(|(p, rgb)| Disc { label: "", rgb, theta_max_deg: p.theta_deg[p.theta_deg.len() - 1], azimuthal: true })
+        .collect();
+    let names: Vec<_> = profiles.iter().map(|p| format!("{} nm", p.wavelength_nm)).collect();
+    let heading = format!("Left half: {left_label}, right half: {right_label}");
+    rows(title, &[curves, vec![disc_grid(&heading, &[String::new()], &names, &discs)]])
+}
+
+fn interpolated(x: &[f64], y: &[f64], at: f64) -> f64 {
+    let above = x.partition_point(|&v| v < at);
+    if above == 0 || above == x.len() {
+        return y[above.min(x.len() - 1)];
+    }
+    let weight = (at - x[above - 1]) / (x[above] - x[above - 1]);
+    y[above - 1] + weight * (y[above] - y[above - 1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_sides_and_all_wavelengths_are_shown() {
+        let theta = [0.0, 45.0, 90.0];
+        let profile = |wavelength_nm, left, right| Profile { wavelength_nm, theta_deg: &theta, left, right };
+        let (dark, light) = ([0.0; 3], [1.0; 3]);
+        let picture = side_by_side("Check", "A", "B", &[profile(436.0, &dark, &light), profile(700.0, &light, &light)]);
+        for text in [">Check<", ">A<", ">B<", ">436 nm<", ">700 nm<", ">reflectance<", ">absolute difference<"] {
+            assert!(picture.svg().contains(text), "{text} is missing");
+        }
+        let pixels = super::super::tests::pixels(&picture, 1.0);
+        let grid = disc_grid(
+            "Left half: A, right half: B",
+            &[String::new()],
+            &["436 nm".into(), "700 nm".into()],
+            &[Disc { label: "", rgb: &|_, _| grey(0.0), theta_max_deg: 90.0, azimuthal: true }; 2],
+        )
+        .size();
+        let left = 0.5 * (picture.size().0 - grid.0);
+        let at = |disc: f64, dx: f64| {
+            let (x, y) = (left + 24.0 + (disc + 0.5) * 166.0 + dx, 48.0 + 348.0 + 84.0 + 74.0);
+            pixels.pixel(x as u32, y as u32).unwrap().green()
+        };
+        assert_eq!([at(0.0, -40.0), at(0.0, 40.0), at(1.0, -40.0), at(1.0, 40.0)], [0, 255, 255, 255]);
+    }
+
+    // Powers of two are exact.
+    #[allow(clippy::float_cmp)]
+    #[test]
+    fn profiles_are_interpolated_and_held_at_their_ends() {
+        let at = |x| interpolated(&[10.0, 20.0, 40.0], &[1.0, 3.0, 5.0], x);
+        assert_eq!([at(0.0), at(15.0), at(25.0), at(90.0)], [1.0, 2.0, 3.5, 5.0]);
+    }
+}

@@ -1,0 +1,192 @@
+//! The BRDF disc: every direction of the hemisphere as one picture. The radius is the angle θ from the normal, 0° in the
+//! centre and 90° at the rim; the azimuth φ runs anticlockwise from the right.
+
+use std::f64::consts::TAU;
+
+use super::Picture;
+use super::encode::srgb8;
+use super::raster::Raster;
+use super::svg::{AXIS, Anchor, Canvas, Place, SOFT_INK, Style, text_width};
+
+/// Samples per pixel and axis: the rim and sharp fringes stay smooth.
+const OVERSAMPLING: u32 = 2;
+
+/// Directions beyond the data.
+const UNKNOWN: [f32; 3] = [0.84; 3];
+
+/// What one disc shows.
+#[derive(Clone, Copy)]
+pub struct Disc<'a> {
+    /// Title, or caption in a grid.
+    pub label: &'a str,
+    /// Linear RGB at `(theta_deg, phi_deg)`, φ in 0..360.
+    pub rgb: &'a dyn Fn(f64, f64) -> [f32; 3],
+    /// Largest θ with data; beyond it the disc is pale grey.
+    pub theta_max_deg: f64,
+    /// Whether the colour depends on φ, which then gets labels.
+    pub azimuthal: bool,
+}
+
+/// One large disc with a scale of θ below it.
+#[must_use]
+pub fn disc(disc: &Disc) -> Picture {
+    const RADIUS: f64 = 170.0;
+    let width = (2.0 * RADIUS + 120.0).max(text_width(disc.label, Style::title().size) + 40.0).ceil();
+    let centre = (0.5 * width, RADIUS + if disc.azimuthal { 70.0 } else { 50.0 });
+    let mut canvas = Canvas::default();
+    canvas.text(centre.0, 28.0, Anchor::Middle, Style::title(), disc.label);
+    draw_disc(&mut canvas, centre, RADIUS, disc);
+    if disc.azimuthal {
+        let (x, y) = centre;
+        canvas.text(x + RADIUS + 8.0, y + 4.0, Anchor::Start, Style::tick(), "φ = 0°");
+        canvas.text(x, y - RADIUS - 9.0, Anchor::Middle, Style::tick(), "90°");
+        canvas.text(x - RADIUS - 8.0, y + 4.0, Anchor::End, Style::tick(), "180°");
+    }
+    let below = centre.1 + RADIUS + 16.0;
+    canvas.line((centre.0, below), (centre.0 + RADIUS, below), AXIS, 1.0);
+    for theta in [0.0, 30.0, 60.0, 90.0] {
+        let x = centre.0 + RADIUS * theta / 90.0;
+        canvas.line((x, below - 4.0), (x, below + 4.0), AXIS, 1.0);
+        canvas.text(x, below + 19.0, Anchor::Middle, Style::tick(), &format!("{theta}°"));
+    }
+    canvas.text(centre.0 - 16.0, below + 4.0, Anchor::End, Style::tick(), "angle from the normal θ");
+    Picture::new(width, below + 34.0, canvas)
+}
+
+/// Discs in a grid, row by row, with their labels as captions.
+///
+/// # Panics
+/// If there are not as many discs as rows times columns.
+#[must_use]
+pub fn disc_grid(title: &str, row_labels: &[String], column_labels: &[String], discs: &[Disc]) -> Picture {
+    assert_eq!(discs.len(), row_labels.len() * column_labels.len(), "a grid needs a disc in each place");
+    const RADIUS: f64 = 74.0;
+    const MARGIN: f64 = 24.0;
+    let style = Style::label();
+    let widest = row_labels.iter().map(|label| text_width(label, style.size)).fold(0.0, f64::max);
+    let left = MARGIN + if widest > 0.0 { widest + 16.0 } else { 0.0 };
+    let columns = column_labels.iter().map(|label| text_width(label, style.size) + 16.0);
+    let captions = discs.iter().map(|disc| text_width(disc.label, Style::tick().size) + 16.0);
+    let pitch = columns.chain(captions).fold(2.0 * RADIUS + 18.0, f64::max);
+    let captioned = discs.iter().any(|disc| !disc.label.is_empty());
+    let row_pitch = 2.0 * RADIUS + if captioned { 40.0 } else { 18.0 };
+    let top = if column_labels.iter().any(|label| !label.is_empty()) { 84.0 } else { 56.0 };
+
+    let mut canvas = Canvas::default();
+    canvas.text(MARGIN, 32.0, Anchor::Start, Style::title(), title);
+    for (column, label) in column_labels.iter().enumerate() {
+        canvas.text(left + (column as f64 + 0.5) * pitch, top - 14.0, Anchor::Middle, style, label);
+    }
+    for (row, label) in row_labels.iter().enumerate() {
+        let y = top + row as f64 * row_pitch + RADIUS;
+        canvas.text(left - 12.0, y + 4.0, Anchor::End, style, label);
+        for column in 0..column_labels.len() {
+            let disc = &discs[row * column_labels.len() + column];
+            let x = left + (column as f64 + 0.5) * pitch;
+            draw_disc(&mut canvas, (x, y), RADIUS, disc);
+            canvas.text(x, y + RADIUS + 18.0, Anchor::Middle, Style::tick(), disc.label);
+        }
+    }
+    let bottom = top + row_labels.len() as f64 * row_pitch;
+    let note = "θ = 0° in the centre, rings at 30° and 60°, 90° at the rim";
+    canvas.text(MARGIN, bottom + 14.0, Anchor::Start, Style { colour: SOFT_INK, ..Style::tick() }, note);
+    let width = (left + column_labels.len() as f64 * pitch)
+        .max(MARGIN + text_width(note, Style::tick().size))
+        .max(MARGIN + text_width(title, Style::title().size));
+    Picture::new((width + MARGIN).ceil(), (bottom + 32.0).ceil(), canvas)
+}
+
+fn draw_disc(canvas: &mut Canvas, centre: (f64, f64), radius: f64, disc: &Disc) {
+    let place = Place { x: centre.0 - radius, y: centre.1 - radius, width: 2.0 * radius, height: 2.0 * radius };
+    canvas.image(place, &sampled(disc, (4.0 * radius).ceil() as u32));
+    for theta in [30.0, 60.0] {
+        // Dark under light: one of the two shows on every colour.
+        canvas.ring(centre, radius * theta / 90.0, "#000", 1.5, 0.22);
+        canvas.ring(centre, radius * theta / 90.0, "#fff", 0.75, 0.75);
+    }
+    canvas.ring(centre, radius, AXIS, 1.0, 1.0);
+}
+
+/// The disc as `side` × `side` pixels, averaged in linear light; coverage fades out at the rim.
+fn sampled(disc: &Disc, side: u32) -> Raster {
+    let samples = side * OVERSAMPLING;
+    let coordinate = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(samples) - 1.0;
+    Raster::new(side, side, |column, row| {
+        let (mut sum, mut inside) = ([0.0_f32; 3], 0_u32);
+        for j in 0..OVERSAMPLING {
+            for i in 0..OVERSAMPLING {
+                let (x, y) = (coordinate(column * OVERSAMPLING + i), -coordinate(row * OVERSAMPLING + j));
+                let theta_deg = 90.0 * x.hypot(y);
+                if theta_deg > 90.0 {
+                    continue;
+                }
+                inside += 1;
+                let rgb = if theta_deg <= disc.theta_max_deg {
+                    (disc.rgb)(theta_deg, y.atan2(x).rem_euclid(TAU).to_degrees())
+                } else {
+                    UNKNOWN
+                };
+                sum = std::array::from_fn(|c| sum[c] + rgb[c]);
+            }
+        }
+        let [r, g, b] = srgb8(sum.map(|c| c / inside.max(1) as f32));
+        let coverage = 255 * inside / (OVERSAMPLING * OVERSAMPLING);
+        [r, g, b, coverage as u8]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(picture: &Picture, x: f64, y: f64) -> [u8; 3] {
+        let pixels = super::super::tests::pixels(picture, 1.0);
+        pixels.pixel(x as u32, y as u32).map(|p| [p.red(), p.green(), p.blue()]).unwrap()
+    }
+
+    /// Red inside 45°, blue outside; green for φ in 80° to 100°.
+    fn target(theta: f64, phi: f64) -> [f32; 3] {
+        match (theta < 45.0, (80.0..100.0).contains(&phi)) {
+            (_, true) => [0.0, 1.0, 0.0],
+            (true, _) => [1.0, 0.0, 0.0],
+            (false, _) => [0.0, 0.0, 1.0],
+        }
+    }
+
+    #[test]
+    fn directions_stand_where_the_convention_says() {
+        let picture = disc(&Disc { label: "", rgb: &target, theta_max_deg: 80.0, azimuthal: false });
+        let (cx, cy, per_degree) = (0.5 * picture.size().0, 220.0, 170.0 / 90.0);
+        assert_eq!(at(&picture, cx + 40.0 * per_degree, cy), [255, 0, 0]);
+        assert_eq!(at(&picture, cx + 50.0 * per_degree, cy), [0, 0, 255]);
+        assert_eq!(at(&picture, cx, cy - 50.0 * per_degree), [0, 255, 0], "φ = 90° is up");
+        assert_eq!(at(&picture, cx, cy + 50.0 * per_degree), [0, 0, 255], "φ = 270° is down");
+        assert_eq!(at(&picture, cx - 85.0 * per_degree, cy), srgb8(UNKNOWN), "no data beyond 80°");
+        assert_eq!(at(&picture, cx + 95.0 * per_degree, cy), [255, 255, 255], "outside the disc");
+    }
+
+    #[test]
+    fn the_angles_of_the_rings_are_labelled() {
+        let labelled = |azimuthal| disc(&Disc { label: "Three films", rgb: &target, theta_max_deg: 90.0, azimuthal });
+        for text in [">Three films<", ">0°<", ">30°<", ">60°<", ">90°<"] {
+            assert!(labelled(false).svg().contains(text), "{text} is missing");
+        }
+        assert!(labelled(true).svg().contains("φ = 0°") && !labelled(false).svg().contains("φ = 0°"));
+    }
+
+    #[test]
+    fn a_grid_shows_every_disc_in_its_place() {
+        let colours = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
+        let fills = colours.map(|rgb| move |_: f64, _: f64| rgb);
+        let discs: Vec<_> =
+            fills.iter().map(|rgb| Disc { label: "", rgb, theta_max_deg: 90.0, azimuthal: false }).collect();
+        let names = |list: [&str; 2]| list.map(str::to_owned);
+        let picture = disc_grid("Grid", &names(["", ""]), &names(["N = 4", "N = 8"]), &discs);
+        let centre = |column: f64, row: f64| (24.0 + (column + 0.5) * 166.0 + 5.0, 84.0 + 74.0 + row * 166.0);
+        for (i, rgb) in colours.iter().enumerate() {
+            let (x, y) = centre((i % 2) as f64, (i / 2) as f64);
+            assert_eq!(at(&picture, x, y), srgb8(*rgb), "disc {i}");
+        }
+        assert!(picture.svg().contains(">N = 8<") && picture.svg().contains(">Grid<"));
+    }
+}
