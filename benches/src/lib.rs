@@ -1,1 +1,87 @@
-//! Work shared by the benches.
+//! Stacks that several benches share.
+
+use goniochrome::complex::ComplexLanes;
+use goniochrome::interface::{Below, Model};
+use goniochrome::lanes::Lanes;
+use goniochrome::medium::{MediaLanes, Medium, MediumIndex};
+use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use num_complex::Complex64;
+
+/// Planes for which the benches have room.
+pub const MOST_PLANES: usize = 64;
+
+/// A stack of few media, each layer naming its own.
+#[derive(Debug, Clone)]
+pub struct Layered {
+    /// η of each medium.
+    pub media: Vec<Complex64>,
+    /// The medium from which light comes.
+    pub ambient: MediumIndex,
+    /// From the top.
+    pub layers: Vec<Film>,
+    /// The medium below.
+    pub substrate: MediumIndex,
+}
+
+/// The 20-layer beetle: 1.73 + 0.01i, 80 nm, and 1.40, 100 nm, in turn, on 1.56 + 0.06i.
+#[must_use]
+pub fn beetle() -> Layered {
+    let layer = |i: usize| match i % 2 {
+        0 => Film { medium: 1, thickness_nm: 80.0 },
+        _ => Film { medium: 2, thickness_nm: 100.0 },
+    };
+    Layered {
+        media: vec![1.0.into(), Complex64::new(1.73, 0.01), 1.4.into(), Complex64::new(1.56, 0.06)],
+        ambient: 0,
+        layers: (0..20).map(layer).collect(),
+        substrate: 3,
+    }
+}
+
+/// Layers of index 1.56 and 1.0 in turn, 100 nm each, on 1.56.
+#[must_use]
+pub fn contrast(layers: usize) -> Layered {
+    let layer = |i: usize| Film { medium: MediumIndex::from(i % 2 == 0), thickness_nm: 100.0 };
+    Layered { media: vec![1.0.into(), 1.56.into()], ambient: 0, layers: (0..layers).map(layer).collect(), substrate: 1 }
+}
+
+/// Three films of n = 2.4, 180 nm, with gaps of 180 nm: the paper's figure 4.
+#[must_use]
+pub fn three_films() -> Layered {
+    let layer = |i: usize| Film { medium: MediumIndex::from(i % 2 == 0), thickness_nm: 180.0 };
+    Layered { media: vec![1.0.into(), 2.4.into()], ambient: 0, layers: (0..5).map(layer).collect(), substrate: 0 }
+}
+
+impl Layered {
+    /// Calls `f` with this stack and its media at one group of wavelengths.
+    pub fn with<V: Lanes, R>(&self, wavelengths_nm: &[f64], f: impl FnOnce(Stack<'_>, &MediaLanes<'_, V>) -> R) -> R {
+        let media: Vec<Medium<'_>> =
+            self.media.iter().map(|&eta| Medium::constant(eta).expect("a passive medium")).collect();
+        let mut eta = vec![ComplexLanes::zero(); media.len()];
+        let lanes = MediaLanes::evaluate(&media, wavelengths_nm, &mut eta).expect("constant media hold everywhere");
+        let mut arrays = StackArrays::<MOST_PLANES>::new();
+        let below = Below::Medium(self.substrate);
+        let stack =
+            Stack::new(self.ambient, self.layers.iter().copied(), below, arrays.memory()).expect("the stack fits");
+        f(stack, &lanes)
+    }
+
+    /// Calls `f` with the optics of this stack at one angle and group of wavelengths.
+    pub fn with_optics<V: Lanes, R>(
+        &self,
+        sin_theta: f64,
+        wavelengths_nm: &[f64],
+        f: impl FnOnce(&Optics<'_, V>) -> R,
+    ) -> R {
+        self.with::<V, _>(wavelengths_nm, |stack, media| {
+            let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
+            f(&Optics::new(stack, media, sin_theta, Model::Physical, memory.memory()))
+        })
+    }
+}
+
+/// As many wavelengths as lanes, from 450 nm.
+#[must_use]
+pub fn group<V: Lanes>() -> Vec<f64> {
+    (0..V::WIDTH).map(|i| 450.0 + 10.0 * i as f64).collect()
+}

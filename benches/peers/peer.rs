@@ -1,0 +1,46 @@
+//! `peer METHOD PRECISION REPEATS`: times the estimate of the 20-layer beetle, and prints seconds and results as JSON.
+
+use goniochrome::interface::Model;
+use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
+use goniochrome_cli::planar::Planar;
+use goniochrome_cli::scene::load;
+use std::env;
+use std::error::Error;
+use std::hint::black_box;
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let [method, precision, repeats] = &arguments[..] else {
+        return Err("usage: peer METHOD PRECISION REPEATS".into());
+    };
+    let method = match method.as_str() {
+        "stack" => Method::Stack,
+        "trace" => Method::Trace,
+        other => return Err(format!("no method {other}").into()),
+    };
+    let precision = if precision == "f64" { Precision::F64 } else { Precision::F32 };
+    let request = Request { model: Model::Physical, method, precision, threads: 1 };
+
+    let scene = load("jewel-beetle")?;
+    let planar = Planar::new(&scene)?;
+    let theta: Vec<f64> = (0..90).map(f64::from).collect();
+    let wavelengths: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();
+    let mut seconds = Vec::new();
+    let mut result = spectra(&planar, &theta, &wavelengths, &request, &|| ())?;
+    for _ in 0..repeats.parse::<usize>()? {
+        let start = Instant::now();
+        result = spectra(&planar, black_box(&theta), &wavelengths, &request, &|| ())?;
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    let column = |of: fn(&goniochrome_cli::estimate::Sample) -> f64| result.samples.iter().map(of).collect::<Vec<_>>();
+    let out = serde_json::json!({
+        "seconds": seconds,
+        "R_s": column(|sample| sample.reflectance.s),
+        "R_p": column(|sample| sample.reflectance.p),
+        "T_s": column(|sample| sample.transmittance.s),
+        "T_p": column(|sample| sample.transmittance.p),
+    });
+    println!("{out}");
+    Ok(())
+}

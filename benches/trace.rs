@@ -1,0 +1,119 @@
+//! Ray tracing through planar stacks: loops closed, hit by hit, and the literal splitter that does not merge.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use goniochrome::lanes::{F32, Lanes};
+use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome::trace::Limits;
+use goniochrome_benches::{Layered, MOST_PLANES, beetle, contrast, group, three_films};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+use std::hint::black_box;
+
+/// Power in flight, enough for 1e-5 in reflectance.
+const LIMITS: Limits = Limits { in_flight: 1e-12, ..Limits::SINGLE };
+
+fn methods(c: &mut Criterion) {
+    let mut workspace = Box::new(Workspace::<F32, MOST_PLANES>::new());
+    let mut benches = c.benchmark_group("trace");
+    for (name, stack) in [("three-films", three_films()), ("beetle", beetle())] {
+        benches.throughput(Throughput::Elements((F32::WIDTH * stack.layers.len()) as u64));
+        stack.with_optics::<F32, _>(0.5, &group::<F32>(), |optics| {
+            let closed = optics.reflectance(optics.reflection()).s.lane(0);
+            benches.bench_function(BenchmarkId::new("closed-form", name), |b| b.iter(|| black_box(optics).response()));
+            for (method, summation) in
+                [("closed-loops", Summation::ClosedLoops), ("generations", Summation::Generations(LIMITS))]
+            {
+                let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
+                assert!((traced.ledger.reflected.s.lane(0) - closed).abs() < 1e-5);
+                benches.bench_function(BenchmarkId::new(method, name), |b| {
+                    b.iter(|| trace_layers(black_box(optics), summation, workspace.memory()));
+                });
+            }
+        });
+    }
+    benches.finish();
+}
+
+/// Growth with layers, one wavelength per lane; visits are printed, since they are what grows.
+fn growth(c: &mut Criterion) {
+    let mut workspace = Box::new(Workspace::<F32, MOST_PLANES>::new());
+    let mut benches = c.benchmark_group("growth");
+    benches.sample_size(10);
+    for layers in [2, 4, 8, 15, 30, 60] {
+        let stack = contrast(layers);
+        let mut literal = None;
+        if layers <= 4 {
+            literal = Some(Literal::new(&stack, 550.0));
+        }
+        stack.with_optics::<F32, _>(0.0, &group::<F32>(), |optics| {
+            for (method, summation) in
+                [("closed-loops", Summation::ClosedLoops), ("generations", Summation::Generations(LIMITS))]
+            {
+                let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
+                eprintln!("{layers} layers, {method}: {} visits", traced.trace.visits);
+                benches.bench_function(BenchmarkId::new(method, layers), |b| {
+                    b.iter(|| trace_layers(black_box(optics), summation, workspace.memory()));
+                });
+            }
+        });
+        if let Some(mut literal) = literal {
+            let reflectance = literal.reflectance(1e-4);
+            eprintln!("{layers} layers, literal, amplitudes ≥ 1e-4: {} visits, R = {reflectance:.4}", literal.visits);
+            benches.bench_function(BenchmarkId::new("literal", layers), |b| {
+                b.iter(|| literal.reflectance(black_box(1e-4)));
+            });
+        }
+    }
+    benches.finish();
+}
+
+/// The paper's list of rays, each hit replacing one by two, cut off at small amplitudes. Normal incidence, one wavelength.
+struct Literal {
+    r: Vec<f64>,
+    e: Vec<Complex64>,
+    visits: u64,
+}
+
+impl Literal {
+    fn new(stack: &Layered, wavelength_nm: f64) -> Self {
+        let n = |medium: u16| stack.media[usize::from(medium)].re;
+        let indices: Vec<f64> = [n(stack.ambient)]
+            .into_iter()
+            .chain(stack.layers.iter().map(|film| n(film.medium)))
+            .chain([n(stack.substrate)])
+            .collect();
+        Self {
+            r: indices.windows(2).map(|pair| (pair[0] - pair[1]) / (pair[0] + pair[1])).collect(),
+            e: stack
+                .layers
+                .iter()
+                .map(|film| Complex64::cis(TAU * n(film.medium) * film.thickness_nm / wavelength_nm))
+                .collect(),
+            visits: 0,
+        }
+    }
+
+    fn reflectance(&mut self, cut_off: f64) -> f64 {
+        let mut reflected = Complex64::default();
+        let mut rays = vec![(0usize, true, Complex64::from(1.0))];
+        self.visits = 0;
+        while let Some((facet, from_above, amplitude)) = rays.pop() {
+            self.visits += 1;
+            let r = if from_above { self.r[facet] } else { -self.r[facet] };
+            let (same_side, other_side) = (amplitude * r, amplitude * (1.0 + r));
+            let (up, down) = if from_above { (same_side, other_side) } else { (other_side, same_side) };
+            if facet == 0 {
+                reflected += up;
+            } else if up.norm() >= cut_off {
+                rays.push((facet - 1, false, up * self.e[facet - 1]));
+            }
+            if facet < self.e.len() && down.norm() >= cut_off {
+                rays.push((facet + 1, true, down * self.e[facet]));
+            }
+        }
+        reflected.norm_sqr()
+    }
+}
+
+criterion_group!(all, methods, growth);
+criterion_main!(all);
