@@ -144,6 +144,9 @@ pub struct EstimateArgs {
     /// The table to write (.exr)
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
+    /// Also a picture of the table as a disc (.png or .svg)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Number of angles, evenly from 0 up to but not including 90 degrees
     #[arg(long, default_value_t = 90, value_parser = clap::value_parser!(u16).range(2..=9000))]
     pub angles: u16,

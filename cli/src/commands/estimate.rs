@@ -7,6 +7,7 @@ use goniochrome::colour::{Quadrature, RgbSpace};
 use crate::args::{EstimateArgs, spelled};
 use crate::colours::colours;
 use crate::commands::compute;
+use crate::commands::plot::disc_of;
 use crate::error::{Error, Result};
 use crate::estimate::Spectra;
 use crate::output;
@@ -21,7 +22,9 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         return Err(Error::usage(format_args!("{}: a table is written as .exr; name it so", args.output.display())));
     }
     let scene = load(&args.scene)?;
-    output::check_destination(&args.output, &scene.files)?;
+    for path in [Some(&args.output), args.plot.as_ref()].into_iter().flatten() {
+        output::check_destination(path, &scene.files)?;
+    }
     let planar = Planar::new(&scene)?;
     let theta_deg: Vec<f64> = (0..args.angles).map(|i| 90.0 * f64::from(i) / f64::from(args.angles)).collect();
     let spectra = compute(&planar, &theta_deg, &args.wavelengths, &args.computing)?;
@@ -41,6 +44,9 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         wavelength_nm: spectra.wavelength_nm.clone(),
     };
     table_file::write(&args.output, &table)?;
+    if let Some(path) = &args.plot {
+        disc_of(&table).save(path)?;
+    }
     remark(
         args.computing.quiet,
         format_args!(

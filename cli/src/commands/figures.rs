@@ -36,12 +36,13 @@ pub fn run(args: &FiguresArgs) -> Result<()> {
     let threads = args.threads.map_or_else(parallel::available, usize::from);
     let request = Request { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads };
 
-    let progress = bar("figures", 4, args.quiet);
+    let progress = bar("figures", 5, args.quiet);
     let sections = [
         figure_3(folder, &request).inspect(|_| progress.inc(1))?,
         figure_4(folder, &request).inspect(|_| progress.inc(1))?,
         figure_6(folder, &request).inspect(|_| progress.inc(1))?,
         figure_7(folder, &request).inspect(|_| progress.inc(1))?,
+        gallery(folder, &request).inspect(|_| progress.inc(1))?,
     ];
     progress.finish_and_clear();
     let intro = "The figures of Shimada &amp; Kawaguchi, “BRDF Estimation System for Structural Colors”, computed by \
@@ -204,5 +205,55 @@ fn figure_7(folder: &Path, request: &Request) -> Result<Section> {
              merged rays converge to the exact result. Without merging, three films do not converge at all.</p>",
             differences[0], differences[1]
         ),
+    })
+}
+
+/// The presets that nature or industry makes, and the paper's multilayer.
+const GALLERY: [&str; 8] = [
+    "jewel-beetle",
+    "morpho-stack",
+    "opaline-guanine",
+    "quarter-wave-mirror",
+    "soap-bubble",
+    "oil-on-water",
+    "anodised-titanium",
+    "paper-fig4",
+];
+/// Beyond, every surface is white, so brightness is judged within.
+const GALLERY_BRIGHTNESS_DEG: usize = 70;
+
+fn gallery(folder: &Path, request: &Request) -> Result<Section> {
+    let theta = disc_angles();
+    let computed = GALLERY
+        .iter()
+        .map(|name| {
+            let scene = load(name)?;
+            let spectra = spectra(&Planar::new(&scene)?, &theta, &wavelengths(), request, &|| ())?;
+            colours(&spectra, Illuminant::D65, RgbSpace::Srgb, Quadrature::Interpolated)
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let looks: Vec<_> = computed
+        .iter()
+        .map(|colours| {
+            let brightest = colours[..GALLERY_BRIGHTNESS_DEG].iter().flat_map(|c| c.rgb).fold(0.0, f64::max) as f32;
+            move |theta_deg: f64, _: f64| between(colours, RgbSpace::Srgb, theta_deg).map(|c| c / brightest)
+        })
+        .collect();
+    let discs: Vec<Disc<'_>> = looks
+        .iter()
+        .zip(GALLERY)
+        .map(|(rgb, label)| Disc { label, rgb, theta_max_deg: 90.0, azimuthal: false })
+        .collect();
+    let (no_rows, no_columns) = (vec![String::new(); 2], vec![String::new(); 4]);
+    disc_grid("What a surface of each kind looks like from every angle", &no_rows, &no_columns, &discs)
+        .save(&folder.join("presets.png"))?;
+    Ok(Section {
+        heading: "The built-in scenes".into(),
+        images: vec!["presets.png".into()],
+        caption_html:
+            "<p>Exact physics, daylight (D65), sRGB. Each disc is brightened to the same maximum up to 70°: a soap \
+                       film reflects a tenth of the light, a beetle’s shell nearly all of its green. \
+                       <code>goniochrome presets</code> lists them.</p>"
+                .into(),
     })
 }

@@ -12,18 +12,24 @@ use crate::table_file;
 pub fn run(args: &PlotArgs) -> Result<()> {
     output::check_destination(&args.output, slice::from_ref(&args.table))?;
     let table = table_file::read(&args.table)?;
-    let name = table.metadata.get("scene").map_or("table", String::as_str);
+    let name = name_of(&table);
     let picture = match args.kind {
-        PlotKind::Disc => disc_of(&table, name),
+        PlotKind::Disc => disc_of(&table),
         PlotKind::Spectrum => spectra_of(&table, name, &args.theta.0),
         PlotKind::Map => map_of(&table, name),
     };
     picture.save(&args.output)
 }
 
-fn disc_of(table: &MirrorTable, name: &str) -> Picture {
+/// The scene a table was made from.
+fn name_of(table: &MirrorTable) -> &str {
+    table.metadata.get("scene").map_or("table", String::as_str)
+}
+
+/// Every direction of the table's hemisphere: figures 3 and 4.
+pub fn disc_of(table: &MirrorTable) -> Picture {
     let rgb = |theta_deg: f64, _phi_deg: f64| table.rgb_at(theta_deg);
-    disc(&Disc { label: name, rgb: &rgb, theta_max_deg: 90.0, azimuthal: false })
+    disc(&Disc { label: name_of(table), rgb: &rgb, theta_max_deg: 90.0, azimuthal: false })
 }
 
 fn spectra_of(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Picture {
