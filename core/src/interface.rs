@@ -60,12 +60,16 @@ pub struct Wave<V: Lanes> {
 }
 
 impl<V: Lanes> Wave<V> {
-    /// The wave of tangential wavevector q_t in a medium of index η; q_t² is given, real.
+    /// The wave of tangential wavevector q_t in a medium of index η; q_t·q_t is given.
     #[inline]
-    pub fn new(eta: ComplexLanes<V::Precise>, tangential_squared: V::Precise) -> Self {
-        let eta_squared = eta.square();
-        let normal = (eta_squared - ComplexLanes::real(tangential_squared)).sqrt_upper();
-        let p = normal.div_or_zero(eta_squared);
+    pub fn new(eta: ComplexLanes<V::Precise>, tangential_squared: ComplexLanes<V::Precise>) -> Self {
+        Self::with_normal(eta, (eta.square() - tangential_squared).sqrt_upper())
+    }
+
+    /// The wave of normal wavevector q_n in a medium of index η.
+    #[inline]
+    pub fn with_normal(eta: ComplexLanes<V::Precise>, normal: ComplexLanes<V::Precise>) -> Self {
+        let p = normal.div_or_zero(eta.square());
         Self { normal, admittance: Polarised { s: ComplexLanes::narrow(normal), p: ComplexLanes::narrow(p) } }
     }
 
@@ -114,7 +118,7 @@ mod tests {
     use num_complex::Complex64;
 
     fn wave(eta: Complex64, sin_theta: f64) -> Wave<F64> {
-        Wave::new(ComplexLanes::from_fn(|_| eta), <F64 as Lanes>::splat(sin_theta * sin_theta))
+        Wave::new(ComplexLanes::from_fn(|_| eta), ComplexLanes::real(<F64 as Lanes>::splat(sin_theta * sin_theta)))
     }
 
     /// A handful of roundings of numbers near 1.

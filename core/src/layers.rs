@@ -261,15 +261,19 @@ impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
     type Exit = Side;
     const PROBES: usize = 1;
 
-    fn home(&self, state: State) -> usize {
+    fn home(&self, state: &State) -> usize {
         2 * state.facet as usize + usize::from(state.side == Side::Below)
     }
 
-    fn merge(&self, a: Field<V>, b: Field<V>) -> Field<V> {
+    fn same(&self, a: &State, b: &State) -> bool {
+        a == b
+    }
+
+    fn merge(&self, _: &State, a: Field<V>, _: &State, b: Field<V>) -> Field<V> {
         a.zip(b, |a, b| a + b)
     }
 
-    fn power(&self, state: State, field: Field<V>) -> V {
+    fn power(&self, state: &State, field: &Field<V>) -> V {
         let stack = self.optics.stack();
         let interface = stack.interface(state.facet as usize);
         let medium = match (state.side, interface.below) {
@@ -283,7 +287,7 @@ impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
         of(here.s, incident.s, field.s).max(of(here.p, incident.p, field.p))
     }
 
-    fn split(&mut self, state: State, field: Field<V>) -> Split<State, Side, Field<V>> {
+    fn split(&mut self, state: &State, &field: &Field<V>) -> Split<State, Side, Field<V>> {
         let j = state.facet as usize;
         let total = &mut self.totals[j];
         let total = if state.side == Side::Above { &mut total.down } else { &mut total.up };

@@ -280,7 +280,7 @@ impl<'m, V: Lanes> Optics<'m, V> {
         memory: OpticsMemory<'m, V>,
     ) -> Self {
         let tangential = media.eta()[usize::from(stack.ambient())].re * V::Precise::splat(sin_theta);
-        let tangential_squared = tangential * tangential;
+        let tangential_squared = ComplexLanes::real(tangential * tangential);
         let waves = &mut memory.waves[..stack.media()];
         for (wave, &eta) in waves.iter_mut().zip(media.eta()) {
             *wave = Wave::new(eta, tangential_squared);

@@ -23,7 +23,7 @@ pub enum Target<S, X> {
 /// A cell as the tracer sees it.
 pub trait Facets<V: Lanes> {
     /// What tells two plane waves apart: the facet about to be met, the side, and where needed wavevector and tile.
-    type State: Copy + PartialEq;
+    type State: Copy;
     /// The complex amplitudes that a ray carries, referred to the facet's anchor.
     type Field: Copy;
     /// How a ray leaves: a side of the stack, or a direction.
@@ -33,13 +33,15 @@ pub trait Facets<V: Lanes> {
     const PROBES: usize;
 
     /// The first slot in which a state may wait, taken modulo the number of slots.
-    fn home(&self, state: Self::State) -> usize;
-    /// Adds the fields of two rays in equal states.
-    fn merge(&self, a: Self::Field, b: Self::Field) -> Self::Field;
+    fn home(&self, state: &Self::State) -> usize;
+    /// Whether two rays are the same plane wave about to meet the same facet from the same side.
+    fn same(&self, a: &Self::State, b: &Self::State) -> bool;
+    /// The field of both of two rays that are the [`Facets::same`], in the state `into`.
+    fn merge(&self, into: &Self::State, field: Self::Field, from: &Self::State, more: Self::Field) -> Self::Field;
     /// Power of a ray in units of the incident one, per lane; an upper bound where the wave is evanescent.
-    fn power(&self, state: Self::State, field: Self::Field) -> V;
+    fn power(&self, state: &Self::State, field: &Self::Field) -> V;
     /// Splits a ray at its facet: the reflected and the refracted ray.
-    fn split(&mut self, state: Self::State, field: Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
+    fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
 }
 
 /// The rays that come of a hit, each with where it goes: reflected, refracted.
@@ -112,7 +114,7 @@ pub fn trace<V: Lanes, C: Facets<V>>(
     let mut visits = 0;
     let mut generation = 1;
     if !offer(cell, slots, generation, start, field) {
-        return Trace { truncated: cell.power(start, field), visits, generations: 0 };
+        return Trace { truncated: cell.power(&start, &field), visits, generations: 0 };
     }
     loop {
         for place in 0..slots.len() {
@@ -122,12 +124,12 @@ pub fn trace<V: Lanes, C: Facets<V>>(
             }
             slots[place].generation = 0;
             visits += 1;
-            for (target, field) in cell.split(state, field).into_iter().flatten() {
+            for (target, field) in cell.split(&state, &field).into_iter().flatten() {
                 match target {
                     Target::Exit(exit) => sink.exit(exit, field),
                     Target::State(state) => {
                         if !offer(cell, slots, generation + 1, state, field) {
-                            dropped += cell.power(state, field);
+                            dropped += cell.power(&state, &field);
                         }
                     }
                 }
@@ -137,12 +139,69 @@ pub fn trace<V: Lanes, C: Facets<V>>(
         let in_flight = slots
             .iter()
             .filter(|slot| slot.generation == next)
-            .fold(V::zero(), |sum, slot| sum + cell.power(slot.state, slot.field));
+            .fold(V::zero(), |sum, slot| sum + cell.power(&slot.state, &slot.field));
         if !in_flight.any_above(limits.in_flight) || generation >= limits.generations {
             return Trace { truncated: in_flight + dropped, visits, generations: generation };
         }
         generation = next;
     }
+}
+
+/// Follows every path of `field` by itself, depth first and weaker branch first, so that few rays wait at a time. Rays below
+/// `limits.in_flight` each, beyond `limits.generations` hits, or without a slot are dropped into [`Trace::truncated`].
+pub fn follow_paths<V: Lanes, C: Facets<V>>(
+    cell: &mut C,
+    start: C::State,
+    field: C::Field,
+    slots: &mut [Slot<C::State, C::Field>],
+    limits: Limits,
+    sink: &mut impl Sink<C::Exit, C::Field>,
+) -> Trace<V> {
+    let mut trace = Trace { truncated: V::zero(), visits: 0, generations: 0 };
+    let mut waiting = 0;
+    let wait = |slots: &mut [Slot<C::State, C::Field>], waiting: &mut usize, slot| match slots.get_mut(*waiting) {
+        Some(vacant) => {
+            *vacant = slot;
+            *waiting += 1;
+            true
+        }
+        None => false,
+    };
+    if !wait(slots, &mut waiting, Slot { generation: 1, state: start, field }) {
+        trace.truncated = cell.power(&start, &field);
+    }
+    while let Some(next) = waiting.checked_sub(1) {
+        waiting = next;
+        let Slot { generation, state, field } = slots[waiting];
+        trace.visits += 1;
+        trace.generations = trace.generations.max(generation);
+        let mut on = [None, None];
+        for (branch, (target, field)) in cell.split(&state, &field).into_iter().flatten().enumerate() {
+            match target {
+                Target::Exit(exit) => sink.exit(exit, field),
+                Target::State(state) => {
+                    let power = cell.power(&state, &field);
+                    if generation >= limits.generations || !power.any_above(limits.in_flight) {
+                        trace.truncated += power;
+                    } else {
+                        on[branch] = Some((power, Slot { generation: generation + 1, state, field }));
+                    }
+                }
+            }
+        }
+        // The stronger waits below the weaker, which is soon done with.
+        if let [Some((first, _)), Some((second, _))] = &on
+            && (*second - *first).any_above(0.0)
+        {
+            on.swap(0, 1);
+        }
+        for (power, slot) in on.into_iter().flatten() {
+            if !wait(slots, &mut waiting, slot) {
+                trace.truncated += power;
+            }
+        }
+    }
+    trace
 }
 
 /// Merges a ray of the coming generation with its equal, or gives it a free slot; false if there is none.
@@ -156,14 +215,14 @@ fn offer<V: Lanes, C: Facets<V>>(
     if slots.is_empty() {
         return false;
     }
-    let home = cell.home(state);
+    let home = cell.home(&state);
     let mut vacant = None;
     let len = slots.len();
     for probe in 0..C::PROBES.min(len) {
         let place = (home + probe) % len;
         let slot = &mut slots[place];
-        if slot.generation == generation && slot.state == state {
-            slot.field = cell.merge(slot.field, field);
+        if slot.generation == generation && cell.same(&slot.state, &state) {
+            slot.field = cell.merge(&slot.state, slot.field, &state, field);
             return true;
         }
         if slot.generation == 0 && vacant.is_none() {
