@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-const FLOW: [&str; 12] = [
+const FLOW: [&str; 13] = [
     "lanes",
     "complex",
     "turns",
     "medium",
     "interface",
     "stack",
+    "bvh",
     "cell",
     "trace",
     "coherence",

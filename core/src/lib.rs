@@ -27,6 +27,7 @@
 //! | [`interface`] | one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η²; models |
 //! | [`stack`] | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
 //! | [`cell`] | the facets of a micro-surface | |
+//! | [`bvh`] | the triangle that a ray meets first | u, v, w of one sign |
 //! | [`trace`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
 //! | [`coherence`] | how exits add; the power ledger | R + T + absorbed + truncated + imbalance = 1 |
 //! | [`layers`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
@@ -67,6 +68,7 @@
 //! ```
 #![no_std]
 
+pub mod bvh;
 pub mod cell;
 pub mod coherence;
 pub mod colour;

@@ -1,0 +1,312 @@
+//! Construction: ranges of `order` are split in place until they are leaves.
+
+use super::{Bvh, BvhError, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH};
+use glam::DVec3;
+
+/// Candidate planes per axis plus one; more gain little (Wald 2007, section 3.3).
+const BINS: usize = 16;
+
+pub(super) fn build<'a>(
+    vertices: &'a [DVec3],
+    triangles: &'a [[u32; 3]],
+    nodes: &'a mut [Node],
+    order: &'a mut [u32],
+) -> Result<Bvh<'a>, BvhError> {
+    check(vertices, triangles)?;
+    let required = Bvh::required_nodes(triangles.len());
+    if nodes.len() < required || order.len() < triangles.len() {
+        return Err(BvhError::Memory { nodes: required, order: triangles.len() });
+    }
+    let mut kept = 0;
+    for (triangle, &[a, b, c]) in (0..).zip(triangles) {
+        let [a, b, c] = [a, b, c].map(|vertex| vertices[vertex as usize]);
+        // Scaled, so that the product of small edges does not underflow.
+        let (ab, ac) = (b - a, c - a);
+        let (length_ab, length_ac) = (ab.abs().max_element(), ac.abs().max_element());
+        if length_ab > 0.0 && length_ac > 0.0 && (ab / length_ab).cross(ac / length_ac) != DVec3::ZERO {
+            order[kept] = triangle;
+            kept += 1;
+        }
+    }
+    let mut builder = Builder { vertices, triangles, order: &mut order[..kept], centre: DVec3::ZERO };
+    let root = builder.measure(0, kept);
+    let size = root.bounds.high - root.bounds.low;
+    let (centre, radius) = if kept == 0 {
+        (DVec3::ZERO, 0.0)
+    } else {
+        // Half an extent, and the rounding of the centre.
+        (root.bounds.low + 0.5 * size, (0.5 + f64::EPSILON) * size.max_element())
+    };
+    builder.centre = centre;
+    let used = builder.split_all(root, nodes);
+    Ok(Bvh { vertices, triangles, nodes: &nodes[..used], order: &order[..kept], centre, radius })
+}
+
+fn check(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), BvhError> {
+    if triangles.is_empty() {
+        return Err(BvhError::Empty);
+    }
+    // The last index marks a ray that has hit nothing.
+    if u32::try_from(triangles.len()).is_err() {
+        return Err(BvhError::TooMany);
+    }
+    // NaN is not in the range either.
+    let valid = |x: &f64| (-MAX_COORDINATE..=MAX_COORDINATE).contains(x);
+    if let Some(vertex) = vertices.iter().position(|v| !v.to_array().iter().all(valid)) {
+        return Err(BvhError::NotFinite { vertex });
+    }
+    match triangles.iter().position(|t| t.iter().any(|&vertex| vertex as usize >= vertices.len())) {
+        Some(triangle) => Err(BvhError::NoVertex { triangle }),
+        None => Ok(()),
+    }
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Bounds {
+    const NOTHING: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    fn join(&mut self, low: DVec3, high: DVec3) {
+        self.low = smaller(low, self.low);
+        self.high = larger(high, self.high);
+    }
+
+    /// Half the surface area, which is what the heuristic compares.
+    fn area(&self) -> f64 {
+        let size = self.high - self.low;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+
+    /// The sum of opposite corners: twice the middle.
+    fn sum(&self) -> DVec3 {
+        self.low + self.high
+    }
+}
+
+// No NaN comes here, so one comparison per component serves.
+fn smaller(a: DVec3, b: DVec3) -> DVec3 {
+    let less = |a: f64, b: f64| if a < b { a } else { b };
+    DVec3::new(less(a.x, b.x), less(a.y, b.y), less(a.z, b.z))
+}
+
+fn larger(a: DVec3, b: DVec3) -> DVec3 {
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    DVec3::new(more(a.x, b.x), more(a.y, b.y), more(a.z, b.z))
+}
+
+/// A part of `order` with the box of its triangles and that of the middles (doubled) of their boxes.
+#[derive(Clone, Copy)]
+struct Range {
+    begin: usize,
+    end: usize,
+    bounds: Bounds,
+    middles: Bounds,
+}
+
+impl Range {
+    const NOTHING: Self = Self { begin: 0, end: 0, bounds: Bounds::NOTHING, middles: Bounds::NOTHING };
+
+    fn count(&self) -> usize {
+        self.end - self.begin
+    }
+
+    fn add(&mut self, triangle: &Bounds) {
+        self.bounds.join(triangle.low, triangle.high);
+        self.middles.join(triangle.sum(), triangle.sum());
+    }
+}
+
+/// A range that becomes a node.
+#[derive(Clone, Copy)]
+struct Task {
+    range: Range,
+    node: usize,
+    depth: usize,
+}
+
+struct Builder<'b> {
+    vertices: &'b [DVec3],
+    triangles: &'b [[u32; 3]],
+    order: &'b mut [u32],
+    centre: DVec3,
+}
+
+impl Builder<'_> {
+    /// Fills `nodes` from the root and returns how many there are. Depth first, so the stack is that of a traversal.
+    fn split_all(&mut self, root: Range, nodes: &mut [Node]) -> usize {
+        let mut tasks = [Task { range: root, node: 0, depth: 0 }; STACK];
+        let (mut waiting, mut used) = (1, 1);
+        while waiting > 0 {
+            waiting -= 1;
+            let Task { range, node, depth } = tasks[waiting];
+            let mut children = [Range::NOTHING; WIDTH];
+            let count = self.split_into_children(range, depth, &mut children);
+            let mut filled = Node::EMPTY;
+            for (i, child) in children[..count].iter().enumerate().filter(|(_, child)| child.count() > 0) {
+                self.store_bounds(&child.bounds, i, &mut filled);
+                if child.count() <= LEAF_TRIANGLES {
+                    filled.first[i] = child.begin as u32;
+                    filled.count[i] = child.count() as u32;
+                } else {
+                    filled.first[i] = used as u32;
+                    tasks[waiting] = Task { range: *child, node: used, depth: depth + 1 };
+                    waiting += 1;
+                    used += 1;
+                }
+            }
+            nodes[node] = filled;
+        }
+        used
+    }
+
+    /// Splits the child of greatest area until there are `WIDTH` or none can be split. Where the levels left hold no
+    /// more than a balanced tree, the child of most triangles is halved instead: each gets a `WIDTH`th, rounded up.
+    fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) -> usize {
+        let levels_below = (MAX_DEPTH - depth - 1) as u32;
+        let balanced =
+            range.count() as u64 > (WIDTH as u64).saturating_pow(levels_below).saturating_mul(LEAF_TRIANGLES as u64);
+        children[0] = range;
+        let mut count = 1;
+        while count < WIDTH {
+            let weight = |child: &Range| if balanced { child.count() as f64 } else { child.bounds.area() };
+            let order = |a: &Range, b: &Range| weight(a).total_cmp(&weight(b)).then(a.count().cmp(&b.count()));
+            let candidates = (0..count).filter(|&i| children[i].count() > 1);
+            let Some(i) = candidates.max_by(|&i, &j| order(&children[i], &children[j])) else {
+                break;
+            };
+            let (left, right) = if balanced { self.halve(&children[i]) } else { self.split(&children[i]) };
+            (children[i], children[count]) = (left, right);
+            count += 1;
+        }
+        count
+    }
+
+    /// Single precision, one step outwards: at least half a step more than the rounding.
+    fn store_bounds(&self, bounds: &Bounds, i: usize, node: &mut Node) {
+        let low = (bounds.low - self.centre).to_array();
+        let high = (bounds.high - self.centre).to_array();
+        for axis in 0..3 {
+            node.bounds[axis][0][i] = (low[axis] as f32).next_down();
+            node.bounds[axis][1][i] = (high[axis] as f32).next_up();
+        }
+    }
+
+    #[inline]
+    fn bounds(&self, triangle: u32) -> Bounds {
+        let [a, b, c] = self.triangles[triangle as usize].map(|vertex| self.vertices[vertex as usize]);
+        Bounds { low: smaller(a, smaller(b, c)), high: larger(a, larger(b, c)) }
+    }
+
+    fn measure(&self, begin: usize, end: usize) -> Range {
+        let mut range = Range { begin, end, ..Range::NOTHING };
+        for &triangle in &self.order[begin..end] {
+            range.add(&self.bounds(triangle));
+        }
+        range
+    }
+
+    /// Divides at the median of the longest axis; by place alone if the middles coincide.
+    fn halve(&mut self, range: &Range) -> (Range, Range) {
+        let middle = range.begin + range.count() / 2;
+        let extent = range.middles.high - range.middles.low;
+        if extent.max_element() > 0.0 {
+            let axis = extent.max_position();
+            let (vertices, triangles) = (self.vertices, self.triangles);
+            let key = Builder { vertices, triangles, order: &mut [], centre: self.centre };
+            self.order[range.begin..range.end].select_nth_unstable_by(range.count() / 2, |&a, &b| {
+                key.bounds(a).sum()[axis].total_cmp(&key.bounds(b).sum()[axis])
+            });
+        }
+        (self.measure(range.begin, middle), self.measure(middle, range.end))
+    }
+
+    /// Divides where the binned heuristic is least: area · count of the left plus that of the right.
+    fn split(&mut self, range: &Range) -> (Range, Range) {
+        let grid = Grid::new(range);
+        let mut bins = [[(Bounds::NOTHING, 0usize); BINS]; 3];
+        for &triangle in &self.order[range.begin..range.end] {
+            let bounds = self.bounds(triangle);
+            let place = grid.place(bounds.sum());
+            for axis in 0..3 {
+                let bin = &mut bins[axis][place[axis]];
+                bin.0.join(bounds.low, bounds.high);
+                bin.1 += 1;
+            }
+        }
+        let Some((axis, last_left)) = grid.cheapest(&bins) else { return self.halve(range) };
+
+        let mut left = Range { begin: range.begin, end: range.begin, ..Range::NOTHING };
+        let mut right = Range { begin: range.end, end: range.end, ..Range::NOTHING };
+        while left.end < right.begin {
+            let bounds = self.bounds(self.order[left.end]);
+            if grid.place(bounds.sum())[axis] <= last_left {
+                left.end += 1;
+                left.add(&bounds);
+            } else {
+                right.begin -= 1;
+                right.add(&bounds);
+                self.order.swap(left.end, right.begin);
+            }
+        }
+        (left, right)
+    }
+}
+
+/// Equal bins between the extreme middles of a range.
+struct Grid {
+    bins: usize,
+    low: [f64; 3],
+    scale: [f64; 3],
+}
+
+impl Grid {
+    fn new(range: &Range) -> Self {
+        // Few triangles need few planes.
+        let bins = (2 * range.count()).clamp(2, BINS);
+        let extent = range.middles.high - range.middles.low;
+        Self { bins, low: range.middles.low.to_array(), scale: extent.to_array().map(|length| bins as f64 / length) }
+    }
+
+    /// The bin of each axis; 0 along an axis without extent (0 · ∞ is NaN, which converts to 0).
+    #[inline]
+    fn place(&self, middle: DVec3) -> [usize; 3] {
+        let middle = middle.to_array();
+        core::array::from_fn(|axis| {
+            let bin = (middle[axis] - self.low[axis]) * self.scale[axis];
+            (bin as usize).min(self.bins - 1)
+        })
+    }
+
+    /// The axis and the last bin of the left part, of all divisions that leave neither part empty.
+    fn cheapest(&self, bins: &[[(Bounds, usize); BINS]; 3]) -> Option<(usize, usize)> {
+        let mut best = (f64::INFINITY, None);
+        for (axis, bins) in bins.iter().enumerate() {
+            let mut right_cost = [f64::INFINITY; BINS];
+            let (mut bounds, mut count) = (Bounds::NOTHING, 0);
+            for i in (1..self.bins).rev() {
+                bounds.join(bins[i].0.low, bins[i].0.high);
+                count += bins[i].1;
+                if count > 0 {
+                    right_cost[i - 1] = bounds.area() * count as f64;
+                }
+            }
+            (bounds, count) = (Bounds::NOTHING, 0);
+            for i in 0..self.bins - 1 {
+                bounds.join(bins[i].0.low, bins[i].0.high);
+                count += bins[i].1;
+                if count > 0 {
+                    let cost = bounds.area() * count as f64 + right_cost[i];
+                    if cost < best.0 {
+                        best = (cost, Some((axis, i)));
+                    }
+                }
+            }
+        }
+        best.1
+    }
+}
