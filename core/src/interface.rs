@@ -64,7 +64,26 @@ impl<V: Lanes> Wave<V> {
     #[inline]
     pub fn new(eta: ComplexLanes<V::Precise>, tangential_squared: V::Precise) -> Self {
         let eta_squared = eta.square();
-        let normal = (eta_squared - ComplexLanes::real(tangential_squared)).sqrt_upper();
+        Self::of(eta_squared, eta_squared - ComplexLanes::real(tangential_squared))
+    }
+
+    /// [`Wave::new`] for a film. At a film's critical angle q_n → 0 its two waves grow like 1/q_n and cancel: amplitudes lose
+    /// u/q_n for a unit roundoff u, until 0/0 is left. So q_n² is kept away from 0 by 2u|η|², which is as if η were rounded.
+    /// A substrate needs no such care, and would show it: its R has the slope of √ there.
+    #[inline]
+    pub fn in_film(eta: ComplexLanes<V::Precise>, tangential_squared: V::Precise) -> Self {
+        let eta_squared = eta.square();
+        let mut normal_squared = eta_squared - ComplexLanes::real(tangential_squared);
+        let least = eta_squared.norm() * V::Precise::splat(2.0 * V::UNIT_ROUNDOFF);
+        let size = normal_squared.norm();
+        normal_squared.re = size.select_lt(least, least, normal_squared.re);
+        normal_squared.im = size.select_lt(least, V::Precise::zero(), normal_squared.im);
+        Self::of(eta_squared, normal_squared)
+    }
+
+    #[inline]
+    fn of(eta_squared: ComplexLanes<V::Precise>, normal_squared: ComplexLanes<V::Precise>) -> Self {
+        let normal = normal_squared.sqrt_upper();
         let p = normal.div_or_zero(eta_squared);
         Self { normal, admittance: Polarised { s: ComplexLanes::narrow(normal), p: ComplexLanes::narrow(p) } }
     }
