@@ -1,5 +1,7 @@
 //! Laws of planar stacks, on many random ones: no reference but physics itself. Tolerances come from [`crate::scalar`].
 
+#![allow(clippy::needless_range_loop, reason = "one index runs through several arrays")]
+
 use crate::reference::Layered;
 use crate::scalar::{Problem, Twin};
 use goniochrome::coherence::Ledger;

@@ -11,6 +11,8 @@
 //! |1 − g|, with g the gain of the loop in the film below. The sum of all is the condition number of the stack: about 1 for
 //! ordinary films, the stored energy for resonances, 1/κ near the critical angle of a film.
 
+#![allow(clippy::needless_range_loop, reason = "one index runs through several arrays")]
+
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -270,7 +272,8 @@ impl Twin {
             let error = self.lanes[side] * (roundoff + UNIT_ROUNDOFF) + self.media[side] * precise;
             let tiny = if roundoff > UNIT_ROUNDOFF { f64::from(f32::MIN_POSITIVE) } else { f64::MIN_POSITIVE };
             // A power below the smallest normal number loses its digits, and then itself.
-            squared(a, error) + ROUNDINGS_OF_A_PLANE * (roundoff * passed + tiny) + precise * lost
+            let sum = squared(a, error) + ROUNDINGS_OF_A_PLANE * (roundoff * passed + tiny) + precise * lost;
+            if sum.is_nan() { f64::INFINITY } else { sum }
         };
         [of(0, self.reflection, [self.reflectance, 0.0]), of(1, self.transmission, self.passed)]
     }
