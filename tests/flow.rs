@@ -3,18 +3,23 @@
 use std::fs;
 use std::path::Path;
 
-const FLOW: [&str; 13] = [
+const FLOW: [&str; 18] = [
     "lanes",
     "complex",
+    "vector",
     "turns",
     "medium",
     "interface",
     "stack",
     "bvh",
     "cell",
+    "mesh",
     "trace",
     "coherence",
     "layers",
+    "polygons",
+    "bins",
+    "sampling",
     "table",
     "colour",
 ];

@@ -4,6 +4,8 @@ mod allocation;
 mod colour;
 mod flow;
 mod growth;
+mod laws;
 mod paper;
 mod planar;
 mod reference;
+mod scalar;

@@ -1,6 +1,7 @@
 //! The command line.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::OnceLock;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -11,6 +12,7 @@ use goniochrome::lanes::simd_level;
 use crate::estimate::{Method, Precision, Request};
 use crate::grid::{Angles, Wavelengths};
 use crate::parallel;
+use crate::scatter::Coherence;
 
 /// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
 #[derive(Debug, Parser)]
@@ -41,6 +43,8 @@ pub enum Command {
     Colour(ColourArgs),
     /// The BRDF table: spectral and RGB, as multi-channel EXR
     Estimate(EstimateArgs),
+    /// Where a polygon cell sends the light of one direction
+    Scatter(ScatterArgs),
     /// Ray tracing against the closed form (the paper's figure 7)
     Compare(CompareArgs),
     /// Colour error against the number of wavelengths (the paper's figure 6)
@@ -159,6 +163,62 @@ pub struct EstimateArgs {
     /// How to compute
     #[command(flatten)]
     pub computing: Computing,
+}
+
+/// Arguments of `scatter`.
+#[derive(Debug, Args)]
+pub struct ScatterArgs {
+    /// A scene file with a [cell], or the name of such a preset
+    pub scene: String,
+    /// Angle of incidence in degrees, in [0, 90)
+    #[arg(long, default_value_t = 0.0)]
+    pub theta: f64,
+    /// Azimuth of the direction towards the light in degrees, from the tangent
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub phi: f64,
+    /// Vacuum wavelength in nm
+    #[arg(long, default_value_t = 550.0)]
+    pub wavelength: f64,
+    /// Starting rays over the period
+    #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
+    pub rays: u32,
+    /// Bins of outgoing directions: uniform in cos θ × uniform in φ
+    #[arg(long, default_value = "8x16")]
+    pub bins: Bins,
+    /// How exits add
+    #[arg(long, value_enum, default_value_t = Coherence::Ray)]
+    pub coherence: Coherence,
+    /// Single or double precision
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
+    /// Seed of the sampling sequence
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    /// Where the JSON goes; - is standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    pub json: PathBuf,
+    /// Worker threads [default: as many as the machine has]; results do not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// `8x16`: bins in cos θ and in φ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bins(pub [u32; 2]);
+
+impl FromStr for Bins {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let part = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=1024).contains(n));
+        match text.split_once('x').map(|(cos, phi)| (part(cos), part(phi))) {
+            Some((Some(cos), Some(phi))) => Ok(Self([cos, phi])),
+            _ => Err("expected COSxPHI such as 8x16, each from 1 to 1024".into()),
+        }
+    }
 }
 
 /// Arguments of `compare`.

@@ -1,6 +1,7 @@
 //! Library behind the `goniochrome` command: scenes, estimation with threads, files and pictures.
 
 pub mod args;
+pub mod bumpy;
 pub mod colours;
 pub mod commands;
 pub mod comparison;
@@ -14,6 +15,7 @@ pub mod picture;
 pub mod planar;
 pub mod progress;
 pub mod sampling;
+pub mod scatter;
 pub mod scene;
 pub mod table;
 pub mod table_file;

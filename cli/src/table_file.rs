@@ -182,11 +182,7 @@ fn attributes(table: &MirrorTable) -> Result<LayerAttributes> {
         if [KIND, THETA, WAVELENGTH].contains(&key.as_str()) {
             return Err(Error::failed(format_args!("the metadata key \"{key}\" is reserved")));
         }
-        if key.is_empty() || key.len() > MAX_KEY_LENGTH || !key.bytes().all(|b| b.is_ascii_graphic()) {
-            return Err(Error::failed(format_args!(
-                "the metadata key \"{key}\" is not 1 to {MAX_KEY_LENGTH} printable ASCII characters without spaces"
-            )));
-        }
+        check_key(key)?;
         put(key, value);
     }
     put(KIND, MIRROR);
@@ -196,12 +192,22 @@ fn attributes(table: &MirrorTable) -> Result<LayerAttributes> {
     Ok(attributes)
 }
 
-/// Attributes under our prefix, without it.
+fn check_key(key: &str) -> Result<()> {
+    if key.is_empty() || key.len() > MAX_KEY_LENGTH || !key.bytes().all(|b| b.is_ascii_graphic()) {
+        return Err(Error::failed(format_args!(
+            "the metadata key {key:?} is not 1 to {MAX_KEY_LENGTH} printable ASCII characters without spaces"
+        )));
+    }
+    Ok(())
+}
+
+/// Attributes under our prefix, without it. Keys that could not be written again are refused.
 fn own_attributes(header: &Header) -> Result<BTreeMap<String, String>> {
     let mut found = BTreeMap::new();
     for (name, value) in header.own_attributes.other.iter().chain(&header.shared_attributes.other) {
         let (Ok(name), AttributeValue::Text(value)) = (str::from_utf8(name.bytes()), value) else { continue };
         let Some(key) = name.strip_prefix(PREFIX) else { continue };
+        check_key(key)?;
         let value = str::from_utf8(value.bytes())
             .map_err(|_| Error::failed(format_args!("the attribute {name} is not UTF-8 text")))?;
         found.insert(key.to_owned(), value.to_owned());
@@ -307,6 +313,9 @@ mod tests {
     #[test]
     fn contradictions_are_named() {
         assert_eq!(patched("mirror", "mirage"), "goniochrome.kind is \"mirage\"; this version reads \"mirror\"");
+        assert!(
+            patched("chrome.scene", "chrome.sc\u{7f}ne").starts_with("the metadata key \"sc\\u{7f}ne\" is not 1 to")
+        );
         assert_eq!(patched("0 0.33", "0 0 33"), "the image is 3 × 1 where 4 × 1 belong");
         assert_eq!(patched("89.9", "89x9"), "\"89x9\" in goniochrome.theta_deg is not a number");
         assert_eq!(patched("s.T.700,0", "s.T.700,1"), "the 32-bit float channel s.T.700,000000nm is missing");

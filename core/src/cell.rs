@@ -52,6 +52,8 @@ pub enum CellError {
         /// The facet.
         facet: usize,
     },
+    /// The period is not positive, or the mesh leaves it.
+    Period,
     /// The medium above this facet is not the one below its predecessor.
     MediaDiffer {
         /// The facet.
@@ -66,6 +68,7 @@ impl core::fmt::Display for CellError {
             Self::NotFinite { facet } => write!(f, "facet {facet} has a coordinate that is not finite"),
             Self::NoInterface { facet } => write!(f, "facet {facet} names an interface that the cell does not have"),
             Self::Tilted { facet } => write!(f, "facet {facet} is not a horizontal plane facing upwards"),
+            Self::Period => write!(f, "the period must be positive and hold the whole mesh, from 0"),
             Self::OutOfOrder { facet } => write!(f, "facet {facet} lies above the one before it"),
             Self::MediaDiffer { facet } => {
                 write!(f, "the medium above facet {facet} is not the one below the facet before it")

@@ -66,6 +66,20 @@ impl<V: Lanes> Wave<V> {
         Self::with_normal(eta, (eta.square() - tangential_squared).sqrt_upper())
     }
 
+    /// [`Wave::new`] for a film. At a film's critical angle q_n → 0 its two waves grow like 1/q_n and cancel: amplitudes lose
+    /// u/q_n for a unit roundoff u, until 0/0 is left. So q_n² is kept away from 0 by 2u|η|², which is as if η were rounded.
+    /// A substrate needs no such care, and would show it: its R has the slope of √ there.
+    #[inline]
+    pub fn in_film(eta: ComplexLanes<V::Precise>, tangential_squared: ComplexLanes<V::Precise>) -> Self {
+        let eta_squared = eta.square();
+        let mut normal_squared = eta_squared - tangential_squared;
+        let least = eta_squared.norm() * V::Precise::splat(2.0 * V::UNIT_ROUNDOFF);
+        let size = normal_squared.norm();
+        normal_squared.re = size.select_lt(least, least, normal_squared.re);
+        normal_squared.im = size.select_lt(least, V::Precise::zero(), normal_squared.im);
+        Self::with_normal(eta, normal_squared.sqrt_upper())
+    }
+
     /// The wave of normal wavevector q_n in a medium of index η.
     #[inline]
     pub fn with_normal(eta: ComplexLanes<V::Precise>, normal: ComplexLanes<V::Precise>) -> Self {

@@ -21,16 +21,18 @@
 //!
 //! | module | what | equation |
 //! |---|---|---|
-//! | [`lanes`], [`complex`] | one number per wavelength of a group | |
+//! | [`lanes`], [`complex`], [`vector`] | one number per wavelength of a group | |
 //! | [`turns`] | phase factors of long paths | exp(2πi q·L/λ), path reduced to ±½ in double precision |
 //! | [`medium`] | n + ik of a wavelength | dispersion formulas 1 to 9, tables |
 //! | [`interface`] | one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η²; models |
 //! | [`stack`] | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
-//! | [`cell`] | the facets of a micro-surface | |
+//! | [`cell`], [`mesh`] | the facets of a micro-surface | |
 //! | [`bvh`] | the triangle that a ray meets first | u, v, w of one sign |
 //! | [`trace`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
 //! | [`coherence`] | how exits add; the power ledger | R + T + absorbed + truncated + imbalance = 1 |
 //! | [`layers`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
+//! | [`polygons`] | the tracer's polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
+//! | [`bins`], [`sampling`] | where rays leave, where they start | |
 //! | [`table`] | BRDF tables | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
 //! | [`colour`] | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
 //!
@@ -68,6 +70,7 @@
 //! ```
 #![no_std]
 
+pub mod bins;
 pub mod bvh;
 pub mod cell;
 pub mod coherence;
@@ -77,6 +80,8 @@ pub mod interface;
 pub mod lanes;
 pub mod layers;
 pub mod medium;
+pub mod mesh;
+pub mod polygons;
 pub mod sampling;
 pub mod stack;
 pub mod table;

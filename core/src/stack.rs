@@ -285,6 +285,10 @@ impl<'m, V: Lanes> Optics<'m, V> {
         for (wave, &eta) in waves.iter_mut().zip(media.eta()) {
             *wave = Wave::new(eta, tangential_squared);
         }
+        for film in stack.films {
+            let medium = usize::from(film.medium);
+            waves[medium] = Wave::in_film(media.eta()[medium], tangential_squared);
+        }
         let reflections = &mut memory.reflections[..stack.interfaces.len()];
         for (r, interface) in reflections.iter_mut().zip(stack.interfaces) {
             let below = match interface.below {
@@ -386,7 +390,10 @@ impl<'m, V: Lanes> Optics<'m, V> {
                 passed = passed.zip(r, |passed, r| passed * e * transmission(r, sigma));
             }
             if j % RESCALE_EVERY == 0 {
-                let scale = denominator.zip(numerator, |d, n| V::one() / (d.re.abs() + d.im.abs() + n.norm()));
+                let scale = denominator.zip(numerator, |d, n| {
+                    let size = d.re.abs() + d.im.abs() + n.norm();
+                    V::one() / V::zero().select_lt(size, size, V::one())
+                });
                 numerator = numerator.zip(scale, ComplexLanes::scale);
                 denominator = denominator.zip(scale, ComplexLanes::scale);
                 passed = passed.zip(scale, ComplexLanes::scale);

@@ -86,10 +86,15 @@ impl Limits {
     pub const DOUBLE: Self = Self { in_flight: 1e-22, generations: 4_000_000 };
 }
 
+/// Power in flight, relative to the incident, at which a sum of rays is given up. Where absorbing or evanescent waves make a
+/// loop's gain |g| > 1 although the stack is passive, the sum by generations diverges. Amplitudes of
+/// 10⁶ leave no digit of single precision and ten of double.
+const DIVERGED: f64 = 1e12;
+
 /// What a trace cost and what it left undone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<V> {
-    /// Power in flight at the end plus power of rays dropped for want of a slot, per lane.
+    /// Power in flight at the end plus power of rays dropped for want of a slot, per lane. Above 1 the sum diverged.
     pub truncated: V,
     /// States visited: one for each splitting of a merged ray.
     pub visits: u64,
@@ -140,7 +145,8 @@ pub fn trace<V: Lanes, C: Facets<V>>(
             .iter()
             .filter(|slot| slot.generation == next)
             .fold(V::zero(), |sum, slot| sum + cell.power(&slot.state, &slot.field));
-        if !in_flight.any_above(limits.in_flight) || generation >= limits.generations {
+        let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(DIVERGED);
+        if done || generation >= limits.generations {
             return Trace { truncated: in_flight + dropped, visits, generations: generation };
         }
         generation = next;

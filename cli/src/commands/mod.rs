@@ -7,6 +7,7 @@ mod figures;
 mod plot;
 mod presets;
 mod sampling;
+mod scatter;
 mod spectrum;
 
 use std::path::Path;
@@ -29,6 +30,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Spectrum(args) => spectrum::run(args),
         Command::Colour(args) => colour::run(args),
         Command::Estimate(args) => estimate::run(args),
+        Command::Scatter(args) => scatter::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),

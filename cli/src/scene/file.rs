@@ -51,7 +51,7 @@ const MAX_REPEAT_DEPTH: u32 = 16;
 const MAX_NK_BYTES: u64 = 16 << 20;
 
 struct Reader<'a> {
-    /// Where relative paths start.
+    /// Where relative paths start; without it the scene can name no files.
     folder: Option<&'a Path>,
     media: Media,
     files: Vec<PathBuf>,
@@ -115,7 +115,9 @@ fn length(item: &Item<'_>) -> Result<f64> {
 
 impl Reader<'_> {
     fn path(&mut self, item: &Item<'_>) -> Result<PathBuf> {
-        let path = self.folder.unwrap_or(Path::new("")).join(item.text()?);
+        let name = item.text()?;
+        let folder = self.folder.ok_or_else(|| item.refuse("only a scene in a file can name files"))?;
+        let path = folder.join(name);
         if !path.exists() {
             return Err(item.refuse(format_args!("{}: no such file; paths start at the scene file", path.display())));
         }

@@ -15,7 +15,7 @@ mod yaml;
 use std::path::{Path, PathBuf};
 
 use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::MediumIndex;
+use goniochrome::medium::{Extrapolate, MediumIndex};
 
 use crate::error::{Error, Result};
 
@@ -125,6 +125,30 @@ pub fn load(name_or_path: &str) -> Result<Scene> {
     )))
 }
 
+/// The scene in a text, with built-in materials alone: a text has no folder, so it can name no files.
+///
+/// # Errors
+/// One line that names the place, under `label`, and the remedy.
+pub fn parse(label: &str, text: &str) -> Result<Scene> {
+    file::parse(label, text, label, None)
+}
+
+/// The medium in a text in the format of refractiveindex.info.
+///
+/// # Errors
+/// One line that names the place, under `label`.
+pub fn parse_nk(label: &str, text: &str) -> Result<OwnedMedium> {
+    nk::parse(&source::Source { label, text }, Extrapolate::Refuse)
+}
+
+/// The mesh in a text in Wavefront OBJ; `interfaces` are the names that `usemtl` may use.
+///
+/// # Errors
+/// One line that names the place, under `label`.
+pub fn parse_mesh(label: &str, text: &str, interfaces: &[&str]) -> Result<Mesh> {
+    Mesh::parse(label, text, interfaces)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,6 +169,17 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error = load(folder.path().to_str().unwrap()).unwrap_err();
         assert!(error.to_string().ends_with(": is a folder, expected a scene file"));
+    }
+
+    #[test]
+    fn a_text_reads_no_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("n.yml");
+        std::fs::write(&path, "DATA:\n  - type: formula 5\n    range: 0.3 0.9\n    coefficients: 1.7\n").unwrap();
+        let text = format!("[stack]\nambient = 1\nsubstrate = 'x'\n[materials.x]\nfile = '{}'\n", path.display());
+        let message = parse("text", &text).unwrap_err().to_string();
+        assert!(message.ends_with("file: only a scene in a file can name files"), "{message}");
+        assert_eq!(parse("text", &text.replace("'x'", "'SiO2'").split("[mat").next().unwrap()).unwrap().media.len(), 2);
     }
 
     #[test]

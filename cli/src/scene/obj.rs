@@ -41,8 +41,12 @@ impl Mesh {
     /// The mesh in a file; `interfaces` are the names that `usemtl` may use.
     pub(super) fn read(path: &Path, interfaces: &[&str]) -> Result<Self> {
         let text = read_text(path, MAX_BYTES)?;
-        let label = path.display().to_string();
-        parse(&Source { label: &label, text: &text }, path, interfaces, MAX_TRIANGLES)
+        Self::parse(&path.display().to_string(), &text, interfaces)
+    }
+
+    /// The mesh in a text that messages call `label`.
+    pub(super) fn parse(label: &str, text: &str, interfaces: &[&str]) -> Result<Self> {
+        parse(&Source { label, text }, Path::new(label), interfaces, MAX_TRIANGLES)
     }
 }
 

@@ -197,6 +197,18 @@ impl<'a> Bvh<'a> {
         }
     }
 
+    /// The vertices.
+    #[must_use]
+    pub fn vertices(&self) -> &'a [DVec3] {
+        self.vertices
+    }
+
+    /// The triangles.
+    #[must_use]
+    pub fn triangles(&self) -> &'a [[u32; 3]] {
+        self.triangles
+    }
+
     /// [`Bvh::closest`] for rays whose direction is longest along axis `KZ`.
     #[inline]
     fn traverse<const KZ: usize>(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {

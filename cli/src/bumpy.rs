@@ -1,0 +1,170 @@
+//! A scene of tilted facets as a polygon cell: what the general tracer is given.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use goniochrome::bvh::{Bvh, Node};
+use goniochrome::cell::Facet;
+use goniochrome::interface::{Below, Interface};
+use goniochrome::medium::{Medium, MediumError, MediumIndex};
+use goniochrome::mesh::MeshCell;
+
+use crate::error::{Error, Result};
+use crate::scene::{Mesh, NamedInterface, Scene, Shape};
+
+/// The polygons of a scene, grouped into facets, and the media between them.
+#[derive(Debug, Clone)]
+pub struct Bumpy<'s> {
+    scene: &'s Scene,
+    vertices: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    facet_of: Vec<u32>,
+    facets: Vec<Facet>,
+    interfaces: Vec<Interface>,
+    period_nm: [f64; 2],
+    above: MediumIndex,
+}
+
+/// Memory that a [`MeshCell`] borrows.
+#[derive(Debug)]
+pub struct CellBuffer {
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+}
+
+impl<'s> Bumpy<'s> {
+    /// Groups a mesh's triangles into facets.
+    ///
+    /// # Errors
+    /// A scene without a mesh; a mesh without area, or whose top is not one medium.
+    pub fn new(scene: &'s Scene) -> Result<Self> {
+        let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else {
+            return Err(Error::failed(format_args!("{}: has no [cell] of polygons", scene.name)));
+        };
+        let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
+        let solid: Vec<_> = mesh.triangles.iter().filter(|t| area(&vertices, t.vertices).length() > 0.0).collect();
+        if solid.is_empty() {
+            return Err(Error::failed(format_args!("{}: no triangle has an area", mesh.path.display())));
+        }
+        let triangles: Vec<[u32; 3]> = solid.iter().map(|t| t.vertices).collect();
+        let kinds: Vec<u16> = solid.iter().map(|t| t.interface).collect();
+        let (facet_of, facets) = facets(&vertices, &triangles, &kinds);
+        let above = topmost(mesh, &vertices, interfaces)?;
+        let interfaces = interfaces.iter().map(|named| named.interface).collect();
+        Ok(Self { scene, vertices, triangles, facet_of, facets, interfaces, period_nm: *period_nm, above })
+    }
+
+    /// Memory for [`Bumpy::cell`].
+    #[must_use]
+    pub fn buffer(&self) -> CellBuffer {
+        let count = self.triangles.len();
+        CellBuffer { nodes: vec![Node::default(); Bvh::required_nodes(count)], order: vec![0; count] }
+    }
+
+    /// The checked cell.
+    ///
+    /// # Errors
+    /// What the core refuses, with the scene's name.
+    pub fn cell<'b>(&'b self, buffer: &'b mut CellBuffer) -> Result<MeshCell<'b>> {
+        let bvh = Bvh::build(&self.vertices, &self.triangles, &mut buffer.nodes, &mut buffer.order)
+            .map_err(|error| Error::failed(format_args!("{}: {error}", self.scene.name)))?;
+        MeshCell::new(bvh, &self.facet_of, &self.facets, &self.interfaces, self.period_nm, self.above)
+            .map_err(|error| Error::failed(format_args!("{}: {error}", self.scene.name)))
+    }
+
+    /// The media, in the scene's order.
+    #[must_use]
+    pub fn media(&self) -> Vec<Medium<'s>> {
+        self.scene.media.iter().map(|named| named.medium.borrow()).collect()
+    }
+
+    /// A medium's complaint, with its name.
+    pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
+        Error::failed(format_args!("{}: material {}: {error}", self.scene.name, self.scene.media[index].name))
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &'s Scene {
+        self.scene
+    }
+}
+
+/// Twice the area of a triangle along its normal.
+fn area(vertices: &[DVec3], triangle: [u32; 3]) -> DVec3 {
+    let [a, b, c] = triangle.map(|v| vertices[v as usize]);
+    (b - a).cross(c - a)
+}
+
+/// Triangles that share an edge, an interface and a plane are one facet.
+fn facets(vertices: &[DVec3], triangles: &[[u32; 3]], kinds: &[u16]) -> (Vec<u32>, Vec<Facet>) {
+    /// Normals of coplanar triangles differ by the rounding of single-precision files over the length of an edge.
+    const COPLANAR: f64 = 1e-6;
+    let normals: Vec<DVec3> = triangles.iter().map(|&t| area(vertices, t).normalize()).collect();
+    let position = |v: u32| vertices[v as usize].to_array().map(f64::to_bits);
+    let mut parent: Vec<usize> = (0..triangles.len()).collect();
+    let mut edges: HashMap<[[u64; 3]; 2], usize> = HashMap::new();
+    for (index, triangle) in triangles.iter().enumerate() {
+        for corner in 0..3 {
+            let mut edge = [position(triangle[corner]), position(triangle[(corner + 1) % 3])];
+            edge.sort_unstable();
+            if let Some(&other) = edges.get(&edge) {
+                if kinds[other] == kinds[index] && (normals[other] - normals[index]).length() < COPLANAR {
+                    let (a, b) = (root(&mut parent, other), root(&mut parent, index));
+                    parent[a.max(b)] = a.min(b);
+                }
+            } else {
+                edges.insert(edge, index);
+            }
+        }
+    }
+    let mut facets = Vec::new();
+    let mut numbers = HashMap::new();
+    let facet_of = (0..triangles.len())
+        .map(|index| {
+            let root = root(&mut parent, index);
+            *numbers.entry(root).or_insert_with(|| {
+                facets.push(Facet {
+                    normal: normals[root],
+                    anchor_nm: vertices[triangles[root][0] as usize],
+                    interface: kinds[root],
+                });
+                facets.len() as u32 - 1
+            })
+        })
+        .collect();
+    (facet_of, facets)
+}
+
+/// The representative of a set, halving the path to it.
+fn root(parent: &mut [usize], mut index: usize) -> usize {
+    while parent[index] != index {
+        parent[index] = parent[parent[index]];
+        index = parent[index];
+    }
+    index
+}
+
+/// The medium that light arrives in: that on the upper side of the triangle with the highest vertex.
+fn topmost(mesh: &Mesh, vertices: &[DVec3], interfaces: &[NamedInterface]) -> Result<MediumIndex> {
+    let centre_z = |t: [u32; 3]| t.iter().map(|&v| vertices[v as usize].z).fold(f64::NEG_INFINITY, f64::max);
+    // A vertical facet beside the top tells nothing of what lies over it.
+    let leaning = mesh.triangles.iter().filter(|t| {
+        let normal = area(vertices, t.vertices);
+        normal.z.abs() > 1e-9 * normal.length()
+    });
+    let top = leaning
+        .max_by(|a, b| centre_z(a.vertices).total_cmp(&centre_z(b.vertices)))
+        .ok_or_else(|| Error::failed(format_args!("{}: every facet is vertical", mesh.path.display())))?;
+    let interface = interfaces[usize::from(top.interface)].interface;
+    let faces_up = area(vertices, top.vertices).z > 0.0;
+    match (faces_up, interface.below) {
+        (true, _) => Ok(interface.above),
+        (false, Below::Medium(below)) => Ok(below),
+        (false, Below::Mirror) => Err(Error::failed(format_args!(
+            "{}:{}: a mirror faces the light with its back; turn the facet over",
+            mesh.path.display(),
+            top.line
+        ))),
+    }
+}

@@ -1,0 +1,240 @@
+//! Scattering by polygon cells: starting rays over the period, histograms of where their light goes, standard errors.
+
+use glam::DVec3;
+use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
+use goniochrome::coherence::Side;
+use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::lanes::{F32, F64, Lanes};
+use goniochrome::medium::MediaLanes;
+use goniochrome::mesh::MeshCell;
+use goniochrome::polygons::{Incident, Polygons, State, free_slot};
+use goniochrome::sampling::sobol;
+use goniochrome::trace::{Limits, Slot, follow_paths, trace};
+
+use crate::bumpy::Bumpy;
+use crate::error::Result;
+use crate::estimate::Precision;
+use crate::parallel;
+
+/// How exits add.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Coherence {
+    /// Paths of one starting ray that leave in one bin interfere; starting rays add as powers.
+    #[default]
+    Ray,
+    /// Every path adds as power: classic geometric optics.
+    None,
+}
+
+/// What to compute.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// How exits add.
+    pub coherence: Coherence,
+    /// Starting rays over the period.
+    pub rays: u32,
+    /// Of the scrambled sequence.
+    pub seed: u32,
+    /// Where exits are counted.
+    pub bins: DirectionBins,
+    /// Single or double.
+    pub precision: Precision,
+    /// Worker threads; the result does not depend on it.
+    pub threads: usize,
+}
+
+/// A mean over independent batches of starting rays, and its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// The mean.
+    pub value: f64,
+    /// Its standard error.
+    pub std_error: f64,
+}
+
+/// Where the light of one direction goes, at one wavelength; fractions of the incident power, unpolarised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scattered {
+    /// Through the top.
+    pub reflected: Estimate,
+    /// Through the bottom, in all directions.
+    pub transmitted: Estimate,
+    /// By media, on the way.
+    pub absorbed: Estimate,
+    /// Of rays that were dropped or lost: the error bar.
+    pub truncated: Estimate,
+    /// 1 less all of these: rounding for coherence `none`; where paths interfere, power balances only on average.
+    pub imbalance: Estimate,
+    /// Through the top, in each bin.
+    pub bins: Vec<Estimate>,
+}
+
+/// Independent scramblings over which the standard error is taken.
+const BATCHES: u32 = 32;
+/// Exits that one starting ray may have.
+const MOST_EXITS: usize = 512;
+/// The tracer's default workspace for polygon cells, in states; at most 64 KiB for either precision.
+pub const STATES: usize = 36;
+
+const _: () = assert!(STATES * size_of::<Slot<State<F32>, goniochrome::polygons::Field<F32>>>() <= 64 * 1024);
+const _: () = assert!(STATES * size_of::<Slot<State<F64>, goniochrome::polygons::Field<F64>>>() <= 64 * 1024);
+
+/// Paths below this power are dropped; hundreds of them stay below 1e-4 together.
+const PATHS: Limits = Limits { in_flight: 1e-8, generations: 10_000 };
+/// Waves in flight below this power are dropped.
+const WAVES: Limits = Limits { in_flight: 1e-10, generations: 10_000 };
+
+/// Light from the unit direction `wi`, at each wavelength. `progress` is told of each of the batches.
+///
+/// # Errors
+/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs.
+pub fn scatter(
+    bumpy: &Bumpy<'_>,
+    wi: DVec3,
+    wavelength_nm: &[f64],
+    request: &Request,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<Scattered>> {
+    match request.precision {
+        Precision::F32 => run::<F32>(bumpy, wi, wavelength_nm, request, progress),
+        Precision::F64 => run::<F64>(bumpy, wi, wavelength_nm, request, progress),
+    }
+}
+
+/// Number of batches of [`scatter`], for a progress bar.
+#[must_use]
+pub fn steps() -> usize {
+    BATCHES as usize
+}
+
+fn run<V: Lanes>(
+    bumpy: &Bumpy<'_>,
+    wi: DVec3,
+    wavelength_nm: &[f64],
+    request: &Request,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<Scattered>> {
+    let mut buffer = bumpy.buffer();
+    let cell = bumpy.cell(&mut buffer)?;
+    let media = bumpy.media();
+    let mut etas: Vec<Vec<ComplexLanes<V::Precise>>> =
+        wavelength_nm.chunks(V::WIDTH).map(|_| vec![ComplexLanes::zero(); media.len()]).collect();
+    let mut groups = Vec::new();
+    for (wavelengths, eta) in wavelength_nm.chunks(V::WIDTH).zip(&mut etas) {
+        let group = MediaLanes::<V>::evaluate(&media, wavelengths, eta)
+            .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
+        groups.push(group);
+    }
+    let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
+    parallel::for_each(
+        request.threads,
+        batches.iter_mut().zip(0u32..),
+        || (vec![free_slot::<V>(); STATES], vec![Exit::<V>::none(); MOST_EXITS]),
+        |(slots, exits), (out, batch)| {
+            for (group, wavelengths) in groups.iter().zip(wavelength_nm.chunks(V::WIDTH)) {
+                let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
+                trace_batch(cell, *group, wi, batch, request, slots, exits, &mut tallies);
+                out.extend(tallies);
+            }
+            progress();
+        },
+    );
+    Ok((0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect())
+}
+
+/// Sums over the starting rays of one batch, one wavelength.
+#[derive(Clone, Debug, Default)]
+struct Tally {
+    reflected: f64,
+    transmitted: f64,
+    absorbed: f64,
+    truncated: f64,
+    bins: Vec<f64>,
+}
+
+impl Tally {
+    fn new(bins: usize) -> Self {
+        Self { bins: vec![0.0; bins], ..Self::default() }
+    }
+}
+
+/// One for each lane that holds a wavelength of its own; lanes beyond the last wavelength repeat it.
+struct Tallies<'t>(&'t mut [Tally]);
+
+impl Histogram for Tallies<'_> {
+    fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64) {
+        let Some(tally) = self.0.get_mut(lane) else { return };
+        match side {
+            Side::Above => {
+                tally.reflected += power;
+                tally.bins[bin] += power;
+            }
+            Side::Below => tally.transmitted += power,
+        }
+    }
+}
+
+#[allow(clippy::too_many_arguments)]
+fn trace_batch<V: Lanes>(
+    cell: MeshCell<'_>,
+    media: MediaLanes<'_, V>,
+    wi: DVec3,
+    batch: u32,
+    request: &Request,
+    slots: &mut [Slot<State<V>, goniochrome::polygons::Field<V>>],
+    exits: &mut [Exit<V>],
+    tallies: &mut [Tally],
+) {
+    let eta = media.eta()[usize::from(cell.above())];
+    let coherent = request.coherence == Coherence::Ray;
+    let mut polygons = Polygons::new(cell, media, Incident::new(wi, eta), coherent);
+    let mut exits = Exits::new(exits, request.bins, media, V::narrow(eta.re), coherent);
+    let rays = (request.rays / BATCHES).max(1);
+    let mut truncated = V::zero();
+    for ray in 0..rays {
+        let [u, v] = sobol(ray, request.seed.wrapping_mul(BATCHES).wrapping_add(batch));
+        let Some((state, field)) = polygons.start(u, v) else {
+            truncated += V::one(); // a hole from top to bottom
+            continue;
+        };
+        exits.begin(state.point_nm());
+        let done = if coherent {
+            trace(&mut polygons, state, field, slots, WAVES, &mut exits)
+        } else {
+            follow_paths(&mut polygons, state, field, slots, PATHS, &mut exits)
+        };
+        truncated += done.truncated + exits.settle(&mut Tallies(tallies));
+    }
+    truncated += polygons.lost();
+    let Polarised { s, p } = polygons.absorbed();
+    for (lane, tally) in tallies.iter_mut().enumerate() {
+        tally.truncated = truncated.lane(lane);
+        tally.absorbed = 0.5 * (s.lane(lane) + p.lane(lane));
+        let per_ray = 1.0 / f64::from(rays);
+        for sum in [&mut tally.reflected, &mut tally.transmitted, &mut tally.absorbed, &mut tally.truncated]
+            .into_iter()
+            .chain(&mut tally.bins)
+        {
+            *sum *= per_ray;
+        }
+    }
+}
+
+/// Mean and standard error over batches.
+fn summarise<'t>(batches: impl Iterator<Item = &'t Tally> + Clone) -> Scattered {
+    let over = |of: &dyn Fn(&Tally) -> f64| {
+        let count = f64::from(BATCHES);
+        let value = batches.clone().map(of).sum::<f64>() / count;
+        let variance = batches.clone().map(|tally| (of(tally) - value).powi(2)).sum::<f64>() / (count - 1.0);
+        Estimate { value, std_error: (variance / count).sqrt() }
+    };
+    let bins = batches.clone().next().map_or(0, |tally| tally.bins.len());
+    Scattered {
+        reflected: over(&|tally| tally.reflected),
+        transmitted: over(&|tally| tally.transmitted),
+        absorbed: over(&|tally| tally.absorbed),
+        truncated: over(&|tally| tally.truncated),
+        imbalance: over(&|t| 1.0 - t.reflected - t.transmitted - t.absorbed - t.truncated),
+        bins: (0..bins).map(|bin| over(&|tally| tally.bins[bin])).collect(),
+    }
+}

@@ -1,0 +1,201 @@
+//! Direction bins: where rays that leave a polygon cell are counted.
+//!
+//! The exits of one starting ray that fall into one bin add as amplitudes (coherence `ray`) or as powers (`none`); starting
+//! rays add as powers. Amplitudes are referred to the starting ray's first hit: for equal directions that changes nothing,
+//! and for directions that differ within a bin it removes a phase that only says where the origin lies.
+
+use crate::coherence::Side;
+use crate::complex::Polarised;
+use crate::lanes::Lanes;
+use crate::medium::MediaLanes;
+use crate::polygons::{Departure, Field};
+use crate::trace::Sink;
+use crate::turns::propagate;
+use crate::vector::VectorLanes;
+use core::f64::consts::TAU;
+use glam::DVec3;
+
+/// Bins uniform in cos θ and in φ over a hemisphere, all of equal solid angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DirectionBins {
+    /// Number of bins in cos θ, from 0 at the horizon.
+    pub cos: u32,
+    /// Number of bins in φ, from 0 at the tangent.
+    pub phi: u32,
+}
+
+impl DirectionBins {
+    /// Number of bins.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.cos as usize * self.phi as usize
+    }
+
+    /// The bin of a direction; its length does not matter, nor the sign of its z. Row by row in cos θ.
+    #[must_use]
+    pub fn index(&self, direction: DVec3) -> usize {
+        let cos = libm::fabs(direction.z) / direction.length();
+        let turn = libm::atan2(direction.y, direction.x) / TAU;
+        let turn = if turn < 0.0 { turn + 1.0 } else { turn };
+        let row = ((cos * f64::from(self.cos)) as u32).min(self.cos - 1);
+        let column = ((turn * f64::from(self.phi)) as u32).min(self.phi - 1);
+        row as usize * self.phi as usize + column as usize
+    }
+
+    /// Bounds of a bin: cos θ from and to, φ from and to in radians.
+    #[must_use]
+    pub fn bounds(&self, bin: usize) -> [f64; 4] {
+        let (row, column) = (bin / self.phi as usize, bin % self.phi as usize);
+        let (cos, phi) = (f64::from(self.cos), f64::from(self.phi));
+        [row as f64 / cos, (row + 1) as f64 / cos, TAU * column as f64 / phi, TAU * (column + 1) as f64 / phi]
+    }
+
+    /// ∫ cos θ dω over a bin: power divided by it is the BRDF's mean.
+    #[must_use]
+    pub fn projected_solid_angle(&self, bin: usize) -> f64 {
+        let [from, to, phi_from, phi_to] = self.bounds(bin);
+        0.5 * (to * to - from * from) * (phi_to - phi_from)
+    }
+}
+
+/// Lanes of the widest type.
+const MOST_LANES: usize = 16;
+
+/// One ray that has left, waiting for the others of its starting ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Exit<V: Lanes> {
+    side: Side,
+    bins: [u32; MOST_LANES],
+    /// Referred to the first hit, times √(J n/n_in).
+    field: Field<V>,
+    power: Polarised<V>,
+}
+
+impl<V: Lanes> Exit<V> {
+    /// Fills memory that is written before it is read.
+    #[must_use]
+    pub fn none() -> Self {
+        let nothing = Polarised::both(VectorLanes::zero());
+        Self { side: Side::Above, bins: [0; MOST_LANES], field: nothing, power: Polarised::both(V::zero()) }
+    }
+}
+
+/// The exits of one starting ray.
+#[derive(Debug)]
+pub struct Exits<'m, V: Lanes> {
+    memory: &'m mut [Exit<V>],
+    count: usize,
+    grid: DirectionBins,
+    media: MediaLanes<'m, V>,
+    per_wavelength: V::Precise,
+    incident_index: V,
+    /// The starting ray's first hit.
+    origin_nm: DVec3,
+    coherent: bool,
+    /// Power of exits for which there was no memory.
+    dropped: V,
+}
+
+/// Power per lane that one starting ray sends into a bin, unpolarised.
+pub trait Histogram {
+    /// `power` of one lane into a bin above, or towards below.
+    fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64);
+}
+
+impl<'m, V: Lanes> Exits<'m, V> {
+    /// No exits yet. `memory` should hold as many as one starting ray may have; more are dropped and accounted for.
+    pub fn new(
+        memory: &'m mut [Exit<V>],
+        grid: DirectionBins,
+        media: MediaLanes<'m, V>,
+        incident_index: V,
+        coherent: bool,
+    ) -> Self {
+        const { assert!(V::WIDTH <= MOST_LANES) };
+        let per_wavelength = V::Precise::one() / media.wavelength_nm();
+        let origin_nm = DVec3::ZERO;
+        Self { memory, count: 0, grid, media, per_wavelength, incident_index, origin_nm, coherent, dropped: V::zero() }
+    }
+
+    /// Begins a starting ray at its first hit.
+    pub fn begin(&mut self, origin_nm: DVec3) {
+        self.count = 0;
+        self.dropped = V::zero();
+        self.origin_nm = origin_nm;
+    }
+
+    /// Adds up the starting ray's exits and hands their unpolarised power to `histogram`. Returns the power dropped.
+    pub fn settle(&mut self, histogram: &mut impl Histogram) -> V {
+        let exits = &mut self.memory[..self.count];
+        for first in 0..exits.len() {
+            if self.coherent {
+                let (head, tail) = exits.split_at_mut(first + 1);
+                let into = &mut head[first];
+                for other in tail.iter_mut().filter(|other| other.side == into.side) {
+                    // Lanes are independent: those whose bins agree move over, the others stay.
+                    let moves = V::from_fn(|lane| f64::from(u8::from(other.bins[lane] == into.bins[lane])));
+                    let stays = V::one() - moves;
+                    let scaled =
+                        |e: VectorLanes<V>, by: V| VectorLanes { x: e.x.scale(by), y: e.y.scale(by), z: e.z.scale(by) };
+                    into.field = into.field.zip(other.field, |a, b| a + scaled(b, moves));
+                    other.field = other.field.map(|e| scaled(e, stays));
+                }
+                into.power = into.field.map(VectorLanes::norm_sqr);
+            }
+            let exit = &exits[first];
+            for lane in 0..V::WIDTH {
+                let power = 0.5 * (exit.power.s.lane(lane) + exit.power.p.lane(lane));
+                if power > 0.0 {
+                    histogram.add(lane, exit.side, exit.bins[lane] as usize, power);
+                }
+            }
+        }
+        self.dropped
+    }
+}
+
+impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
+    fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
+        let Some(place) = self.memory.get_mut(self.count) else {
+            self.dropped += (departure.power.s + departure.power.p) * V::splat(0.5);
+            return;
+        };
+        self.count += 1;
+        let mut bins = [0; MOST_LANES];
+        let hero = departure.wavevector.direction(0);
+        let same = (1..V::WIDTH).all(|lane| departure.wavevector.direction(lane) == hero);
+        for lane in 0..V::WIDTH {
+            bins[lane] =
+                if same && lane > 0 { bins[0] } else { self.grid.index(departure.wavevector.direction(lane)) as u32 };
+        }
+        let to_origin = departure.wavevector.dot_real(self.origin_nm - departure.point_nm).scale(self.per_wavelength);
+        let eta = self.media.eta()[usize::from(departure.medium)];
+        let weight = (departure.spread * V::narrow(eta.re) / self.incident_index).sqrt();
+        let factor = propagate::<V>(to_origin).scale(weight);
+        *place = Exit { side: departure.side, bins, field: field.map(|e| e.scale(factor)), power: departure.power };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_direction_has_the_bin_whose_bounds_hold_it() {
+        let grid = DirectionBins { cos: 8, phi: 16 };
+        for i in 0..1000u32 {
+            let (cos, phi) = ((f64::from(i) + 0.5) / 1000.0, f64::from(i) * 0.37 % TAU);
+            let sin = libm::sqrt(1.0 - cos * cos);
+            let bin = grid.index(3.0 * DVec3::new(sin * libm::cos(phi), sin * libm::sin(phi), cos));
+            let [from, to, phi_from, phi_to] = grid.bounds(bin);
+            assert!((from..to).contains(&cos) && (phi_from..phi_to).contains(&phi), "{cos} {phi}: {bin}");
+        }
+    }
+
+    #[test]
+    fn projected_solid_angles_fill_the_hemisphere() {
+        let grid = DirectionBins { cos: 5, phi: 7 };
+        let sum: f64 = (0..grid.count()).map(|bin| grid.projected_solid_angle(bin)).sum();
+        assert!((sum - core::f64::consts::PI).abs() < 1e-12);
+    }
+}

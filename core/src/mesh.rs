@@ -1,0 +1,191 @@
+//! A periodic cell of polygons, and where a ray in it goes next.
+//!
+//! A facet is a plane polygon of one interface: all coplanar triangles that touch count as one. The mesh covers one
+//! period, [0, Λx] × [0, Λy], and repeats; it is open above, and open or closed below. Rays keep their unwrapped positions,
+//! so that phases are right whatever the number of periods crossed.
+
+use crate::bvh::{Bvh, Hit, Ray};
+use crate::cell::{CellError, Facet};
+use crate::interface::{Below, Interface};
+use crate::medium::MediumIndex;
+use glam::DVec3;
+
+/// A checked mesh: facets and interfaces in range, vertices within the period.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshCell<'a> {
+    bvh: Bvh<'a>,
+    facet_of: &'a [u32],
+    facets: &'a [Facet],
+    interfaces: &'a [Interface],
+    period_nm: [f64; 2],
+    bottom_nm: f64,
+    top_nm: f64,
+    /// Slack along a ray at the border between periods, where two copies of a vertex may differ by rounding.
+    slack_nm: f64,
+    above: MediumIndex,
+}
+
+/// A ray's next facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// The facet.
+    pub facet: u32,
+    /// Whether it is met from the side its normal points to.
+    pub front: bool,
+    /// Where, unwrapped.
+    pub point_nm: DVec3,
+}
+
+/// Where a ray ends up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Next {
+    /// At a facet.
+    Facet(Meeting),
+    /// Out of the cell, upwards.
+    Above,
+    /// Out of the cell, downwards.
+    Below,
+    /// After more periods than are followed, or out of the cell from a medium that is not open there: through a hole.
+    Lost,
+}
+
+/// Periods that a ray may cross between two hits; only rays within 1e-3 radians of the horizontal cross more in a cell as
+/// high as it is wide.
+const MAX_PERIODS: u32 = 4096;
+
+/// Vertices may lie outside the period by this fraction of it: the rounding of single-precision files.
+const BORDER: f64 = 4.0 * f32::EPSILON as f64;
+
+impl<'a> MeshCell<'a> {
+    /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light.
+    ///
+    /// # Errors
+    /// [`CellError`], with the first offending facet; [`CellError::Period`] for a period that is not positive or is left by
+    /// the mesh.
+    pub fn new(
+        bvh: Bvh<'a>,
+        facet_of: &'a [u32],
+        facets: &'a [Facet],
+        interfaces: &'a [Interface],
+        period_nm: [f64; 2],
+        above: MediumIndex,
+    ) -> Result<Self, CellError> {
+        if facets.is_empty() || facet_of.len() != bvh.triangles().len() {
+            return Err(CellError::Empty);
+        }
+        if !period_nm.iter().all(|p| *p > 0.0 && p.is_finite()) {
+            return Err(CellError::Period);
+        }
+        for (facet, f) in facets.iter().enumerate() {
+            if !(f.normal.is_finite() && f.anchor_nm.is_finite()) {
+                return Err(CellError::NotFinite { facet });
+            }
+            if usize::from(f.interface) >= interfaces.len() {
+                return Err(CellError::NoInterface { facet });
+            }
+        }
+        if let Some(&facet) = facet_of.iter().find(|&&facet| facet as usize >= facets.len()) {
+            return Err(CellError::NotFinite { facet: facet as usize });
+        }
+        let slack = [BORDER * period_nm[0], BORDER * period_nm[1]];
+        let inside = |v: &DVec3| {
+            (-slack[0]..=period_nm[0] + slack[0]).contains(&v.x) && (-slack[1]..=period_nm[1] + slack[1]).contains(&v.y)
+        };
+        if !bvh.vertices().iter().all(inside) {
+            return Err(CellError::Period);
+        }
+        let (bottom_nm, top_nm) = bvh
+            .vertices()
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v.z), high.max(v.z)));
+        let slack_nm = slack[0].max(slack[1]);
+        Ok(Self { bvh, facet_of, facets, interfaces, period_nm, bottom_nm, top_nm, slack_nm, above })
+    }
+
+    /// The medium open to the light.
+    #[must_use]
+    pub fn above(&self) -> MediumIndex {
+        self.above
+    }
+
+    /// Λx and Λy.
+    #[must_use]
+    pub fn period_nm(&self) -> [f64; 2] {
+        self.period_nm
+    }
+
+    /// The height of the highest vertex.
+    #[must_use]
+    pub fn top_nm(&self) -> f64 {
+        self.top_nm
+    }
+
+    /// A facet.
+    #[must_use]
+    pub fn facet(&self, facet: u32) -> &'a Facet {
+        &self.facets[facet as usize]
+    }
+
+    /// The media that a facet divides.
+    #[must_use]
+    pub fn interface(&self, facet: u32) -> Interface {
+        self.interfaces[usize::from(self.facet(facet).interface)]
+    }
+
+    /// Follows a ray in `medium` from an unwrapped point to the next facet that has this medium on the near side. A facet
+    /// cannot be met again by a ray that leaves its plane, so `leaving` is passed over.
+    #[must_use]
+    pub fn next(&self, point_nm: DVec3, direction: DVec3, medium: MediumIndex, leaving: Option<u32>) -> Next {
+        let [px, py] = self.period_nm;
+        let direction = direction.normalize_or_zero();
+        let tile = (libm::floor(point_nm.x / px), libm::floor(point_nm.y / py));
+        let mut origin = DVec3::new(point_nm.x - tile.0 * px, point_nm.y - tile.1 * py, point_nm.z);
+        // Where the ray leaves the slab that holds the mesh.
+        let last = match direction.z {
+            z if z > 0.0 => (self.top_nm - origin.z) / z,
+            z if z < 0.0 => (self.bottom_nm - origin.z) / z,
+            _ => f64::INFINITY,
+        } + self.slack_nm;
+        // The distance at which the ray crosses into the next period of each axis.
+        let crossing = |origin: f64, direction: f64, period: f64| match direction {
+            d if d > 0.0 => (period - origin) / d,
+            d if d < 0.0 => -origin / d,
+            _ => f64::INFINITY,
+        };
+        let mut entered = 0.0;
+        for _ in 0..MAX_PERIODS {
+            let (cross_x, cross_y) = (crossing(origin.x, direction.x, px), crossing(origin.y, direction.y, py));
+            let leaves = cross_x.min(cross_y);
+            let ray =
+                Ray { origin, direction, t_min: entered - self.slack_nm, t_max: leaves.min(last) + self.slack_nm };
+            let fits = |hit: &Hit| {
+                let facet = self.facet_of[hit.triangle as usize];
+                let interface = self.interface(facet);
+                let near = if hit.front { Below::Medium(interface.above) } else { interface.below };
+                Some(facet) != leaving && near == Below::Medium(medium)
+            };
+            if let Some(hit) = self.bvh.closest(&ray, fits) {
+                return Next::Facet(Meeting {
+                    facet: self.facet_of[hit.triangle as usize],
+                    front: hit.front,
+                    point_nm: point_nm + direction * hit.t,
+                });
+            }
+            if leaves >= last {
+                return match direction.z {
+                    z if z > 0.0 && medium == self.above => Next::Above,
+                    z if z < 0.0 => Next::Below,
+                    _ => Next::Lost,
+                };
+            }
+            if cross_x <= cross_y {
+                origin.x -= px.copysign(direction.x);
+            }
+            if cross_y <= cross_x {
+                origin.y -= py.copysign(direction.y);
+            }
+            entered = leaves;
+        }
+        Next::Lost
+    }
+}
