@@ -105,10 +105,10 @@ pub struct SpectrumArgs {
     /// A scene file or the name of a preset
     pub scene: String,
     /// Angles of incidence in degrees: 0,30,60 or 0:85:5
-    #[arg(long, default_value = "0")]
+    #[arg(long, allow_hyphen_values = true, default_value = "0")]
     pub theta: Angles,
     /// Wavelengths in nm: 450,550 or 380:780:5 or auto
-    #[arg(long, default_value = "380:780:5")]
+    #[arg(long, allow_hyphen_values = true, default_value = "380:780:5")]
     pub wavelengths: Wavelengths,
     /// Where the CSV goes; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
@@ -124,10 +124,10 @@ pub struct ColourArgs {
     /// A scene file or the name of a preset
     pub scene: String,
     /// Angles of incidence in degrees: 0,30,60 or 0:85:5
-    #[arg(long, default_value = "0,15,30,45,60,75")]
+    #[arg(long, allow_hyphen_values = true, default_value = "0,15,30,45,60,75")]
     pub theta: Angles,
     /// Wavelengths in nm: 450,550 or 380:780:5 or auto
-    #[arg(long, default_value = "380:780:5")]
+    #[arg(long, allow_hyphen_values = true, default_value = "380:780:5")]
     pub wavelengths: Wavelengths,
     /// Where the CSV goes; - is standard output [default: a table with swatches on the terminal]
     #[arg(long, value_name = "FILE")]
@@ -155,7 +155,7 @@ pub struct EstimateArgs {
     #[arg(long, default_value_t = 90, value_parser = clap::value_parser!(u16).range(2..=9000))]
     pub angles: u16,
     /// Wavelengths in nm: 450,550 or 380:780:5 or auto
-    #[arg(long, default_value = "380:780:5")]
+    #[arg(long, allow_hyphen_values = true, default_value = "380:780:5")]
     pub wavelengths: Wavelengths,
     /// From spectrum to colour
     #[command(flatten)]
@@ -227,10 +227,10 @@ pub struct CompareArgs {
     /// A scene file or the name of a preset
     pub scene: String,
     /// Angles of incidence in degrees: 0,30,60 or 0:85:5
-    #[arg(long, default_value = "0:89:1")]
+    #[arg(long, allow_hyphen_values = true, default_value = "0:89:1")]
     pub theta: Angles,
     /// Wavelengths in nm: 450,550 or 380:780:5 or auto
-    #[arg(long, default_value = "436,546,700")]
+    #[arg(long, allow_hyphen_values = true, default_value = "436,546,700")]
     pub wavelengths: Wavelengths,
     /// Where the CSV goes; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
@@ -243,16 +243,20 @@ pub struct CompareArgs {
     pub computing: Computing,
 }
 
+/// A sample each 0.1 nm; beyond, the reference of 1 nm is the coarser.
+const MOST_SAMPLES: i64 = 4000;
+
 /// Arguments of `sampling`.
 #[derive(Debug, Args)]
 pub struct SamplingArgs {
     /// A scene file or the name of a preset
     pub scene: String,
     /// Numbers of midpoint samples from 380 to 780 nm
-    #[arg(long, value_delimiter = ',', default_value = "4,5,6,8,10,12,16,20,24,28,32,36,40,48,56,64,80,100")]
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=MOST_SAMPLES))]
+    #[arg(allow_hyphen_values = true, default_value = "4,5,6,8,10,12,16,20,24,28,32,36,40,48,56,64,80,100")]
     pub samples: Vec<u16>,
     /// Angles of incidence over which the largest error is taken
-    #[arg(long, default_value = "0:85:5")]
+    #[arg(long, allow_hyphen_values = true, default_value = "0:85:5")]
     pub theta: Angles,
     /// Where the CSV goes; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
@@ -283,7 +287,7 @@ pub struct PlotArgs {
     #[arg(long, value_enum, default_value_t = PlotKind::Disc)]
     pub kind: PlotKind,
     /// Angles of the spectra, taken from the nearest of the table's
-    #[arg(long, default_value = "0,45,75")]
+    #[arg(long, allow_hyphen_values = true, default_value = "0,45,75")]
     pub theta: Angles,
 }
 

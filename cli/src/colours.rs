@@ -1,6 +1,6 @@
 //! Spectra to colours.
 
-use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
+use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM, xyz, xyz_weights};
 
 use crate::error::{Error, Result};
 use crate::estimate::Spectra;
@@ -36,6 +36,14 @@ pub fn colours(
     space: RgbSpace,
     quadrature: Quadrature,
 ) -> Result<Vec<Colour>> {
+    let [first, last] = VISIBLE_NM.map(f64::from);
+    if let (Some(&shortest), Some(&longest)) = (spectra.wavelength_nm.first(), spectra.wavelength_nm.last())
+        && (longest < first || shortest > last)
+    {
+        return Err(Error::usage(format_args!(
+            "--wavelengths: {shortest} to {longest} nm are invisible; a colour needs some from {first} to {last} nm"
+        )));
+    }
     let mut weights = vec![[0.0; 3]; spectra.wavelength_nm.len()];
     xyz_weights(&spectra.wavelength_nm, illuminant, quadrature, &mut weights)
         .map_err(|error| Error::usage(format_args!("--wavelengths: {error}")))?;

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
+use clap::error::ErrorKind;
 use goniochrome_cli::args::CommandLine;
 use goniochrome_cli::commands;
 use goniochrome_cli::error::Error;
@@ -12,6 +13,9 @@ fn main() -> ExitCode {
         Ok(line) => commands::run(&line.command),
         // Help and version are not errors; the rest is told in one line, like all else.
         Err(error) if !error.use_stderr() => return if error.print().is_ok() { 0 } else { 1 }.into(),
+        Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            Err(Error::usage("a command is missing; goniochrome --help lists them"))
+        }
         Err(error) => Err(usage(&error.to_string())),
     };
     match result {

@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use crate::error::{Error, Result};
 
 /// Writes `bytes` to `path`, replacing what is there only once everything is on disk.
@@ -30,12 +32,25 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
 pub fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     check_destination(path, &[])?;
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let written = if target.exists() && !target.is_file() {
+    let written = if is_stream(&target) {
         File::options().write(true).open(&target).and_then(|file| filled(file, fill).map(drop))
     } else {
-        replace(&target, folder_of(&target), fill)
+        staged(&target, fill).and_then(|file| named(file, &target))
     };
     written.map_err(|error| explain(path, &error))
+}
+
+/// Writes `bytes` to `path` and does `also`, another output: if that fails, `path` stays as it was.
+pub fn write_file_and(path: &Path, bytes: &[u8], also: impl FnOnce() -> Result<()>) -> Result<()> {
+    check_destination(path, &[])?;
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    if is_stream(&target) {
+        also()?;
+        return write_file(path, bytes);
+    }
+    let file = staged(&target, |writer| writer.write_all(bytes)).map_err(|error| explain(path, &error))?;
+    also()?;
+    named(file, &target).map_err(|error| explain(path, &error))
 }
 
 /// Refuses an output that is one of the inputs, whatever names and links lead to it.
@@ -43,11 +58,24 @@ pub fn refuse_overwrite_of_inputs(output: &Path, inputs: &[PathBuf]) -> Result<(
     match inputs.iter().find(|input| same_file(output, input)) {
         None => Ok(()),
         Some(input) => Err(Error::usage(format_args!(
-            "the output {} would overwrite the input {}; choose another -o",
+            "the output {} would overwrite the input {}; choose another output",
             output.display(),
             input.display()
         ))),
     }
+}
+
+/// Refuses two outputs in one file, of which the second would replace the first.
+pub fn refuse_same_output(a: &Path, b: &Path) -> Result<()> {
+    let place = |path: &Path| {
+        let known = fs::canonicalize(folder_of(path)).ok().zip(path.file_name());
+        known.map_or_else(|| path.to_owned(), |(folder, name)| folder.join(name))
+    };
+    if place(a) != place(b) && !same_file(a, b) {
+        return Ok(());
+    }
+    let (a, b) = (a.display(), b.display());
+    Err(Error::usage(format_args!("{a} and {b} are one file for two outputs; choose another for one of them")))
 }
 
 /// Refuses, before long work, an output that cannot be written at its end: an input, a folder, or a file in no folder.
@@ -57,12 +85,12 @@ pub fn check_destination(output: &Path, inputs: &[PathBuf]) -> Result<()> {
     }
     refuse_overwrite_of_inputs(output, inputs)?;
     if output.is_dir() {
-        return Err(Error::failed(format_args!("{} is a folder; name a file in it with -o", output.display())));
+        return Err(Error::failed(format_args!("{} is a folder; name a file in it", output.display())));
     }
     let folder = folder_of(output);
     if !folder.is_dir() {
         let folder = folder.display();
-        return Err(Error::failed(format_args!("folder {folder} does not exist; create it or choose another -o")));
+        return Err(Error::failed(format_args!("folder {folder} does not exist; create it or choose another output")));
     }
     Ok(())
 }
@@ -74,16 +102,26 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-fn replace(target: &Path, folder: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// A device or a pipe.
+fn is_stream(target: &Path) -> bool {
+    target.exists() && !target.is_file()
+}
+
+/// Everything is on disk, beside the target and under another name.
+fn staged(target: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".goniochrome-");
     // Temporary files are private by default; a result gets the rights that any new file gets.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = builder.tempfile_in(folder)?;
+    let temporary = builder.tempfile_in(folder_of(target))?;
     filled(temporary.as_file(), fill)?.sync_all()?;
-    temporary.persist(target).map_err(|error| error.error)?;
-    Ok(())
+    Ok(temporary)
+}
+
+/// Gives the file its name.
+fn named(file: NamedTempFile, target: &Path) -> io::Result<()> {
+    file.persist(target).map(drop).map_err(|error| error.error)
 }
 
 fn filled<W: Write>(file: W, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<W> {
@@ -115,10 +153,10 @@ fn explain(path: &Path, error: &io::Error) -> Error {
     let path = path.display();
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-            Error::failed(format_args!("no space left to write {path}; free some or choose another -o"))
+            Error::failed(format_args!("no space left to write {path}; free some or choose another output"))
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-            Error::failed(format_args!("no permission to write {path}; choose another -o"))
+            Error::failed(format_args!("no permission to write {path}; choose another output"))
         }
         _ => Error::failed(format_args!("cannot write {path}: {error}")),
     }
@@ -165,9 +203,22 @@ mod tests {
     #[test]
     fn devices_are_written_in_place() {
         let error = write_file(Path::new("/dev/full"), b"x").unwrap_err();
-        assert_eq!(error.to_string(), "no space left to write /dev/full; free some or choose another -o");
+        assert_eq!(error.to_string(), "no space left to write /dev/full; free some or choose another output");
         write_file(Path::new("/dev/null"), b"x").unwrap();
         assert!(!Path::new("/dev/null").is_file());
+    }
+
+    #[test]
+    fn of_two_outputs_none_appears_without_the_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let failed = || write_file(&at("nowhere/b"), b"2");
+        assert!(write_file_and(&at("a"), b"1", failed).unwrap_err().to_string().contains("does not exist"));
+        assert!(names_in(folder.path()).is_empty());
+        write_file_and(&at("a"), b"1", || write_file(&at("b"), b"2")).unwrap();
+        assert_eq!(names_in(folder.path()), ["a", "b"]);
+        refuse_same_output(&at("a"), &at("b")).unwrap();
+        assert_eq!(refuse_same_output(&at("new"), &at("./new")).unwrap_err().exit_code(), 2);
     }
 
     #[test]
@@ -175,7 +226,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("nowhere");
         let error = write_file(&missing.join("a.png"), b"x").unwrap_err();
-        let expected = format!("folder {} does not exist; create it or choose another -o", missing.display());
+        let expected = format!("folder {} does not exist; create it or choose another output", missing.display());
         assert_eq!(error.to_string(), expected);
         assert!(write_file(folder.path(), b"x").unwrap_err().to_string().contains("is a folder"));
     }

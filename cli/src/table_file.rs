@@ -43,7 +43,9 @@ pub fn write(path: &Path, table: &MirrorTable) -> Result<()> {
 /// Reads a table that [`write()`] wrote.
 pub fn read(path: &Path) -> Result<MirrorTable> {
     let name = path.display();
-    let bytes = std::fs::read(path).map_err(|error| Error::failed(format_args!("cannot read {name}: {error}")))?;
+    let bytes = std::fs::read(path).map_err(|error| {
+        Error::failed(format_args!("cannot read {name}: {error}; `goniochrome estimate` writes a table"))
+    })?;
     decode(&bytes).map_err(|error| Error::failed(format_args!("{name}: {error}")))
 }
 
@@ -88,7 +90,9 @@ pub fn encode(table: &MirrorTable) -> Result<Vec<u8>> {
 
 /// The table in the bytes of an EXR file.
 pub fn decode(bytes: &[u8]) -> Result<MirrorTable> {
-    let broken = |error: exr::error::Error| Error::failed(format_args!("not a readable EXR file: {error}"));
+    let broken = |error: exr::error::Error| {
+        Error::failed(format_args!("not a readable EXR file: {error}; `goniochrome estimate` writes one"))
+    };
     // The header alone first: it bounds the memory that the pixels may ask for.
     let meta = MetaData::read_from_buffered(bytes, true).map_err(broken)?;
     let [header] = meta.headers.as_slice() else {

@@ -1,7 +1,7 @@
 //! `goniochrome compare`.
 
 use crate::args::CompareArgs;
-use crate::commands::{number, write_csv};
+use crate::commands::{check_outputs, number, write_csv};
 use crate::comparison::Comparison;
 use crate::error::Result;
 use crate::output;
@@ -11,15 +11,10 @@ use crate::scene::load;
 
 pub fn run(args: &CompareArgs) -> Result<()> {
     let scene = load(&args.scene)?;
-    for path in [Some(&args.csv), args.output.as_ref()].into_iter().flatten() {
-        output::check_destination(path, &scene.files)?;
-    }
+    check_outputs(&args.csv, args.output.as_deref(), &scene)?;
     let planar = Planar::new(&scene)?;
     let wavelengths = args.wavelengths.resolve(&planar)?;
     let comparison = Comparison::new(&planar, &args.theta.0, &wavelengths, &args.computing.request())?;
-    if let Some(path) = &args.output {
-        comparison.picture(&format!("{}: ray tracing against the closed form", scene.name)).save(path)?;
-    }
     let rows = args.theta.0.iter().enumerate().flat_map(|(angle, theta)| {
         let comparison = &comparison;
         wavelengths.iter().enumerate().map(move |(wavelength, nm)| {
@@ -30,7 +25,15 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             row
         })
     });
-    write_csv(&args.csv, &["theta_deg", "wavelength_nm", "R_closed_form", "R_ray_tracing", "difference"], rows)?;
+    let header = ["theta_deg", "wavelength_nm", "R_closed_form", "R_ray_tracing", "difference"];
+    let csv = || write_csv(&args.csv, &header, rows);
+    match &args.output {
+        None => csv()?,
+        Some(path) => {
+            let picture = comparison.picture(&format!("{}: ray tracing against the closed form", scene.name));
+            output::write_file_and(path, &picture.encoded(path)?, csv)?;
+        }
+    }
     remark(
         args.computing.quiet,
         format_args!("largest difference of R_s or R_p: {:.2e}", comparison.largest_difference()),

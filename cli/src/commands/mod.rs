@@ -17,8 +17,10 @@ use crate::error::{Error, Result};
 use crate::estimate::{Precision, Spectra, spectra};
 use crate::grid::Wavelengths;
 use crate::output;
+use crate::picture;
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
+use crate::scene::Scene;
 
 /// Does what the command line asks for.
 ///
@@ -60,6 +62,15 @@ fn compute(
     let spectra = spectra(planar, theta_deg, &wavelength_nm, &computing.request(), &|| progress.inc(1))?;
     progress.finish_and_clear();
     Ok(spectra)
+}
+
+/// Refuses, before long work, a CSV and a picture that cannot be written at its end.
+fn check_outputs(csv: &Path, picture: Option<&Path>, scene: &Scene) -> Result<()> {
+    output::check_destination(csv, &scene.files)?;
+    let Some(picture) = picture else { return Ok(()) };
+    picture::Format::of(picture)?;
+    output::check_destination(picture, &scene.files)?;
+    output::refuse_same_output(csv, picture)
 }
 
 /// Writes rows of text as CSV.

@@ -5,11 +5,12 @@ use std::slice;
 use crate::args::{PlotArgs, PlotKind};
 use crate::error::Result;
 use crate::output;
-use crate::picture::{Disc, HeatAxis, LineOptions, PALETTE, Picture, Series, disc, heat_map, line_chart};
+use crate::picture::{Disc, Format, HeatAxis, LineOptions, PALETTE, Picture, Series, disc, heat_map, line_chart};
 use crate::table::MirrorTable;
 use crate::table_file;
 
 pub fn run(args: &PlotArgs) -> Result<()> {
+    Format::of(&args.output)?;
     output::check_destination(&args.output, slice::from_ref(&args.table))?;
     let table = table_file::read(&args.table)?;
     let name = name_of(&table);

@@ -94,12 +94,35 @@ impl Picture {
         pixels.encode_png().map_err(|error| Error::failed(format_args!("cannot encode the PNG: {error}")))
     }
 
+    /// The bytes of a file at `path`: SVG or PNG, as its extension says.
+    pub fn encoded(&self, path: &Path) -> Result<Vec<u8>> {
+        match Format::of(path)? {
+            Format::Svg => Ok(self.svg.clone().into_bytes()),
+            Format::Png => self.png(PNG_SCALE),
+        }
+    }
+
     /// Writes `path` as SVG or PNG, as its extension says.
     pub fn save(&self, path: &Path) -> Result<()> {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str() {
-            Some("svg") => crate::output::write_file(path, self.svg.as_bytes()),
-            Some("png") => crate::output::write_file(path, &self.png(PNG_SCALE)?),
+        crate::output::write_file(path, &self.encoded(path)?)
+    }
+}
+
+/// How a picture is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Lines and letters.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Format {
+    /// What the extension of `path` says; any other than these is wrong usage.
+    pub fn of(path: &Path) -> Result<Self> {
+        match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
             _ => Err(Error::usage(format_args!(
                 "{}: pictures are written as .png or .svg; choose one of these extensions",
                 path.display()

@@ -68,7 +68,7 @@ fn syntax_and_keys_are_refused_by_place() {
     );
     assert!(refusal("[stak]\n").starts_with("s.toml:1:2: unknown key \"stak\" in the scene; nearest is \"stack\""));
     assert!(
-        refusal("[materials.x]\nm = 1\n").starts_with("s.toml:2:1: unknown key \"m\" in [materials.x]; nearest is")
+        refusal("[materials.x]\nm = 1\n").starts_with("s.toml:2:1: unknown key \"m\" in [materials.x] (known: n, k,")
     );
     assert_eq!(refusal("name = 3\n"), "s.toml:1:8: name: expected a text in quotes, found 3");
     assert_eq!(refusal("name = \"x\"\n"), "s.toml:1:1: the scene: neither [stack] nor [cell]; add one");

@@ -137,9 +137,10 @@ impl<'a> Table<'a> {
         // The table is sorted by key; the reader of the message starts at the top of the file.
         let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(()) };
         let name = key.get_ref();
-        let nearest = nearest(name, known.iter().copied()).unwrap_or_default();
+        let near = nearest(name, known.iter().copied());
+        let near = near.map_or_else(String::new, |near| format!("; nearest is {near:?}"));
         let known = known.join(", ");
-        let message = format!("unknown key {name:?} in {}; nearest is {nearest:?} (known: {known})", self.name);
+        let message = format!("unknown key {name:?} in {}{near} (known: {known})", self.name);
         Err(self.source.refuse(key.span().start, message))
     }
 

@@ -117,9 +117,13 @@ impl Media {
             .values()
             .map(|medium| medium.name.as_str())
             .chain(builtin::names().map(|name| -> &str { name }));
-        let nearest = nearest(name, known).unwrap_or_default();
-        Err(item
-            .refuse(format_args!("unknown material {name:?}; nearest is {nearest:?}, or declare [materials.{name}]")))
+        Err(item.refuse(match nearest(name, known) {
+            Some(near) => format!("unknown material {name:?}; nearest is {near:?}, or declare [materials.{name}]"),
+            None => {
+                let known = builtin::names().collect::<Vec<_>>().join(", ");
+                format!("unknown material {name:?}; declare [materials.{name}] (built in: {known})")
+            }
+        }))
     }
 
     /// The same η under two names (1.0 and "vacuum" apart) is one medium: facets compare media by number.

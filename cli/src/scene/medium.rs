@@ -84,10 +84,14 @@ impl OwnedMedium {
         Medium::new(self.n.borrow(), self.k.borrow(), self.extrapolate).expect("checked by OwnedMedium::new")
     }
 
-    /// True where k is one positive number: such a medium absorbs at every wavelength.
+    /// True where no datum of k is zero: such a medium absorbs at every wavelength.
     #[must_use]
     pub fn always_absorbs(&self) -> bool {
-        matches!(self.k, OwnedDispersion::Constant(k) if k > 0.0)
+        match &self.k {
+            OwnedDispersion::Constant(k) => *k > 0.0,
+            OwnedDispersion::Table { value, .. } => value.iter().all(|k| *k > 0.0),
+            OwnedDispersion::Formula { .. } => false,
+        }
     }
 }
 
@@ -108,7 +112,13 @@ mod tests {
     }
 
     #[test]
-    fn only_a_constant_k_always_absorbs() {
+    fn a_medium_that_is_clear_somewhere_does_not_always_absorb() {
+        let tabulated = |k: [f64; 2]| {
+            let k = OwnedDispersion::Table { wavelength_nm: vec![400.0, 700.0], value: k.to_vec() };
+            OwnedMedium::new(OwnedDispersion::Constant(1.5), k, Extrapolate::Refuse).unwrap().always_absorbs()
+        };
+        assert!(tabulated([0.1, 2.0]));
+        assert!(!tabulated([0.1, 0.0]));
         assert!(OwnedMedium::constant(1.5, 0.1).unwrap().always_absorbs());
         assert!(!OwnedMedium::constant(1.5, 0.0).unwrap().always_absorbs());
         assert!(OwnedMedium::constant(1.5, -0.1).is_err());

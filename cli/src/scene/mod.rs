@@ -119,10 +119,11 @@ pub fn load(name_or_path: &str) -> Result<Scene> {
     if path.extension().is_some() || path.components().count() > 1 {
         return Err(Error::failed(format_args!("{name_or_path}: no such scene file; check the path")));
     }
-    let nearest = source::nearest(name_or_path, presets::names()).unwrap_or_default();
-    Err(Error::usage(format_args!(
-        "no file and no preset is called {name_or_path:?}; the nearest preset is {nearest:?} (`goniochrome presets` lists all)"
-    )))
+    let said = format!("no file and no preset is called {name_or_path:?}");
+    Err(Error::usage(match source::nearest(name_or_path, presets::names()) {
+        Some(near) => format!("{said}; the nearest preset is {near:?} (`goniochrome presets` lists all)"),
+        None => format!("{said}; `goniochrome presets` lists the presets"),
+    }))
 }
 
 /// The scene in a text, with built-in materials alone: a text has no folder, so it can name no files.

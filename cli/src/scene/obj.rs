@@ -122,9 +122,10 @@ fn material(source: &Source<'_>, line: usize, code: &str, interfaces: &[&str]) -
     let name = code.trim().strip_prefix("usemtl").unwrap_or_default().trim();
     let index = interfaces.iter().position(|&known| known == name).and_then(|index| u16::try_from(index).ok());
     index.ok_or_else(|| {
-        let nearest = nearest(name, interfaces.iter().copied()).unwrap_or_default();
-        let remedy = format!("nearest is [interface.{nearest}]; declare each usemtl name in the scene file");
-        source.refuse_line(line, format_args!("usemtl {name:?} has no [interface]; {remedy}"))
+        let near = nearest(name, interfaces.iter().copied());
+        let near = near.map_or_else(String::new, |near| format!("nearest is [interface.{near}]; "));
+        let remedy = "declare each usemtl name in the scene file";
+        source.refuse_line(line, format_args!("usemtl {name:?} has no [interface]; {near}{remedy}"))
     })
 }
 

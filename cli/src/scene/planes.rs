@@ -155,7 +155,10 @@ impl Check<'_> {
         let [width, depth] = border.map(|[low, high]| high - low);
         let [x, y] = self.period_nm;
         if (width - x).abs() > tolerance || (depth - y).abs() > tolerance {
-            let message = format!("{} spans {width} by {depth} nm but the period is {x} by {y} nm", self.name(sheet));
+            let message = format!(
+                "{} spans {width} by {depth} nm but the period is {x} by {y} nm; make them equal",
+                self.name(sheet)
+            );
             return Err(self.refuse(first_line, message));
         }
         if let Some((line, [a, b])) = self.open_edge(sheet, border, tolerance) {

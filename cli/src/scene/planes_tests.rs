@@ -82,7 +82,7 @@ fn tilted_facets_are_refused() {
 fn planes_that_do_not_cover_the_period_once_are_refused() {
     assert_eq!(
         refusal(&halves([7.0, 8.0])),
-        "m.obj:6: the plane \"top\" at z = 7 nm spans 2 by 2 nm but the period is 4 by 2 nm"
+        "m.obj:6: the plane \"top\" at z = 7 nm spans 2 by 2 nm but the period is 4 by 2 nm; make them equal"
     );
     let hole = "v 2 1 0\n".to_owned() + &square("top", 0.0).replace("f -4 -3 -2 -1", "f 1 2 3\nf 1 3 4\nf 1 4 5");
     assert_eq!(

@@ -60,11 +60,20 @@ pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// The candidate most like `name`, whatever the case of its letters.
+/// The candidate that `name` was probably meant to be, whatever the case of its letters: one that contains it, or one with
+/// at most a slip for each three letters. None if nothing is that near: a far guess misleads.
 pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    const LETTERS_PER_SLIP: usize = 3;
     let name = name.to_lowercase();
-    let likeness = |candidate: &str| strsim::jaro_winkler(&name, &candidate.to_lowercase());
-    candidates.into_iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+    let slips = |candidate: &str| {
+        let candidate = candidate.to_lowercase();
+        let part = name.chars().count() >= LETTERS_PER_SLIP && candidate.contains(&name);
+        let slips = strsim::damerau_levenshtein(&name, &candidate);
+        let longer = name.chars().count().max(candidate.chars().count());
+        (part || slips * LETTERS_PER_SLIP <= longer).then_some(slips)
+    };
+    let near = candidates.into_iter().filter_map(|candidate| slips(candidate).map(|slips| (slips, candidate)));
+    near.min_by_key(|&(slips, _)| slips).map(|(_, candidate)| candidate)
 }
 
 #[cfg(test)]
@@ -97,5 +106,15 @@ mod tests {
     fn the_nearest_name_ignores_case() {
         assert_eq!(nearest("tio", ["air", "TiO2", "Si"]), Some("TiO2"));
         assert_eq!(nearest("x", []), None);
+    }
+
+    #[test]
+    fn only_what_is_near_is_suggested() {
+        let presets = ["paper-fig3", "anodised-titanium", "morpho-stack", "soap-bubble"];
+        assert_eq!(nearest("nonexist", presets), None);
+        assert_eq!(nearest("morpho", presets), Some("morpho-stack"));
+        assert_eq!(nearest("paper-fgi3", presets), Some("paper-fig3"));
+        assert_eq!(nearest("zzz", ["n", "k", "file"]), None);
+        assert_eq!(nearest("Ni", ["Si", "Ti"]), None);
     }
 }

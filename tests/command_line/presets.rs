@@ -1,0 +1,139 @@
+//! Every preset through every command.
+
+use exr::prelude::{FlatImage, read_first_flat_layer_from_file};
+use goniochrome_cli::scene::presets::names;
+use resvg::tiny_skia::Pixmap;
+
+use crate::user::{User, column, largest_difference, triples};
+
+/// Single precision of a power near 1.
+const SINGLE: f64 = 1e-5;
+/// Presets whose media do not absorb, on a substrate that light enters.
+const LOSSLESS: [&str; 5] = ["paper-fig4", "paper-fig6-300", "paper-fig6-3000", "soap-bubble", "quarter-wave-mirror"];
+
+#[test]
+fn the_list_names_each_preset_and_a_printed_one_is_the_same_scene() {
+    let user = User::new();
+    let list = user.ok("presets").stdout;
+    assert_eq!(list.lines().count(), names().count());
+    for name in names() {
+        let line = list.lines().find(|line| line.split(' ').next() == Some(name)).expect(name);
+        assert!(line.trim_start_matches(name).trim().len() > 20, "{line}");
+        user.write("scene.toml", user.ok(&format!("presets {name}")).stdout);
+        let [preset, file] =
+            [name, "scene.toml"].map(|scene| user.ok(&format!("spectrum {scene} --theta 0,60")).stdout);
+        assert_eq!(preset, file, "{name}");
+    }
+}
+
+/// Double precision, with the rounding of every layer.
+const DOUBLE: f64 = 1e-11;
+
+#[test]
+fn power_is_conserved() {
+    let user = User::new();
+    for name in names() {
+        // Single precision beyond 80 degrees is `agreement`'s: resonances amplify its rounding.
+        for (grid, angles, tolerance) in
+            [("--theta 0:77:11", 8, SINGLE), ("--theta 0:88:11 --precision f64", 9, DOUBLE)]
+        {
+            let csv = user.ok(&format!("spectrum {name} {grid}")).stdout;
+            for [reflected, transmitted] in [["R_s", "T_s"], ["R_p", "T_p"]] {
+                let [reflected, transmitted] = [reflected, transmitted].map(|name| column(&csv, name));
+                assert_eq!(reflected.len(), angles * 81);
+                for (r, t) in reflected.into_iter().zip(transmitted) {
+                    assert!(r >= 0.0 && t >= 0.0 && r + t <= 1.0 + tolerance, "{name} {grid}: {r} + {t}");
+                    let lost = 1.0 - r - t;
+                    assert!(!LOSSLESS.contains(&name) || lost <= tolerance, "{name} {grid}: nothing absorbs {lost:e}");
+                }
+            }
+            assert!(column(&csv, "truncated").iter().all(|truncated| *truncated <= tolerance), "{name}");
+        }
+    }
+}
+
+/// The samples of an EXR channel.
+fn channel(image: &FlatImage, name: &str) -> Vec<f64> {
+    let channels = &image.layer_data[0].channel_data.list;
+    let channel = channels.iter().find(|channel| channel.name.eq(name)).unwrap_or_else(|| panic!("no channel {name}"));
+    channel.sample_data.values_as_f32().map(f64::from).collect()
+}
+
+fn exr(user: &User, name: &str) -> FlatImage {
+    let image = read_first_flat_layer_from_file(user.at(name)).expect("a program that knows no goniochrome reads it");
+    FlatImage { attributes: image.attributes, layer_data: [image.layer_data].into_iter().collect() }
+}
+
+/// Half of the last digit of a colour in CSV.
+const CSV_DIGITS: f64 = 0.6e-6;
+
+#[test]
+fn tables_hold_what_spectrum_and_colour_print() {
+    let user = User::new();
+    for name in names() {
+        let ran = user.ok(&format!("estimate {name} -o t.exr --angles 6"));
+        assert!(ran.stderr.starts_with("t.exr: 6 angles × 81 wavelengths; truncated"), "{}", ran.stderr);
+        let image = exr(&user, "t.exr");
+        let theta = "--theta 0:75:15";
+        let colours = triples(&user.ok(&format!("colour {name} {theta} --csv -")).stdout, ["R", "G", "B"]);
+        for (i, component) in ["R", "G", "B"].into_iter().enumerate() {
+            let printed: Vec<f64> = colours.iter().map(|rgb| rgb[i]).collect();
+            assert!(largest_difference(&channel(&image, component), &printed) <= CSV_DIGITS, "{name} {component}");
+        }
+        let csv = user.ok(&format!("spectrum {name} {theta} --wavelengths 550")).stdout;
+        let [s, p] = ["R_s", "R_p"].map(|name| column(&csv, name));
+        // Reflectances are printed so that they read back as they were.
+        assert!(largest_difference(&channel(&image, "s.T.550,000000nm"), &s) <= f64::from(f32::EPSILON), "{name}");
+        assert!(largest_difference(&channel(&image, "p.T.550,000000nm"), &p) <= f64::from(f32::EPSILON), "{name}");
+    }
+}
+
+/// Anti-aliasing and interpolation between angles move an 8-bit colour by this.
+const LEVELS: u8 = 3;
+
+fn shows(picture: &Pixmap, hex: &str) -> bool {
+    let wanted = [1, 3, 5].map(|at| u8::from_str_radix(&hex[at..at + 2], 16).expect("a colour"));
+    let near = |a: u8, b: u8| a.abs_diff(b) <= LEVELS;
+    picture
+        .pixels()
+        .iter()
+        .any(|pixel| near(pixel.red(), wanted[0]) && near(pixel.green(), wanted[1]) && near(pixel.blue(), wanted[2]))
+}
+
+/// Width and height, which stand behind the signature and the name of the first chunk.
+fn png_size(bytes: &[u8]) -> [u32; 2] {
+    assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"), "a PNG");
+    assert!(bytes.ends_with(b"IEND\xaeB`\x82"), "a whole PNG");
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes")))
+}
+
+#[test]
+fn tables_become_pictures() {
+    let user = User::new();
+    for name in names() {
+        user.ok(&format!("estimate {name} -o t.exr --quiet"));
+        let drawn = ["disc -o disc.png", "map -o map.png", "spectrum -o spectrum.svg"];
+        for line in drawn {
+            let ran = user.ok(&format!("plot t.exr --kind {line}"));
+            assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""), "{name} {line}");
+        }
+        for file in ["disc.png", "map.png"] {
+            let [width, height] = png_size(&user.read(file));
+            assert!(width >= 400 && height >= 400, "{name} {file}: {width} × {height}");
+        }
+        let disc = Pixmap::decode_png(&user.read("disc.png")).expect("a PNG");
+        let csv = user.ok(&format!("colour {name} --theta 0,40 --csv -")).stdout;
+        for row in csv.lines().skip(1) {
+            let hex = row.rsplit(',').next().expect("a colour");
+            assert!(shows(&disc, hex), "{name}: {hex} is not in the disc");
+        }
+        let svg = String::from_utf8(user.read("spectrum.svg")).expect("text");
+        assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"), "{name}");
+        for label in ["Wavelength (nm)", "Reflectance", &format!("{name}: reflectance"), "45° s", "75° p"] {
+            assert!(svg.contains(label), "{name}: {label:?} is missing");
+        }
+        for number in ["nan", "NaN", "inf"] {
+            assert!(!svg.contains(&format!("{number},")) && !svg.contains(&format!(",{number}")), "{name}");
+        }
+    }
+}
