@@ -248,8 +248,8 @@ fn rays_that_diverge_are_accounted_for() {
         let (ledger, _) = case.ledger::<F64>(Summation::Generations(limits));
         for lane in 0..F64::WIDTH {
             let truncated = ledger.truncated.lane(lane);
-            let power = lanes(ledger.reflected, lane).into_iter().chain(lanes(ledger.transmitted, lane));
-            assert!(truncated.is_finite() && power.map(f64::is_finite).all(|finite| finite), "{:?}", case.stack.eta);
+            let mut power = lanes(ledger.reflected, lane).into_iter().chain(lanes(ledger.transmitted, lane));
+            assert!(truncated.is_finite() && power.all(f64::is_finite), "{:?}", case.stack.eta);
             diverged += u32::from(truncated > 1.0);
             converged += u32::from(truncated <= limits.in_flight);
         }
