@@ -41,14 +41,14 @@ pub fn beetle() -> Layered {
 /// Layers of index 1.56 and 1.0 in turn, 100 nm each, on 1.56.
 #[must_use]
 pub fn contrast(layers: usize) -> Layered {
-    let layer = |i: usize| Film { medium: MediumIndex::from(i % 2 == 0), thickness_nm: 100.0 };
+    let layer = |i: usize| Film { medium: MediumIndex::from(i.is_multiple_of(2)), thickness_nm: 100.0 };
     Layered { media: vec![1.0.into(), 1.56.into()], ambient: 0, layers: (0..layers).map(layer).collect(), substrate: 1 }
 }
 
 /// Three films of n = 2.4, 180 nm, with gaps of 180 nm: the paper's figure 4.
 #[must_use]
 pub fn three_films() -> Layered {
-    let layer = |i: usize| Film { medium: MediumIndex::from(i % 2 == 0), thickness_nm: 180.0 };
+    let layer = |i: usize| Film { medium: MediumIndex::from(i.is_multiple_of(2)), thickness_nm: 180.0 };
     Layered { media: vec![1.0.into(), 2.4.into()], ambient: 0, layers: (0..5).map(layer).collect(), substrate: 0 }
 }
 
