@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const FLOW: [&str; 18] = [
+const FLOW: [&str; 20] = [
     "lanes",
     "complex",
     "vector",
@@ -11,6 +11,7 @@ const FLOW: [&str; 18] = [
     "medium",
     "interface",
     "stack",
+    "coating",
     "bvh",
     "cell",
     "mesh",

@@ -45,6 +45,8 @@ pub enum Command {
     Estimate(EstimateArgs),
     /// Where a polygon cell sends the light of one direction
     Scatter(ScatterArgs),
+    /// Diffraction orders of a polygon cell
+    Orders(OrdersArgs),
     /// Ray tracing against the closed form (the paper's figure 7)
     Compare(CompareArgs),
     /// Colour error against the number of wavelengths (the paper's figure 6)
@@ -203,6 +205,40 @@ pub struct ScatterArgs {
     /// No progress on standard error
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Arguments of `orders`.
+#[derive(Debug, Args)]
+pub struct OrdersArgs {
+    /// A scene file with a [cell], or the name of such a preset
+    pub scene: String,
+    /// Angle of incidence in degrees, in [0, 90)
+    #[arg(long, default_value_t = 0.0)]
+    pub theta: f64,
+    /// Azimuth of the direction towards the light in degrees, from the tangent; 180 for a wave that travels towards +x
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub phi: f64,
+    /// Wavelengths in nm: 450,550 or 380:780:5
+    #[arg(long, default_value = "550")]
+    pub wavelengths: Wavelengths,
+    /// Starting rays over the period
+    #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
+    pub rays: u32,
+    /// Largest |m| and |n| [default: all orders that travel]
+    #[arg(long, value_parser = clap::value_parser!(i32).range(0..))]
+    pub most_order: Option<i32>,
+    /// Hits after which a ray is dropped [default: 1, single scattering, for one surface; 64 for several interfaces]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub hits: Option<u32>,
+    /// Seed of the sampling sequence
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    /// Where the CSV goes; - is standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    pub csv: PathBuf,
+    /// Worker threads [default: as many as the machine has]; results do not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
 }
 
 /// `8x16`: bins in cos θ and in φ.

@@ -8,6 +8,7 @@ use goniochrome::cell::Facet;
 use goniochrome::interface::{Below, Interface};
 use goniochrome::medium::{Medium, MediumError, MediumIndex};
 use goniochrome::mesh::MeshCell;
+use goniochrome::stack::Film;
 
 use crate::error::{Error, Result};
 use crate::scene::{Mesh, NamedInterface, Scene, Shape};
@@ -21,15 +22,18 @@ pub struct Bumpy<'s> {
     facet_of: Vec<u32>,
     facets: Vec<Facet>,
     interfaces: Vec<Interface>,
+    /// One list for each interface.
+    coatings: Vec<Vec<Film>>,
     period_nm: [f64; 2],
     above: MediumIndex,
 }
 
 /// Memory that a [`MeshCell`] borrows.
 #[derive(Debug)]
-pub struct CellBuffer {
+pub struct CellBuffer<'b> {
     nodes: Vec<Node>,
     order: Vec<u32>,
+    coatings: Vec<&'b [Film]>,
 }
 
 impl<'s> Bumpy<'s> {
@@ -50,26 +54,36 @@ impl<'s> Bumpy<'s> {
         let kinds: Vec<u16> = solid.iter().map(|t| t.interface).collect();
         let (facet_of, facets) = facets(&vertices, &triangles, &kinds);
         let above = topmost(mesh, &vertices, interfaces)?;
+        let coating = |named: &NamedInterface| {
+            named.coating.iter().map(|layer| Film { medium: layer.medium, thickness_nm: layer.thickness_nm }).collect()
+        };
+        let coatings = interfaces.iter().map(coating).collect();
         let interfaces = interfaces.iter().map(|named| named.interface).collect();
-        Ok(Self { scene, vertices, triangles, facet_of, facets, interfaces, period_nm: *period_nm, above })
+        Ok(Self { scene, vertices, triangles, facet_of, facets, interfaces, coatings, period_nm: *period_nm, above })
     }
 
     /// Memory for [`Bumpy::cell`].
     #[must_use]
-    pub fn buffer(&self) -> CellBuffer {
+    pub fn buffer(&self) -> CellBuffer<'_> {
         let count = self.triangles.len();
-        CellBuffer { nodes: vec![Node::default(); Bvh::required_nodes(count)], order: vec![0; count] }
+        CellBuffer {
+            nodes: vec![Node::default(); Bvh::required_nodes(count)],
+            order: vec![0; count],
+            coatings: self.coatings.iter().map(Vec::as_slice).collect(),
+        }
     }
 
     /// The checked cell.
     ///
     /// # Errors
     /// What the core refuses, with the scene's name.
-    pub fn cell<'b>(&'b self, buffer: &'b mut CellBuffer) -> Result<MeshCell<'b>> {
-        let bvh = Bvh::build(&self.vertices, &self.triangles, &mut buffer.nodes, &mut buffer.order)
-            .map_err(|error| Error::failed(format_args!("{}: {error}", self.scene.name)))?;
+    pub fn cell<'b>(&'b self, buffer: &'b mut CellBuffer<'b>) -> Result<MeshCell<'b>> {
+        let CellBuffer { nodes, order, coatings } = buffer;
+        let named = |error: &dyn std::fmt::Display| Error::failed(format_args!("{}: {error}", self.scene.name));
+        let bvh = Bvh::build(&self.vertices, &self.triangles, nodes, order).map_err(|error| named(&error))?;
         MeshCell::new(bvh, &self.facet_of, &self.facets, &self.interfaces, self.period_nm, self.above)
-            .map_err(|error| Error::failed(format_args!("{}: {error}", self.scene.name)))
+            .and_then(|cell| cell.with_coatings(coatings))
+            .map_err(|error| named(&error))
     }
 
     /// The media, in the scene's order.
@@ -81,6 +95,15 @@ impl<'s> Bumpy<'s> {
     /// A medium's complaint, with its name.
     pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
         Error::failed(format_args!("{}: material {}: {error}", self.scene.name, self.scene.media[index].name))
+    }
+
+    /// Interfaces that facets have.
+    #[must_use]
+    pub fn interface_count(&self) -> usize {
+        let mut kinds: Vec<u16> = self.facets.iter().map(|facet| facet.interface).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds.len()
     }
 
     /// The scene.

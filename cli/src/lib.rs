@@ -5,6 +5,7 @@ pub mod bumpy;
 pub mod colours;
 pub mod commands;
 pub mod comparison;
+pub mod diffraction;
 pub mod error;
 pub mod estimate;
 pub mod grid;

@@ -70,7 +70,7 @@ pub struct Scattered {
 }
 
 /// Independent scramblings over which the standard error is taken.
-const BATCHES: u32 = 32;
+pub const BATCHES: u32 = 32;
 /// Exits that one starting ray may have.
 const MOST_EXITS: usize = 512;
 /// The tracer's default workspace for polygon cells, in states; at most 64 KiB for either precision.
@@ -79,8 +79,8 @@ pub const STATES: usize = 36;
 const _: () = assert!(STATES * size_of::<Slot<State<F32>, goniochrome::polygons::Field<F32>>>() <= 64 * 1024);
 const _: () = assert!(STATES * size_of::<Slot<State<F64>, goniochrome::polygons::Field<F64>>>() <= 64 * 1024);
 
-/// Paths below this power are dropped; hundreds of them stay below 1e-4 together.
-const PATHS: Limits = Limits { in_flight: 1e-8, generations: 10_000 };
+/// Paths below this power are dropped: some tens for each starting ray of a film, so 1e-5 in all.
+const PATHS: Limits = Limits { in_flight: 1e-6, generations: 10_000 };
 /// Waves in flight below this power are dropped.
 const WAVES: Limits = Limits { in_flight: 1e-10, generations: 10_000 };
 
@@ -99,12 +99,6 @@ pub fn scatter(
         Precision::F32 => run::<F32>(bumpy, wi, wavelength_nm, request, progress),
         Precision::F64 => run::<F64>(bumpy, wi, wavelength_nm, request, progress),
     }
-}
-
-/// Number of batches of [`scatter`], for a progress bar.
-#[must_use]
-pub fn steps() -> usize {
-    BATCHES as usize
 }
 
 fn run<V: Lanes>(

@@ -54,6 +54,11 @@ pub enum CellError {
     },
     /// The period is not positive, or the mesh leaves it.
     Period,
+    /// A coating has a film of negative or non-finite thickness.
+    Coating {
+        /// The interface.
+        interface: usize,
+    },
     /// The medium above this facet is not the one below its predecessor.
     MediaDiffer {
         /// The facet.
@@ -69,6 +74,9 @@ impl core::fmt::Display for CellError {
             Self::NoInterface { facet } => write!(f, "facet {facet} names an interface that the cell does not have"),
             Self::Tilted { facet } => write!(f, "facet {facet} is not a horizontal plane facing upwards"),
             Self::Period => write!(f, "the period must be positive and hold the whole mesh, from 0"),
+            Self::Coating { interface } => {
+                write!(f, "the coating of interface {interface} has a thickness that is negative or not finite")
+            }
             Self::OutOfOrder { facet } => write!(f, "facet {facet} lies above the one before it"),
             Self::MediaDiffer { facet } => {
                 write!(f, "the medium above facet {facet} is not the one below the facet before it")

@@ -25,6 +25,7 @@
 //! | [`turns`] | phase factors of long paths | exp(2πi q·L/λ), path reduced to ±½ in double precision |
 //! | [`medium`] | n + ik of a wavelength | dispersion formulas 1 to 9, tables |
 //! | [`interface`] | one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η²; models |
+//! | [`coating`] | films on a facet, by the same recursion | |
 //! | [`stack`] | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
 //! | [`cell`], [`mesh`] | the facets of a micro-surface | |
 //! | [`bvh`] | the triangle that a ray meets first | u, v, w of one sign |
@@ -32,6 +33,7 @@
 //! | [`coherence`] | how exits add; the power ledger | R + T + absorbed + truncated + imbalance = 1 |
 //! | [`layers`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
 //! | [`polygons`] | the tracer's polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
+//! | [`orders`] | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
 //! | [`bins`], [`sampling`] | where rays leave, where they start | |
 //! | [`table`] | BRDF tables | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
 //! | [`colour`] | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
@@ -73,6 +75,7 @@
 pub mod bins;
 pub mod bvh;
 pub mod cell;
+pub mod coating;
 pub mod coherence;
 pub mod colour;
 pub mod complex;
@@ -81,6 +84,7 @@ pub mod lanes;
 pub mod layers;
 pub mod medium;
 pub mod mesh;
+pub mod orders;
 pub mod polygons;
 pub mod sampling;
 pub mod stack;

@@ -8,6 +8,7 @@ use crate::bvh::{Bvh, Hit, Ray};
 use crate::cell::{CellError, Facet};
 use crate::interface::{Below, Interface};
 use crate::medium::MediumIndex;
+use crate::stack::Film;
 use glam::DVec3;
 
 /// A checked mesh: facets and interfaces in range, vertices within the period.
@@ -17,6 +18,8 @@ pub struct MeshCell<'a> {
     facet_of: &'a [u32],
     facets: &'a [Facet],
     interfaces: &'a [Interface],
+    /// Films on each interface, from above; empty for none.
+    coatings: &'a [&'a [Film]],
     period_nm: [f64; 2],
     bottom_nm: f64,
     top_nm: f64,
@@ -99,7 +102,26 @@ impl<'a> MeshCell<'a> {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v.z), high.max(v.z)));
         let slack_nm = slack[0].max(slack[1]);
-        Ok(Self { bvh, facet_of, facets, interfaces, period_nm, bottom_nm, top_nm, slack_nm, above })
+        Ok(Self { bvh, facet_of, facets, interfaces, coatings: &[], period_nm, bottom_nm, top_nm, slack_nm, above })
+    }
+
+    /// The same mesh with films on its facets, one list for each interface, from the upper side; empty lists for bare ones.
+    /// Interfaces beyond the list are bare.
+    ///
+    /// # Errors
+    /// [`CellError::Coating`] for a thickness that is negative or not finite; the index is that of the interface.
+    pub fn with_coatings(self, coatings: &'a [&'a [Film]]) -> Result<Self, CellError> {
+        let bad = |film: &Film| !(film.thickness_nm >= 0.0 && film.thickness_nm.is_finite());
+        match coatings.iter().position(|films| films.iter().any(bad)) {
+            Some(interface) => Err(CellError::Coating { interface }),
+            None => Ok(Self { coatings, ..self }),
+        }
+    }
+
+    /// The films on a facet, from the side its normal points to.
+    #[must_use]
+    pub fn coating(&self, facet: u32) -> &'a [Film] {
+        self.coatings.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(&[])
     }
 
     /// The medium open to the light.

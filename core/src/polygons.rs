@@ -9,12 +9,14 @@
 //! At a facet the field splits along ŝ = N × q/|q_t| and p̂ = ŝ × q/η, Fresnel's formulas act on each, and the tube of light that the
 //! ray stands for changes its cross-section by |cos θ_t/cos θ_i|.
 
+use crate::coating::coated;
 use crate::coherence::Side;
 use crate::complex::{ComplexLanes, Polarised};
-use crate::interface::{Below, Model, Wave, reflection};
+use crate::interface::{Below, Wave};
 use crate::lanes::Lanes;
 use crate::medium::{MediaLanes, MediumIndex};
 use crate::mesh::{MeshCell, Next};
+use crate::stack::Response;
 use crate::trace::{Facets, Slot, Split, Target};
 use crate::turns::propagate;
 use crate::vector::VectorLanes;
@@ -309,7 +311,13 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
             Below::Medium(far) => Some((far, Wave::<V>::new(self.eta(far), tangential_squared))),
             Below::Mirror => None,
         };
-        let r = reflection(Model::Physical, &near_wave, far_wave.as_ref().map(|(_, wave)| wave));
+        let films = self.cell.coating(state.facet);
+        let far_side = far_wave.as_ref().map(|(_, wave)| wave);
+        let Response { reflection: r, transmission: t } = if state.front {
+            coated(&near_wave, films.iter().rev(), far_side, &self.media, tangential_squared)
+        } else {
+            coated(&near_wave, films.iter(), far_side, &self.media, tangential_squared)
+        };
 
         let mirrored = tangential.add_scaled(normal, q_n);
         let p_out = p_of(mirrored, near_eta);
@@ -326,9 +334,8 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
             let far_eta = self.eta(far);
             let wavevector = tangential.add_scaled(normal, -wave.normal);
             let p_through = p_of(wavevector, far_eta);
-            let one = ComplexLanes::one();
-            let ratio = ComplexLanes::<V>::narrow(near_eta.div_or_zero(far_eta));
-            let (t_s, t_p) = (one + r.s, (one + r.p) * ratio);
+            // t_p is of magnetic fields; electric ones change by η_near/η_far besides.
+            let (t_s, t_p) = (t.s, t.p * ComplexLanes::<V>::narrow(near_eta.div_or_zero(far_eta)));
             // |cos θ_t / cos θ_i| with cos θ = q_n/η, in moduli so that it returns to 1 behind an evanescent gap.
             let cosine = |normal: ComplexLanes<V::Precise>, eta: ComplexLanes<V::Precise>| {
                 V::narrow((normal.norm_sqr() / eta.norm_sqr()).sqrt())
@@ -336,11 +343,8 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
             // |t|² Re κ of each part, over the area of facet that the tube covers.
             let area = state.spread / (cosine(q_n, near_eta) * self.incident.index);
             let power = parts.map(|(along_s, along_p)| {
-                let through = (one + r.s).norm_sqr() * along_s.norm_sqr() * wave.admittance.s.re
-                    + (one + r.p).norm_sqr()
-                        * along_p.norm_sqr()
-                        * wave.admittance.p.re
-                        * V::narrow(near_eta.norm_sqr());
+                let through = t.s.norm_sqr() * along_s.norm_sqr() * wave.admittance.s.re
+                    + t.p.norm_sqr() * along_p.norm_sqr() * wave.admittance.p.re * V::narrow(near_eta.norm_sqr());
                 through * area
             });
             Leaving {
@@ -352,6 +356,12 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
                 power,
             }
         });
+        if !films.is_empty() && !is_evanescent(&q, self.hero) {
+            let arrived = self.tube_power(field, state.spread, near);
+            let through = refracted.as_ref().map_or(Polarised::both(V::zero()), |refracted| refracted.power);
+            let kept = arrived.zip(reflected.power, |a, b| a - b).zip(through, |a, b| a - b);
+            self.absorbed = self.absorbed.zip(kept, |sum, kept| sum + kept);
+        }
         [self.send(state, reflected), refracted.and_then(|refracted| self.send(state, refracted))]
     }
 }

@@ -4,6 +4,7 @@ mod colour;
 mod compare;
 mod estimate;
 mod figures;
+mod orders;
 mod plot;
 mod presets;
 mod sampling;
@@ -11,6 +12,8 @@ mod scatter;
 mod spectrum;
 
 use std::path::Path;
+
+use glam::DVec3;
 
 use crate::args::{Command, Computing};
 use crate::error::{Error, Result};
@@ -33,6 +36,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Colour(args) => colour::run(args),
         Command::Estimate(args) => estimate::run(args),
         Command::Scatter(args) => scatter::run(args),
+        Command::Orders(args) => orders::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),
@@ -71,6 +75,17 @@ fn check_outputs(csv: &Path, picture: Option<&Path>, scene: &Scene) -> Result<()
     picture::Format::of(picture)?;
     output::check_destination(picture, &scene.files)?;
     output::refuse_same_output(csv, picture)
+}
+
+/// The unit vector towards the light.
+fn direction(theta_deg: f64, phi_deg: f64) -> Result<DVec3> {
+    if !((0.0..90.0).contains(&theta_deg) && phi_deg.is_finite()) {
+        return Err(Error::usage(format_args!(
+            "--theta {theta_deg} --phi {phi_deg}: theta must lie in [0, 90) degrees and phi be finite"
+        )));
+    }
+    let ((sin, cos), (sin_phi, cos_phi)) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
+    Ok(DVec3::new(sin * cos_phi, sin * sin_phi, cos))
 }
 
 /// Writes rows of text as CSV.

@@ -1,15 +1,15 @@
 //! `goniochrome scatter`.
 
-use glam::DVec3;
 use goniochrome::bins::DirectionBins;
 use serde_json::{Value, json};
 
 use crate::args::ScatterArgs;
 use crate::bumpy::Bumpy;
+use crate::commands::direction;
 use crate::error::{Error, Result};
 use crate::output;
 use crate::progress::bar;
-use crate::scatter::{Estimate, Request, Scattered, scatter, steps};
+use crate::scatter::{BATCHES, Estimate, Request, Scattered, scatter};
 use crate::scene::load;
 
 pub fn run(args: &ScatterArgs) -> Result<()> {
@@ -26,22 +26,11 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         threads: args.threads.map_or_else(crate::parallel::available, usize::from),
     };
     let wi = direction(args.theta, args.phi)?;
-    let progress = bar(&scene.name, steps(), args.quiet);
+    let progress = bar(&scene.name, BATCHES as usize, args.quiet);
     let found = scatter(&bumpy, wi, &[args.wavelength], &request, &|| progress.inc(1))?;
     progress.finish_and_clear();
     let text = serde_json::to_string_pretty(&report(args, &request.bins, &found[0])).map_err(Error::failed)?;
     output::write_text(&args.json, &(text + "\n"))
-}
-
-/// The unit vector towards the light.
-fn direction(theta_deg: f64, phi_deg: f64) -> Result<DVec3> {
-    if !((0.0..90.0).contains(&theta_deg) && phi_deg.is_finite()) {
-        return Err(Error::usage(format_args!(
-            "--theta {theta_deg} --phi {phi_deg}: theta must lie in [0, 90) degrees and phi be finite"
-        )));
-    }
-    let ((sin, cos), (sin_phi, cos_phi)) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
-    Ok(DVec3::new(sin * cos_phi, sin * sin_phi, cos))
 }
 
 fn estimate(of: Estimate) -> Value {
