@@ -183,7 +183,8 @@ impl<'a> Bvh<'a> {
     /// the lowest index.
     ///
     /// `accept` may be asked about any hit, in any order. A ray that is not finite (`t_max` apart) or has no direction
-    /// hits nothing. The t of a hit lies between those of the triangle's vertices, to rounding.
+    /// hits nothing. The t of a hit lies between those of the triangle's vertices, to rounding, and is no better than that
+    /// where the ray sees the triangle thinner than the rounding of its vertices.
     #[must_use]
     pub fn closest(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         let [x, y, z] = ray.direction.abs().to_array();

@@ -227,6 +227,35 @@ fn a_distant_origin_still_hits_what_it_aims_at() {
 }
 
 #[test]
+fn boxes_thinner_than_a_rounding_are_not_missed() {
+    // A needle about the x axis: only the slack lets a ray into its boxes.
+    let mut mesh = bumpy_sphere(2);
+    mesh.0.iter_mut().for_each(|v| *v *= DVec3::new(1.0, 1e-16, 1e-16));
+    let mut memory = mesh.memory();
+    let bvh = mesh.bvh(&mut memory);
+    let mut random = Random(9);
+    let mut hits = 0;
+    for _ in 0..20_000 {
+        let origin = 3.0 * random.cube();
+        let ray = ray(origin, DVec3::X * (random.unit() - 0.5) - origin);
+        let hit = bvh.closest(&ray, |_| true);
+        // Which triangle is a matter of rounding, whether one is hit is not.
+        assert_eq!(hit.is_some(), closest_of_all(&mesh, &ray).is_some(), "{ray:?}");
+        hits += usize::from(hit.is_some());
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+#[test]
+fn equal_products_are_told_apart() {
+    // (1 + ε)(1 − ε) rounds to 1.
+    let (p, q) = ([1.0 + f64::EPSILON, 1.0, 0.0], [1.0, 1.0 - f64::EPSILON, 0.0]);
+    assert!(cross(p, q) < 0.0);
+    assert_eq!(cross(q, p), -cross(p, q));
+    assert_eq!(cross(p, p), 0.0);
+}
+
+#[test]
 fn vertical_rays_meet_every_vertex_and_edge_of_a_sheet() {
     for by in [DVec3::ZERO, DVec3::new(1e9, -3e8, 1e7)] {
         let mesh = sheet(64).moved(37.7, by);
