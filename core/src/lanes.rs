@@ -87,6 +87,8 @@ pub trait Lanes:
     fn max(self, other: Self) -> Self;
     /// `then` where self < bound, otherwise `otherwise`.
     fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self;
+    /// Bit i is set where lane i of self does not exceed that of `other`; never for NaN.
+    fn mask_le(self, other: Self) -> u32;
     /// True if a lane exceeds `bound`.
     fn any_above(self, bound: f64) -> bool;
 
@@ -152,6 +154,10 @@ macro_rules! delegate_to_wide {
         #[inline]
         fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self {
             self.simd_lt(bound).select(then, otherwise)
+        }
+        #[inline]
+        fn mask_le(self, other: Self) -> u32 {
+            self.simd_le(other).to_bitmask()
         }
         #[inline]
         fn any_above(self, bound: f64) -> bool {
@@ -304,6 +310,10 @@ impl Lanes for Pair {
         )
     }
     #[inline]
+    fn mask_le(self, other: Self) -> u32 {
+        self.0.mask_le(other.0) | (self.1.mask_le(other.1) << F64::WIDTH)
+    }
+    #[inline]
     fn any_above(self, bound: f64) -> bool {
         self.0.any_above(bound) || self.1.any_above(bound)
     }
@@ -333,6 +343,9 @@ mod tests {
             close(a.round(), libm::rint(x));
             close(a.max(b), x.max(y));
             close(a.select_lt(V::zero(), a, b), if x < 0.0 { x } else { y });
+            assert_eq!(a.mask_le(b) >> i & 1, u32::from(x <= y));
+            assert_eq!(a.mask_le(a + V::splat(f64::NAN)), 0);
+            assert_eq!(a.mask_le(V::splat(0.0)) >> i & 1, u32::from(x <= 0.0));
         }
         assert!(b.any_above(V::WIDTH as f64) && !b.any_above(V::WIDTH as f64 + 0.5));
     }

@@ -1,7 +1,7 @@
 //! Which triangle a ray meets first: a bounding volume hierarchy in memory that the caller owns.
 //!
-//! Built top down by binned surface area heuristic, four children to a node, so that one box test serves four. Boxes are
-//! single precision, about the centre of the mesh, rounded outwards; rays and triangles are double precision. A ray that
+//! Built top down by binned surface area heuristic, a child for each lane to a node, so that one box test serves all.
+//! Boxes are single precision, about the centre of the mesh, rounded outwards; rays and triangles are double precision. A ray that
 //! meets an edge or a vertex of a closed mesh meets at least one of the triangles there.
 //!
 //! Sources: Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007); Woop, Benthin & Wald,
@@ -11,24 +11,26 @@ mod build;
 #[cfg(test)]
 mod tests;
 
+use crate::lanes::{F64, Lanes};
 use glam::DVec3;
 
-/// Children of a node.
-const WIDTH: usize = 4;
+/// Children of a node: 8 with AVX-512, otherwise 4.
+const WIDTH: usize = F64::WIDTH;
 /// Triangles of a leaf at most.
 const LEAF_TRIANGLES: usize = 4;
-/// Levels of nodes at most; the builder halves by count where the heuristic would exceed it.
-const MAX_DEPTH: usize = 24;
+/// Children of an inner node at least: it holds more triangles than a leaf, and is split as far as it can be.
+const LEAST_CHILDREN: usize = if LEAF_TRIANGLES + 1 < WIDTH { LEAF_TRIANGLES + 1 } else { WIDTH };
+/// Levels of nodes at most, 48 binary ones; the builder halves by count where the heuristic would exceed it.
+const MAX_DEPTH: usize = 48 / WIDTH.ilog2() as usize;
 /// A node leaves WIDTH − 1 entries behind for each level, and the last leaves WIDTH.
 const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 /// Coordinates beyond this are refused: boxes and their areas must stay finite.
 const MAX_COORDINATE: f64 = (1u128 << 120) as f64;
 
-// Halving by count places every mesh that 32-bit indices can name.
+// Halving by count gives each child a WIDTHth, rounded up, and places every mesh that 32-bit indices can name.
+const _: () = assert!(WIDTH.is_power_of_two() && WIDTH >= 2);
 const _: () = assert!((LEAF_TRIANGLES as u128) * (WIDTH as u128).pow(MAX_DEPTH as u32) > u32::MAX as u128);
-// An inner node holds more triangles than a leaf, hence enough for all its children; `required_nodes` counts on it.
-const _: () = assert!(LEAF_TRIANGLES >= WIDTH && WIDTH >= 2);
-const _: () = assert!(size_of::<Node>() == 128);
+const _: () = assert!(size_of::<Node>() == 32 * WIDTH);
 
 /// Widening of the boxes in units of ‖origin − centre‖∞ + half the extent of the mesh.
 ///
@@ -61,7 +63,7 @@ pub struct Hit {
     pub front: bool,
 }
 
-/// Boxes of four children, in single precision relative to the centre of the mesh.
+/// Boxes of the children, in single precision relative to the centre of the mesh.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Node {
@@ -154,11 +156,10 @@ struct Entry {
 impl<'a> Bvh<'a> {
     /// Nodes that suffice for any mesh of so many triangles.
     ///
-    /// I nodes of WIDTH children each have (WIDTH − 1) I + 1 leaves of a triangle or more, and the lowest node holds
-    /// more triangles than leaves.
+    /// With I nodes of `LEAST_CHILDREN` or more there are (`LEAST_CHILDREN` − 1) I + 1 leaves or more, none empty.
     #[must_use]
     pub const fn required_nodes(triangle_count: usize) -> usize {
-        let nodes = triangle_count.saturating_sub(2) / (WIDTH - 1);
+        let nodes = triangle_count.saturating_sub(1) / (LEAST_CHILDREN - 1);
         if nodes == 0 { 1 } else { nodes }
     }
 
@@ -182,7 +183,8 @@ impl<'a> Bvh<'a> {
     /// the lowest index.
     ///
     /// `accept` may be asked about any hit, in any order. A ray that is not finite (`t_max` apart) or has no direction
-    /// hits nothing. The t of a hit lies between those of the triangle's vertices, to rounding.
+    /// hits nothing. The t of a hit lies between those of the triangle's vertices, to rounding, and is no better than that
+    /// where the ray sees the triangle thinner than the rounding of its vertices.
     #[must_use]
     pub fn closest(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         let [x, y, z] = ray.direction.abs().to_array();
@@ -277,31 +279,32 @@ impl Slabs {
     /// Pushes the children of `node` that the ray enters before `t_max`, the nearest last.
     #[inline]
     fn push_children(&self, node: &Node, t_max: f64, stack: &mut [Entry; STACK], height: &mut usize) {
-        let mut near = [self.t_min; WIDTH];
-        let mut far = [t_max; WIDTH];
+        let mut near = F64::splat(self.t_min);
+        let mut far = F64::splat(t_max);
         for axis in 0..3 {
             let side = self.near_side[axis] & 1;
-            let (enter, leave) = (&node.bounds[axis][side], &node.bounds[axis][1 - side]);
-            for i in 0..WIDTH {
-                // 0 · ∞, a ray within a face, is NaN: the comparisons are false and the axis does not count.
-                let t = (f64::from(enter[i]) - self.origin_near[axis]) * self.inverse[axis];
-                near[i] = if t > near[i] { t } else { near[i] };
-                let t = (f64::from(leave[i]) - self.origin_far[axis]) * self.inverse[axis];
-                far[i] = if t < far[i] { t } else { far[i] };
-            }
+            let plane = |side: usize| F64::new(node.bounds[axis][side].map(f64::from));
+            let inverse = F64::splat(self.inverse[axis]);
+            let enter = (plane(side) - F64::splat(self.origin_near[axis])) * inverse;
+            let leave = (plane(1 - side) - F64::splat(self.origin_far[axis])) * inverse;
+            // 0 · ∞, a ray within a face, is NaN: the comparisons are false and the axis does not count.
+            near = near.select_lt(enter, enter, near);
+            far = leave.select_lt(far, leave, far);
         }
+        let mut entered = near.mask_le(far);
+        let near = near.to_array();
         let base = *height;
-        for i in 0..WIDTH {
-            if near[i] <= far[i] {
-                let entry = Entry { near: near[i], first: node.first[i], count: node.count[i] };
-                let mut place = *height;
-                while place > base && stack[place - 1].near < entry.near {
-                    stack[place] = stack[place - 1];
-                    place -= 1;
-                }
-                stack[place] = entry;
-                *height += 1;
+        while entered != 0 {
+            let i = entered.trailing_zeros() as usize % WIDTH;
+            entered &= entered - 1;
+            let entry = Entry { near: near[i], first: node.first[i], count: node.count[i] };
+            let mut place = *height;
+            while place > base && stack[place - 1].near < entry.near {
+                stack[place] = stack[place - 1];
+                place -= 1;
             }
+            stack[place] = entry;
+            *height += 1;
         }
     }
 }

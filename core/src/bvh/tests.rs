@@ -1,6 +1,9 @@
 extern crate std;
 
+mod meshes;
+
 use super::*;
+use meshes::{bumpy_sphere, sheet, slab, soup};
 use std::vec::Vec;
 use std::{print, println, vec};
 
@@ -60,85 +63,6 @@ impl Random {
     }
 }
 
-fn soup(count: usize) -> Mesh {
-    let mut random = Random(1);
-    let mut vertices = Vec::new();
-    for _ in 0..count {
-        let middle = random.cube();
-        vertices.extend((0..3).map(|_| middle + 0.1 * random.cube()));
-    }
-    Mesh(vertices, (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
-}
-
-/// A bumpy sheet over [−1, 1]² of 2 cells² triangles that face upwards.
-fn sheet(cells: u32) -> Mesh {
-    let row = cells + 1;
-    let at = |i: u32| 2.0 * f64::from(i) / f64::from(cells) - 1.0;
-    let height = |x: f64, y: f64| 0.1 * libm::sin(19.0 * x) * libm::cos(23.0 * y) + 0.05 * libm::sin(7.0 * x + 5.0 * y);
-    let vertices = (0..row * row).map(|i| (at(i % row), at(i / row))).map(|(x, y)| DVec3::new(x, y, height(x, y)));
-    let corners = (0..cells * cells).map(|i| i % cells + i / cells * row);
-    let triangles = corners.flat_map(|a| [[a, a + 1, a + row + 1], [a, a + row + 1, a + row]]);
-    Mesh(vertices.collect(), triangles.collect())
-}
-
-/// [`sheet`] with a copy below, walls, and thus an inside.
-fn slab(cells: u32) -> Mesh {
-    let Mesh(mut vertices, mut triangles) = sheet(cells);
-    let (row, count) = (cells + 1, vertices.len() as u32);
-    vertices.extend_from_within(..);
-    vertices[count as usize..].iter_mut().for_each(|v| v.z -= 0.5);
-    let below: Vec<_> = triangles.iter().map(|t| [t[0] + count, t[2] + count, t[1] + count]).collect();
-    triangles.extend(below);
-    let mut wall = |a: u32, b: u32| triangles.extend([[a, a + count, b + count], [a, b + count, b]]);
-    for i in 0..cells {
-        wall(i, i + 1);
-        wall((i + 1) * row + cells - 0, i * row + cells);
-        wall((i + 1) * row, i * row);
-        wall(cells * row + i + 1, cells * row + i);
-    }
-    Mesh(vertices, triangles)
-}
-
-/// A subdivided icosahedron whose radius varies by a fifth; its vertices are shared.
-fn bumpy_sphere(subdivisions: usize) -> Mesh {
-    let g = (1.0 + libm::sqrt(5.0)) / 2.0;
-    let mut vertices = Vec::new();
-    for (s, t) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
-        vertices.extend([DVec3::new(s, t, 0.0), DVec3::new(0.0, s, t), DVec3::new(t, 0.0, s)]);
-    }
-    let mut triangles: Vec<[u32; 3]> = Vec::new();
-    // The faces are the triples at mutual distance 2.
-    let near = |i: usize, j: usize| (vertices[i].distance(vertices[j]) - 2.0).abs() < 1e-9;
-    for (i, j, k) in (0..12).flat_map(|i| (0..i).flat_map(move |j| (0..j).map(move |k| (i, j, k)))) {
-        if near(i, j) && near(j, k) && near(k, i) {
-            let outwards = (vertices[j] - vertices[i]).cross(vertices[k] - vertices[i]).dot(vertices[i]) > 0.0;
-            triangles.push(if outwards { [i, j, k] } else { [i, k, j] }.map(|v| v as u32));
-        }
-    }
-    assert_eq!(triangles.len(), 20);
-    for _ in 0..subdivisions {
-        let mut middles = std::collections::BTreeMap::new();
-        let mut middle = |a: u32, b: u32| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                vertices.push(0.5 * (vertices[a as usize] + vertices[b as usize]));
-                vertices.len() as u32 - 1
-            })
-        };
-        triangles = triangles
-            .iter()
-            .flat_map(|&[a, b, c]| {
-                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-            })
-            .collect();
-    }
-    for v in &mut vertices {
-        *v = v.normalize();
-        *v *= 1.0 + 0.1 * libm::sin(9.0 * v.x) * libm::cos(8.0 * v.y + 3.0 * v.z);
-    }
-    Mesh(vertices, triangles)
-}
-
 /// Depth within bounds, every triangle in one leaf, every box around its triangles. Returns the depth.
 fn check_structure(bvh: &Bvh) -> usize {
     let mut seen = vec![false; bvh.order.len()];
@@ -161,9 +85,9 @@ fn check_structure(bvh: &Bvh) -> usize {
             if count == 0 {
                 waiting.push((first, depth + 1, inner));
             }
-            for place in first..first + count {
-                assert!(!core::mem::replace(&mut seen[place], true));
-                for vertex in bvh.triangles[bvh.order[place] as usize] {
+            for (seen, &triangle) in seen[first..][..count].iter_mut().zip(&bvh.order[first..]) {
+                assert!(!core::mem::replace(seen, true));
+                for vertex in bvh.triangles[triangle as usize] {
                     let v = (bvh.vertices[vertex as usize] - bvh.centre).to_array();
                     assert!((0..3).all(|axis| inner[0][axis] < v[axis] && v[axis] < inner[1][axis]));
                 }
@@ -250,7 +174,7 @@ fn agrees_with_all_triangles_in_turn() {
             }
         }
     }
-    assert!(compared > 30_000, "{compared}");
+    assert!(compared > 15_000, "{compared}");
 }
 
 /// From inside a mesh that is star-shaped about `from`: at every vertex and at points of every edge.
@@ -300,6 +224,35 @@ fn a_distant_origin_still_hits_what_it_aims_at() {
             assert_eq!(hit, closest_of_all(&mesh, &ray));
         }
     }
+}
+
+#[test]
+fn boxes_thinner_than_a_rounding_are_not_missed() {
+    // A needle about the x axis: only the slack lets a ray into its boxes.
+    let mut mesh = bumpy_sphere(2);
+    mesh.0.iter_mut().for_each(|v| *v *= DVec3::new(1.0, 1e-16, 1e-16));
+    let mut memory = mesh.memory();
+    let bvh = mesh.bvh(&mut memory);
+    let mut random = Random(9);
+    let mut hits = 0;
+    for _ in 0..20_000 {
+        let origin = 3.0 * random.cube();
+        let ray = ray(origin, DVec3::X * (random.unit() - 0.5) - origin);
+        let hit = bvh.closest(&ray, |_| true);
+        // Which triangle is a matter of rounding, whether one is hit is not.
+        assert_eq!(hit.is_some(), closest_of_all(&mesh, &ray).is_some(), "{ray:?}");
+        hits += usize::from(hit.is_some());
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+#[test]
+fn equal_products_are_told_apart() {
+    // (1 + ε)(1 − ε) rounds to 1.
+    let (p, q) = ([1.0 + f64::EPSILON, 1.0, 0.0], [1.0, 1.0 - f64::EPSILON, 0.0]);
+    assert!(cross(p, q) < 0.0);
+    assert_eq!(cross(q, p), -cross(p, q));
+    assert_eq!(cross(p, p), 0.0);
 }
 
 #[test]
@@ -471,7 +424,6 @@ fn depth_is_bounded_whatever_the_mesh() {
         assert_eq!(bvh.closest(&ray, |_| true), closest_of_all(&mesh, &ray));
         check_structure(&bvh)
     });
-    println!("{depths:?}");
     // Exponential spacing would take the heuristic beyond a balanced tree, which has 5 levels.
     assert!(depths[2] > 8, "{depths:?}");
 }
@@ -483,15 +435,16 @@ fn what_is_wrong_is_named() {
         Bvh::build(vertices, triangles, &mut vec![Node::EMPTY; nodes], &mut vec![0; order]).err()
     };
     assert_eq!(refuse(&mesh.0, &[], 10, 10), Some(BvhError::Empty));
-    let memory = Some(BvhError::Memory { nodes: 10, order: 32 });
-    assert_eq!(refuse(&mesh.0, &mesh.1, 9, 32), memory);
-    assert_eq!(refuse(&mesh.0, &mesh.1, 10, 31), memory);
-    assert_eq!(refuse(&mesh.0, &mesh.1, 10, 32), None);
-    assert_eq!(refuse(&mesh.0[..24], &mesh.1, 10, 32), Some(BvhError::NoVertex { triangle: 30 }));
+    let required = Bvh::required_nodes(32);
+    let memory = Some(BvhError::Memory { nodes: required, order: 32 });
+    assert_eq!(refuse(&mesh.0, &mesh.1, required - 1, 32), memory);
+    assert_eq!(refuse(&mesh.0, &mesh.1, required, 31), memory);
+    assert_eq!(refuse(&mesh.0, &mesh.1, required, 32), None);
+    assert_eq!(refuse(&mesh.0[..24], &mesh.1, required, 32), Some(BvhError::NoVertex { triangle: 30 }));
     for bad in [f64::NAN, f64::INFINITY, -1e40] {
         let mut vertices = mesh.0.clone();
         vertices[7].y = bad;
-        assert_eq!(refuse(&vertices, &mesh.1, 10, 32), Some(BvhError::NotFinite { vertex: 7 }));
+        assert_eq!(refuse(&vertices, &mesh.1, required, 32), Some(BvhError::NotFinite { vertex: 7 }));
     }
 }
 
