@@ -180,7 +180,7 @@ mod tests {
         let text = format!("[stack]\nambient = 1\nsubstrate = 'x'\n[materials.x]\nfile = '{}'\n", path.display());
         let message = parse("text", &text).unwrap_err().to_string();
         assert!(message.ends_with("file: only a scene in a file can name files"), "{message}");
-        assert_eq!(parse("text", &text.replace("'x'", "'SiO2'").split("[mat").next().unwrap()).unwrap().media.len(), 2);
+        assert_eq!(parse("text", text.replace("'x'", "'SiO2'").split("[mat").next().unwrap()).unwrap().media.len(), 2);
     }
 
     #[test]
