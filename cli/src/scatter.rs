@@ -81,8 +81,8 @@ const _: () = assert!(STATES * size_of::<Slot<State<F64>, goniochrome::polygons:
 
 /// Paths below this power are dropped: some tens for each starting ray of a film, so 1e-5 in all.
 const PATHS: Limits = Limits { in_flight: 1e-6, generations: 10_000 };
-/// Waves in flight below this power are dropped.
-const WAVES: Limits = Limits { in_flight: 1e-10, generations: 10_000 };
+/// Waves in flight below this power are dropped: up to 2√1e-13 = 6e-7 in reflectance for each wave that rings.
+const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 
 /// Light from the unit direction `wi`, at each wavelength. `progress` is told of each of the batches.
 ///
@@ -182,7 +182,7 @@ fn trace_batch<V: Lanes>(
     let eta = media.eta()[usize::from(cell.above())];
     let coherent = request.coherence == Coherence::Ray;
     let mut polygons = Polygons::new(cell, media, Incident::new(wi, eta), coherent);
-    let mut exits = Exits::new(exits, request.bins, media, V::narrow(eta.re), coherent);
+    let mut exits = Exits::new(exits, request.bins, &media, coherent);
     let rays = (request.rays / BATCHES).max(1);
     let mut truncated = V::zero();
     for ray in 0..rays {

@@ -66,7 +66,7 @@ const MOST_LANES: usize = 16;
 pub struct Exit<V: Lanes> {
     side: Side,
     bins: [u32; MOST_LANES],
-    /// Referred to the first hit, times √(J n/n_in).
+    /// Referred to the first hit, and scaled to the power it carries.
     field: Field<V>,
     power: Polarised<V>,
 }
@@ -86,9 +86,7 @@ pub struct Exits<'m, V: Lanes> {
     memory: &'m mut [Exit<V>],
     count: usize,
     grid: DirectionBins,
-    media: MediaLanes<'m, V>,
     per_wavelength: V::Precise,
-    incident_index: V,
     /// The starting ray's first hit.
     origin_nm: DVec3,
     coherent: bool,
@@ -104,17 +102,11 @@ pub trait Histogram {
 
 impl<'m, V: Lanes> Exits<'m, V> {
     /// No exits yet. `memory` should hold as many as one starting ray may have; more are dropped and accounted for.
-    pub fn new(
-        memory: &'m mut [Exit<V>],
-        grid: DirectionBins,
-        media: MediaLanes<'m, V>,
-        incident_index: V,
-        coherent: bool,
-    ) -> Self {
+    pub fn new(memory: &'m mut [Exit<V>], grid: DirectionBins, media: &MediaLanes<'_, V>, coherent: bool) -> Self {
         const { assert!(V::WIDTH <= MOST_LANES) };
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
         let origin_nm = DVec3::ZERO;
-        Self { memory, count: 0, grid, media, per_wavelength, incident_index, origin_nm, coherent, dropped: V::zero() }
+        Self { memory, count: 0, grid, per_wavelength, origin_nm, coherent, dropped: V::zero() }
     }
 
     /// Begins a starting ray at its first hit.
@@ -156,23 +148,37 @@ impl<'m, V: Lanes> Exits<'m, V> {
 
 impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
-        let Some(place) = self.memory.get_mut(self.count) else {
-            self.dropped += (departure.power.s + departure.power.p) * V::splat(0.5);
-            return;
-        };
-        self.count += 1;
-        let mut bins = [0; MOST_LANES];
-        let hero = departure.wavevector.direction(0);
-        let same = (1..V::WIDTH).all(|lane| departure.wavevector.direction(lane) == hero);
-        for lane in 0..V::WIDTH {
-            bins[lane] =
-                if same && lane > 0 { bins[0] } else { self.grid.index(departure.wavevector.direction(lane)) as u32 };
+        let first = departure.wavevector.direction(0);
+        let mut bins = [self.grid.index(first) as u32; MOST_LANES];
+        for (lane, bin) in bins.iter_mut().enumerate().take(V::WIDTH).skip(1) {
+            let direction = departure.wavevector.direction(lane);
+            if direction != first {
+                *bin = self.grid.index(direction) as u32;
+            }
         }
         let to_origin = departure.wavevector.dot_real(self.origin_nm - departure.point_nm).scale(self.per_wavelength);
-        let eta = self.media.eta()[usize::from(departure.medium)];
-        let weight = (departure.spread * V::narrow(eta.re) / self.incident_index).sqrt();
-        let factor = propagate::<V>(to_origin).scale(weight);
-        *place = Exit { side: departure.side, bins, field: field.map(|e| e.scale(factor)), power: departure.power };
+        let phase = propagate::<V>(to_origin);
+        // Scaled so that its square is the power it carries, in an absorbing substrate too.
+        let field = field.zip(departure.power, |e, power| {
+            let square = e.norm_sqr();
+            let scale = V::zero().select_lt(square, (power / square).sqrt(), V::zero());
+            e.scale(phase.scale(scale))
+        });
+
+        let same = |exit: &&mut Exit<V>| exit.side == departure.side && exit.bins == bins;
+        if self.coherent
+            && let Some(exit) = self.memory[..self.count].iter_mut().find(same)
+        {
+            exit.field = exit.field.zip(field, |a, b| a + b);
+            return;
+        }
+        match self.memory.get_mut(self.count) {
+            Some(place) => {
+                *place = Exit { side: departure.side, bins, field, power: departure.power };
+                self.count += 1;
+            }
+            None => self.dropped += (departure.power.s + departure.power.p) * V::splat(0.5),
+        }
     }
 }
 
