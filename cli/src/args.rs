@@ -184,6 +184,9 @@ pub struct ScatterArgs {
     /// Starting rays over the period
     #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
     pub rays: u32,
+    /// Double the rays until every standard error is below this
+    #[arg(long, value_parser = positive)]
+    pub target_error: Option<f64>,
     /// Bins of outgoing directions: uniform in cos θ × uniform in φ
     #[arg(long, default_value = "8x16")]
     pub bins: Bins,
@@ -239,6 +242,12 @@ pub struct OrdersArgs {
     /// Worker threads [default: as many as the machine has]; results do not depend on it
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+}
+
+/// A number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().map_err(|error| error.to_string())?;
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("must be positive".into()) }
 }
 
 /// `8x16`: bins in cos θ and in φ.

@@ -37,10 +37,20 @@ pub struct Diffracted {
     pub index: [i32; 2],
     /// Vacuum wavelength.
     pub wavelength_nm: f64,
+    /// Unit vector.
+    pub direction: DVec3,
     /// Angle from the normal.
     pub theta_deg: f64,
     /// Efficiency for s and p light.
     pub efficiency: Polarised<Estimate>,
+}
+
+/// Hits for a scene: physical optics of one rough surface holds for single scattering, since between its facets, often
+/// narrower than a wavelength, light does not travel as rays. Layers need their bounces.
+#[must_use]
+pub fn default_hits(bumpy: &Bumpy<'_>) -> u32 {
+    const LAYERED: u32 = 64;
+    if bumpy.interface_count() == 1 { 1 } else { LAYERED }
 }
 
 /// Orders that are computed at most; a period of 20 µm has some thousands.
@@ -133,16 +143,14 @@ fn summarise(batches: &[Vec<Order<F64>>], wavelengths: &[f64], rays: f64) -> Vec
             }
             let estimate = |of: &dyn Fn(Polarised<F64>) -> F64| {
                 let value = Lanes::lane(of(whole.efficiency(rays * count)), lane);
-                // |F|² of a batch exceeds |F̄|² by its own variance: the mean excess over batches is that variance.
                 let batch = |order: &Vec<Order<F64>>| Lanes::lane(of(order[place].efficiency(rays)), lane);
-                let excess = (batches.iter().map(batch).sum::<f64>() / count - value).max(0.0);
-                // δ|F|² = 2|F| δF + δF², with δF the standard error of the mean.
-                let variance = excess / (count - 1.0);
-                Estimate { value, std_error: 2.0 * (value * variance).sqrt() + variance }
+                let excess = batches.iter().map(batch).sum::<f64>() / count - value;
+                Estimate::of_square(value, excess, count)
             };
             found.push(Diffracted {
                 index: whole.index,
                 wavelength_nm,
+                direction: whole.wavevector.direction(lane).normalize(),
                 theta_deg: cos_theta.min(1.0).acos().to_degrees(),
                 efficiency: Polarised { s: estimate(&|e| e.s), p: estimate(&|e| e.p) },
             });

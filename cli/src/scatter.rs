@@ -24,6 +24,10 @@ pub enum Coherence {
     Ray,
     /// Every path adds as power: classic geometric optics.
     None,
+    /// All exits in a bin interfere, whatever starting ray they come from: the paper's section 2.2, literally.
+    Bin,
+    /// The period is one coherent field, which leaves in diffraction orders; reflection alone.
+    Cell,
 }
 
 /// What to compute.
@@ -50,6 +54,17 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard error.
     pub std_error: f64,
+}
+
+impl Estimate {
+    /// |F|² from `count` batches whose mean F̄ has the square `value`. |F|² of a batch exceeds |F̄|² by its own variance, so the
+    /// mean excess over batches tells that variance; a share of it is in |F̄|² too and is taken off. The error follows
+    /// from δ|F|² = 2|F| δF + δF², with δF the standard error of the mean.
+    #[must_use]
+    pub fn of_square(value: f64, mean_excess: f64, count: f64) -> Self {
+        let variance = mean_excess.max(0.0) / (count - 1.0);
+        Self { value: value - variance, std_error: 2.0 * (value * variance).sqrt() + variance }
+    }
 }
 
 /// Where the light of one direction goes, at one wavelength; fractions of the incident power, unpolarised.

@@ -5,7 +5,7 @@
 //! and for directions that differ within a bin it removes a phase that only says where the origin lies.
 
 use crate::coherence::Side;
-use crate::complex::Polarised;
+use crate::complex::{ComplexLanes, Polarised};
 use crate::lanes::Lanes;
 use crate::medium::MediaLanes;
 use crate::polygons::{Departure, Field};
@@ -40,6 +40,19 @@ impl DirectionBins {
         let row = ((cos * f64::from(self.cos)) as u32).min(self.cos - 1);
         let column = ((turn * f64::from(self.phi)) as u32).min(self.phi - 1);
         row as usize * self.phi as usize + column as usize
+    }
+
+    /// The bin of each lane.
+    fn of_lanes<V: Lanes>(&self, wavevector: &VectorLanes<V>) -> [u32; MOST_LANES] {
+        let first = wavevector.direction(0);
+        let mut bins = [self.index(first) as u32; MOST_LANES];
+        for (lane, bin) in bins.iter_mut().enumerate().take(V::WIDTH).skip(1) {
+            let direction = wavevector.direction(lane);
+            if direction != first {
+                *bin = self.index(direction) as u32;
+            }
+        }
+        bins
     }
 
     /// Bounds of a bin: cos θ from and to, φ from and to in radians.
@@ -148,22 +161,9 @@ impl<'m, V: Lanes> Exits<'m, V> {
 
 impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
-        let first = departure.wavevector.direction(0);
-        let mut bins = [self.grid.index(first) as u32; MOST_LANES];
-        for (lane, bin) in bins.iter_mut().enumerate().take(V::WIDTH).skip(1) {
-            let direction = departure.wavevector.direction(lane);
-            if direction != first {
-                *bin = self.grid.index(direction) as u32;
-            }
-        }
+        let bins = self.grid.of_lanes(&departure.wavevector);
         let to_origin = departure.wavevector.dot_real(self.origin_nm - departure.point_nm).scale(self.per_wavelength);
-        let phase = propagate::<V>(to_origin);
-        // Scaled so that its square is the power it carries, in an absorbing substrate too.
-        let field = field.zip(departure.power, |e, power| {
-            let square = e.norm_sqr();
-            let scale = V::zero().select_lt(square, (power / square).sqrt(), V::zero());
-            e.scale(phase.scale(scale))
-        });
+        let field = scaled_to_power(field, departure.power, propagate(to_origin));
 
         let same = |exit: &&mut Exit<V>| exit.side == departure.side && exit.bins == bins;
         if self.coherent
@@ -180,6 +180,72 @@ impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
             None => self.dropped += (departure.power.s + departure.power.p) * V::splat(0.5),
         }
     }
+}
+
+/// One field for each bin, above and then below: all exits that fall into a bin add as amplitudes, whatever starting ray they
+/// come from (coherence `bin`, the paper's section 2.2 taken literally). Divided by the number of starting rays, its square
+/// is the bin's power; power is not conserved, since directions that differ within a bin do not really interfere.
+#[derive(Debug)]
+pub struct BinFields<'m, V: Lanes> {
+    fields: &'m mut [Field<V>],
+    grid: DirectionBins,
+    per_wavelength: V::Precise,
+    incident: VectorLanes<V::Precise>,
+    /// exp(i k₀ q_in·x) at the present starting ray's first hit.
+    arrival: ComplexLanes<V>,
+}
+
+impl<'m, V: Lanes> BinFields<'m, V> {
+    /// Memory for a grid: fields of both hemispheres.
+    #[must_use]
+    pub fn required_len(grid: DirectionBins) -> usize {
+        2 * grid.count()
+    }
+
+    /// Adds to `fields`, which holds [`BinFields::required_len`] elements.
+    pub fn new(
+        fields: &'m mut [Field<V>],
+        grid: DirectionBins,
+        media: &MediaLanes<'_, V>,
+        incident: VectorLanes<V::Precise>,
+    ) -> Self {
+        let per_wavelength = V::Precise::one() / media.wavelength_nm();
+        Self { fields, grid, per_wavelength, incident, arrival: ComplexLanes::one() }
+    }
+
+    /// Begins a starting ray at its first hit.
+    pub fn begin(&mut self, point_nm: DVec3) {
+        self.arrival = propagate(self.incident.dot_real(point_nm).scale(self.per_wavelength));
+    }
+}
+
+impl<V: Lanes> Sink<Departure<V>, Field<V>> for BinFields<'_, V> {
+    fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
+        let phase = propagate::<V>((-departure.wavevector.dot_real(departure.point_nm)).scale(self.per_wavelength));
+        let field = scaled_to_power(field, departure.power, phase * self.arrival);
+        let bins = self.grid.of_lanes(&departure.wavevector);
+        let hemisphere = if departure.side == Side::Above { 0 } else { self.grid.count() };
+        for lane in 0..V::WIDTH {
+            // Each bin once, for all lanes that fall into it.
+            if bins[..lane].contains(&bins[lane]) {
+                continue;
+            }
+            let mask = V::from_fn(|other| f64::from(u8::from(bins[other] == bins[lane])));
+            if let Some(sum) = self.fields.get_mut(hemisphere + bins[lane] as usize) {
+                *sum = sum.zip(field, |sum, e| sum + e.scale(ComplexLanes::real(mask)));
+            }
+        }
+    }
+}
+
+/// A ray's field with its phase referred elsewhere, scaled so that its square is the power it carries, in an absorbing
+/// substrate too.
+fn scaled_to_power<V: Lanes>(field: Field<V>, power: Polarised<V>, phase: ComplexLanes<V>) -> Field<V> {
+    field.zip(power, |e, power| {
+        let square = e.norm_sqr();
+        let scale = V::zero().select_lt(square, (power / square).sqrt(), V::zero());
+        e.scale(phase.scale(scale))
+    })
 }
 
 #[cfg(test)]

@@ -76,7 +76,6 @@ pub struct Incident<V: Lanes> {
     wavevector: VectorLanes<V::Precise>,
     field: Field<V>,
     index: V,
-    cos_theta: f64,
 }
 
 impl<V: Lanes> Incident<V> {
@@ -93,14 +92,13 @@ impl<V: Lanes> Incident<V> {
             wavevector,
             field: Polarised { s: VectorLanes::splat(s), p: VectorLanes::splat(p) },
             index: V::narrow(eta.re),
-            cos_theta: wi.z,
         }
     }
 
-    /// cos θ of the light.
+    /// The light's wavevector in units of k₀.
     #[must_use]
-    pub fn cos_theta(&self) -> f64 {
-        self.cos_theta
+    pub fn wavevector(&self) -> VectorLanes<V::Precise> {
+        self.wavevector
     }
 }
 

@@ -1,5 +1,6 @@
 //! Polygon cells against programs that share no code with this one, and against the planar tracer.
 
+mod coherences;
 mod general_path;
 mod geometric;
 mod gratings;

@@ -3,7 +3,7 @@
 use crate::args::OrdersArgs;
 use crate::bumpy::Bumpy;
 use crate::commands::{direction, write_csv};
-use crate::diffraction::{Request, orders};
+use crate::diffraction::{Request, default_hits, orders};
 use crate::error::{Error, Result};
 use crate::grid::Wavelengths;
 use crate::output;
@@ -34,11 +34,4 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     });
     let header = ["m", "n", "wavelength_nm", "theta_deg", "R_s", "R_p", "R_s_std_error", "R_p_std_error"];
     write_csv(&args.csv, &header, rows)
-}
-
-/// Physical optics of one rough surface holds for single scattering: between its facets, often narrower than a wavelength,
-/// light does not travel as rays. Layers need their bounces.
-fn default_hits(bumpy: &Bumpy<'_>) -> u32 {
-    const LAYERED: u32 = 64;
-    if bumpy.interface_count() == 1 { 1 } else { LAYERED }
 }
