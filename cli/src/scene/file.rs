@@ -14,10 +14,13 @@
 //!
 //! [cell]                              # or a mesh; a scene has one of the two
 //! mesh = "bumps.obj"                  # nanometres, z up; paths start at the scene file
-//! period_nm = [20000.0, 20000.0]
+//! # surface = { kind = "pits", … }    # instead of a mesh: made here, see `surface/mod.rs`
+//! period_nm = [20000.0, 20000.0]      # the mesh fills 0 to this in x and y and repeats
 //! [interface.glass]                   # one for each `usemtl` name
 //! above = 1.0                         # the medium on the side of the facet's normal
 //! below = 1.5                         # a medium or "mirror"
+//! coating = [ { material = "MgF2", thickness_nm = 100.0 } ]  # optional films on the facets, written like `layers`, from
+//!                                     # `above` to `below`; they take up no room in the mesh
 //!
 //! [materials.chitin]                  # n and k, or a file; hides a built-in material of the same name
 //! n = 1.56
@@ -37,8 +40,9 @@ use super::item::{Item, Table};
 use super::media::{self, Media};
 use super::medium::OwnedMedium;
 use super::obj::Mesh;
+use super::planes::is_horizontal;
 use super::source::{Source, canonical, read_text};
-use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, nk};
+use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, check_closed, nk, surface};
 use crate::error::Result;
 
 /// After writing out repetitions. Real mirrors have hundreds; a slip in `repeat` asks for millions.
@@ -51,10 +55,18 @@ const MAX_REPEAT_DEPTH: u32 = 16;
 const MAX_NK_BYTES: u64 = 16 << 20;
 
 struct Reader<'a> {
+    /// How messages call the scene.
+    label: &'a str,
     /// Where relative paths start; without it the scene can name no files.
     folder: Option<&'a Path>,
     media: Media,
     files: Vec<PathBuf>,
+}
+
+/// Where a cell's facets come from.
+enum Described<'a> {
+    Mesh(Item<'a>),
+    Surface(Item<'a>),
 }
 
 /// The scene in a text. `name` is used unless the text has one.
@@ -71,7 +83,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     }
     let name = root.get("name").map(|item| item.text()).transpose()?.unwrap_or(name).to_owned();
     let extrapolate = extrapolate(&root, Extrapolate::Refuse)?;
-    let mut reader = Reader { folder, media: Media::new(extrapolate), files: Vec::new() };
+    let mut reader = Reader { label, folder, media: Media::new(extrapolate), files: Vec::new() };
     if let Some(materials) = root.get("materials") {
         for item in materials.table("[materials]")?.entries() {
             let medium = reader.material(&item, extrapolate)?;
@@ -90,7 +102,13 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
         (None, None) => return Err(root.refuse("neither [stack] nor [cell]; add one")),
     };
     let Reader { media, files, .. } = reader;
-    Ok(Scene { name, toml: text.to_owned(), media: media.finish(), shape, files })
+    let media = media.finish();
+    if let Shape::Cell { mesh, period_nm, interfaces } = &shape
+        && !is_horizontal(mesh)
+    {
+        check_closed(mesh, *period_nm, interfaces, &media)?;
+    }
+    Ok(Scene { name, toml: text.to_owned(), media, shape, files })
 }
 
 fn extrapolate(table: &Table<'_>, default: Extrapolate) -> Result<Extrapolate> {
@@ -187,8 +205,13 @@ impl Reader<'_> {
     }
 
     fn cell(&mut self, table: &Table<'_>, interfaces: Option<Item<'_>>) -> Result<Shape> {
-        table.allow(&["mesh", "period_nm"])?;
-        let mesh_item = table.require("mesh", "mesh = \"file.obj\"")?;
+        table.allow(&["mesh", "surface", "period_nm"])?;
+        let shape = match (table.get("mesh"), table.get("surface")) {
+            (Some(mesh), None) => Described::Mesh(mesh),
+            (None, Some(surface)) => Described::Surface(surface),
+            (Some(_), Some(item)) => return Err(item.refuse("a [cell] has either a mesh or a surface; remove one")),
+            (None, None) => return Err(table.refuse("neither mesh nor surface; write mesh = \"file.obj\"")),
+        };
         let period = table.require("period_nm", "period_nm = [x, y]")?;
         let period_nm = match period.array()?.as_slice() {
             [x, y] => [length(x)?, length(y)?],
@@ -204,7 +227,11 @@ impl Reader<'_> {
             return Err(table.refuse(format_args!("{} interfaces; at most {}", interfaces.len(), u16::MAX)));
         }
         let names: Vec<&str> = interfaces.iter().map(|interface| interface.name.as_str()).collect();
-        let mesh = Mesh::read(&self.path(&mesh_item)?, &names)?;
+        let mut mesh = match shape {
+            Described::Mesh(item) => Mesh::read(&self.path(&item)?, &names)?,
+            Described::Surface(item) => surface::build(&item, self.label, period_nm, &names)?,
+        };
+        mesh.drop_unused();
         Ok(Shape::Cell { mesh, period_nm, interfaces })
     }
 
@@ -215,13 +242,7 @@ impl Reader<'_> {
         let above = self.medium(&above)?;
         let below = table.require("below", "the medium behind the facet, or \"mirror\"")?;
         let below: Below = self.media.resolve_below(&below)?;
-        let coating = match table.get("coating") {
-            None => Vec::new(),
-            Some(item) => match self.layers(&item)? {
-                films if films.is_empty() => films,
-                _ => return Err(item.refuse("coatings are not supported yet; model the films as planes of the mesh")),
-            },
-        };
+        let coating = table.get("coating").map_or(Ok(Vec::new()), |item| self.layers(&item))?;
         Ok(NamedInterface { name: item.key().to_owned(), interface: Interface { above, below }, coating })
     }
 }

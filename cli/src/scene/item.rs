@@ -67,6 +67,19 @@ impl<'a> Item<'a> {
         value.ok_or_else(|| self.refuse(format_args!("expected an integer from 0 to {limit}, found {}", self.found())))
     }
 
+    /// true or false.
+    pub fn flag(&self) -> Result<bool> {
+        match self.value.get_ref() {
+            DeValue::Boolean(flag) => Ok(*flag),
+            _ => Err(self.refuse(format_args!("expected true or false, found {}", self.found()))),
+        }
+    }
+
+    /// The line on which the value starts, counted from 1.
+    pub fn line(&self) -> u32 {
+        self.source.line(self.value.span().start)
+    }
+
     /// A text.
     pub fn text(&self) -> Result<&'a str> {
         self.as_text().ok_or_else(|| self.refuse(format_args!("expected a text in quotes, found {}", self.found())))

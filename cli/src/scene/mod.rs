@@ -1,6 +1,7 @@
 //! Scenes: what stands in a scene file, an OBJ mesh and refractive index files, as plain data.
 
 mod builtin;
+mod closed;
 mod file;
 mod item;
 mod media;
@@ -10,6 +11,7 @@ mod obj;
 mod planes;
 pub mod presets;
 mod source;
+mod surface;
 mod yaml;
 
 use std::path::{Path, PathBuf};
@@ -20,6 +22,7 @@ use goniochrome::medium::{Extrapolate, MediumIndex};
 use crate::error::{Error, Result};
 
 pub use builtin::names as material_names;
+pub use closed::check_closed;
 pub use medium::{OwnedDispersion, OwnedMedium};
 pub use obj::{Mesh, Triangle};
 pub use planes::{Plane, planes};
@@ -66,7 +69,8 @@ pub enum Shape {
         /// What lies under the last layer.
         substrate: Below,
     },
-    /// A polygon mesh, periodic in x and y.
+    /// A polygon mesh, periodic in x and y: horizontal planes, which [`planes()`] checks, or tilted facets, which have
+    /// passed [`check_closed`].
     Cell {
         /// The facets.
         mesh: Mesh,
@@ -93,7 +97,7 @@ pub struct NamedInterface {
     pub name: String,
     /// The media on its two sides.
     pub interface: Interface,
-    /// Films on its upper side, from the top. Always empty: the reader refuses them as long as nothing traces them.
+    /// Films on the side of the facet's normal, the outermost first; they take up no room in the mesh.
     pub coating: Vec<Layer>,
 }
 

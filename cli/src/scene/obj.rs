@@ -12,6 +12,9 @@ const MAX_TRIANGLES: usize = 10_000_000;
 /// Three for each triangle: every mesh whose facets share nothing fits.
 const MAX_VERTICES: usize = 3 * MAX_TRIANGLES;
 
+/// A corner may lie this fraction of the polygon's extent outside its plane: coordinates written with five digits.
+const PLANAR: f64 = 1e-4;
+
 /// Ten million triangles with their vertices take about half of this.
 const MAX_BYTES: u64 = 1 << 30;
 
@@ -42,6 +45,22 @@ impl Mesh {
     pub(super) fn read(path: &Path, interfaces: &[&str]) -> Result<Self> {
         let text = read_text(path, MAX_BYTES)?;
         Self::parse(&path.display().to_string(), &text, interfaces)
+    }
+
+    /// Forgets vertices that no triangle uses: they have no say in how high or wide the surface is.
+    pub(super) fn drop_unused(&mut self) {
+        const UNUSED: u32 = u32::MAX;
+        let mut numbers = vec![UNUSED; self.vertices.len()];
+        let mut used = Vec::with_capacity(self.vertices.len());
+        for vertex in self.triangles.iter_mut().flat_map(|triangle| &mut triangle.vertices) {
+            let number = &mut numbers[*vertex as usize];
+            if *number == UNUSED {
+                *number = used.len() as u32; // at most MAX_VERTICES
+                used.push(self.vertices[*vertex as usize]);
+            }
+            *vertex = *number;
+        }
+        self.vertices = used;
     }
 
     /// The mesh in a text that messages call `label`.
@@ -164,6 +183,14 @@ fn polygon(vertices: &[[f64; 3]], corners: &[u32]) -> std::result::Result<(), St
     if normals().any(|normal| dot(normal, whole) < -rounding) {
         return Err("the polygon is concave; split it into triangles".to_owned());
     }
+    let length = dot(whole, whole).sqrt();
+    let distances = || corners.iter().map(|&corner| from(point(corners[0]), point(corner)));
+    let extent = distances().map(|p| dot(p, p)).fold(0.0, f64::max).sqrt();
+    let off = distances().map(|p| dot(p, whole).abs()).fold(0.0, f64::max);
+    if off > PLANAR * extent * length {
+        let off = (1000.0 * off / length).round() / 1000.0;
+        return Err(format!("the polygon is not planar: a corner lies {off} nm off; split it into triangles"));
+    }
     Ok(())
 }
 
@@ -171,10 +198,14 @@ fn dot([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> f64 {
     a * x + b * y + c * z
 }
 
+/// The way from a to b.
+fn from(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
+}
+
 /// Twice the area of a triangle, along its normal.
 fn normal(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
-    let from_a = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
-    let (u, v) = (from_a(b), from_a(c));
+    let (u, v) = (from(a, b), from(a, c));
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 

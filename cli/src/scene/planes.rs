@@ -10,7 +10,7 @@ use std::fmt::Display;
 use goniochrome::interface::{Below, Interface};
 
 use super::obj::{Mesh, Triangle};
-use super::{NamedInterface, NamedMedium};
+use super::{Layer, NamedInterface, NamedMedium};
 use crate::error::{Error, Result};
 
 /// A horizontal plane that covers the whole period.
@@ -22,7 +22,7 @@ pub struct Plane {
     pub interface: Interface,
 }
 
-/// The planes of a cell, from the top; neighbours agree about the medium between them.
+/// The planes of a cell, from the top, coatings written out; neighbours agree about the medium between them.
 ///
 /// # Errors
 /// One line that names the first facet that is tilted or the first plane that is open, or the two planes that disagree.
@@ -45,7 +45,44 @@ pub fn planes(
     if let Some(top) = sheets.first() {
         check.ambient(top)?;
     }
-    Ok(sheets.into_iter().map(|sheet| sheet.plane).collect())
+    let mut planes = Vec::with_capacity(sheets.len());
+    let mut lowered_nm = 0.0;
+    for sheet in &sheets {
+        lowered_nm += coat(sheet, &interfaces[usize::from(sheet.facets[0].interface)].coating, lowered_nm, &mut planes);
+    }
+    Ok(planes)
+}
+
+/// Adds a plane with its coating written out. The films take up no room in the mesh, so that everything below moves down
+/// by their thickness, which is returned.
+fn coat(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plane>) -> f64 {
+    let Interface { mut above, below } = sheet.plane.interface;
+    let mut thickness_nm = 0.0;
+    let mut add = |film: &Layer| {
+        let z_nm = sheet.plane.z_nm - lowered_nm - thickness_nm;
+        planes.push(Plane { z_nm, interface: Interface { above, below: Below::Medium(film.medium) } });
+        above = film.medium;
+        thickness_nm += film.thickness_nm;
+    };
+    // From `above` to `below` of its interface, which a plane that faces down has the other way up.
+    if sheet.turned {
+        coating.iter().rev().for_each(&mut add)
+    } else {
+        coating.iter().for_each(&mut add)
+    }
+    planes.push(Plane { z_nm: sheet.plane.z_nm - lowered_nm - thickness_nm, interface: Interface { above, below } });
+    thickness_nm
+}
+
+/// Whether every facet is horizontal: then [`planes`] tells more about what is wrong with the mesh than
+/// [`super::check_closed`].
+pub(super) fn is_horizontal(mesh: &Mesh) -> bool {
+    let resolution_nm = resolution_nm(mesh);
+    let height = |triangle: &Triangle| {
+        let z = triangle.vertices.map(|index| mesh.vertices[index as usize][2]);
+        z[0].max(z[1]).max(z[2]) - z[0].min(z[1]).min(z[2])
+    };
+    mesh.triangles.iter().all(|triangle| height(triangle) <= resolution_nm)
 }
 
 /// Modelling programs keep coordinates in single precision, so heights or corners that are meant to be equal may differ by
@@ -57,6 +94,8 @@ fn resolution_nm(mesh: &Mesh) -> f64 {
 /// The facets of one interface at one height.
 struct Sheet {
     plane: Plane,
+    /// Whether its facets face down.
+    turned: bool,
     facets: Vec<Triangle>,
 }
 
@@ -107,7 +146,7 @@ impl Check<'_> {
             let mut facets: Vec<Triangle> = group.iter().map(|&(_, facet)| facet).collect();
             facets.sort_by_key(|facet| facet.line);
             let interface = self.interfaces[usize::from(facets[0].interface)].interface;
-            Sheet { plane: Plane { z_nm: group[0].0, interface }, facets }
+            Sheet { plane: Plane { z_nm: group[0].0, interface }, turned: false, facets }
         };
         Ok(by_height.chunk_by(same).map(sheet).collect())
     }
@@ -135,6 +174,7 @@ impl Check<'_> {
                 return Err(self.refuse(sheet.facets[0].line, message));
             };
             sheet.plane.interface = Interface { above: below, below: Below::Medium(above) };
+            sheet.turned = true;
         }
         Ok(())
     }

@@ -13,6 +13,15 @@ const PRESETS: &[(&str, &str)] = &[
     ("quarter-wave-mirror", include_str!("../../data/presets/quarter-wave-mirror.toml")),
     ("anodised-titanium", include_str!("../../data/presets/anodised-titanium.toml")),
     ("opaline-guanine", include_str!("../../data/presets/opaline-guanine.toml")),
+    ("bumpy-glass", include_str!("../../data/presets/bumpy-glass.toml")),
+    ("bumpy-soap-film", include_str!("../../data/presets/bumpy-soap-film.toml")),
+    ("beetle-pits", include_str!("../../data/presets/beetle-pits.toml")),
+    ("morpho-ridges", include_str!("../../data/presets/morpho-ridges.toml")),
+    ("compact-disc", include_str!("../../data/presets/compact-disc.toml")),
+    ("dvd", include_str!("../../data/presets/dvd.toml")),
+    ("silicon-pyramids", include_str!("../../data/presets/silicon-pyramids.toml")),
+    ("brushed-metal", include_str!("../../data/presets/brushed-metal.toml")),
+    ("pigment-paint", include_str!("../../data/presets/pigment-paint.toml")),
 ];
 
 /// The names of the presets.

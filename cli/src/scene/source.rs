@@ -23,6 +23,12 @@ impl Source<'_> {
         Error::failed(format_args!("{}:{line}:{column}: {message}", self.label))
     }
 
+    /// The line of a byte offset, counted from 1.
+    pub fn line(&self, offset: usize) -> u32 {
+        let before = self.text.get(..offset).unwrap_or(self.text);
+        u32::try_from(before.matches('\n').count()).map_or(u32::MAX, |lines| lines.saturating_add(1))
+    }
+
     /// An error at a line, counted from 1.
     pub fn refuse_line(&self, line: usize, message: impl Display) -> Error {
         Error::failed(format_args!("{}:{line}: {message}", self.label))

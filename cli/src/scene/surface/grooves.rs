@@ -1,0 +1,41 @@
+//! A profile that is the same at every y: gratings, tracks of optical discs, blazed and triangular grooves.
+//!
+//! `points_nm = [[x, z], …]` are joined by straight lines from x = 0 to x = Λx; lines may be vertical or overhang. Where the
+//! last height is not the first, a vertical wall stands on the border of the period.
+
+use super::{Builder, bounded, list};
+use crate::error::Result;
+use crate::scene::MAX_LENGTH_NM;
+use crate::scene::item::Table;
+
+pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+    table.allow(&["kind", "points_nm"])?;
+    let item = table.require("points_nm", "points_nm = [[0, 0], [500, 100], [1000, 0]]")?;
+    let mut profile: Vec<[f64; 2]> = Vec::new();
+    let width = builder.period_nm[0];
+    for point in item.array()? {
+        let [x, z] = list::<2>(&point)?;
+        let (x_nm, z_nm) = (x.number()?, z.number()?);
+        if !(0.0..=width).contains(&x_nm) {
+            return Err(x.refuse(format_args!("x = {x_nm} is outside the period, 0 to {width} nm")));
+        }
+        if z_nm.abs() > MAX_LENGTH_NM {
+            return Err(z.refuse(format_args!("z = {z_nm} is more than {MAX_LENGTH_NM} nm, a metre")));
+        }
+        if profile.last() == Some(&[x_nm, z_nm]) {
+            return Err(point.refuse("the point stands twice; remove one"));
+        }
+        profile.push([x_nm, z_nm]);
+    }
+    bounded(table, 2 * profile.len() as u64)?;
+    match (profile.first(), profile.last()) {
+        (Some(&[0.0, first]), Some(&[x, last])) if x == width => {
+            if last != first {
+                profile.push([width, first]);
+            }
+        }
+        _ => return Err(item.refuse(format_args!("the profile must reach from x = 0 to x = {width} nm"))),
+    }
+    builder.extrude(&profile, 0);
+    Ok(())
+}
