@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-const FLOW: [&str; 20] = [
+const FLOW: [&str; 21] = [
     "lanes",
+    "sampling",
     "complex",
     "vector",
     "turns",
@@ -20,7 +21,6 @@ const FLOW: [&str; 20] = [
     "layers",
     "polygons",
     "bins",
-    "sampling",
     "table",
     "colour",
 ];

@@ -58,7 +58,7 @@ pub fn scatter_bins(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: f64, request: &
                 match polygons.start(u, v) {
                     Some((state, field)) => {
                         sink.begin(state.point_nm());
-                        dropped += trace(&mut polygons, state, field, slots, WAVES, &mut sink).truncated;
+                        dropped += trace(&mut polygons, state, field, slots, WAVES, None, &mut sink).truncated;
                     }
                     None => dropped += F64::one(),
                 }

@@ -119,7 +119,7 @@ fn group_orders(
                 if let Some((state, field)) = polygons.start(u, v) {
                     sink.begin(state.point_nm());
                     let limits = Limits { in_flight: IN_FLIGHT, generations: request.hits };
-                    trace(&mut polygons, state, field, slots, limits, &mut sink);
+                    trace(&mut polygons, state, field, slots, limits, None, &mut sink);
                 }
             }
         },

@@ -8,8 +8,8 @@ use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
 use goniochrome::polygons::{Incident, Polygons, State, free_slot};
-use goniochrome::sampling::sobol;
-use goniochrome::trace::{Limits, Slot, follow_paths, trace};
+use goniochrome::sampling::{Random, sobol};
+use goniochrome::trace::{Limits, Slot, Spill, follow_paths, trace};
 
 use crate::bumpy::Bumpy;
 use crate::error::Result;
@@ -90,12 +90,14 @@ pub const BATCHES: u32 = 32;
 const MOST_EXITS: usize = 512;
 /// The tracer's default workspace for polygon cells, in states; at most 64 KiB for either precision.
 pub const STATES: usize = 36;
+/// Of these, how many are for rays that find no room among the waves.
+const SPILLED: usize = 10;
 
 const _: () = assert!(STATES * size_of::<Slot<State<F32>, goniochrome::polygons::Field<F32>>>() <= 64 * 1024);
 const _: () = assert!(STATES * size_of::<Slot<State<F64>, goniochrome::polygons::Field<F64>>>() <= 64 * 1024);
 
-/// Paths below this power are dropped: some tens for each starting ray of a film, so 1e-5 in all.
-const PATHS: Limits = Limits { in_flight: 1e-6, generations: 10_000 };
+/// Paths below this power play roulette.
+const PATHS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
 /// Waves in flight below this power are dropped: up to 2√1e-13 = 6e-7 in reflectance for each wave that rings.
 const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 
@@ -197,20 +199,24 @@ fn trace_batch<V: Lanes>(
     let eta = media.eta()[usize::from(cell.above())];
     let coherent = request.coherence == Coherence::Ray;
     let mut polygons = Polygons::new(cell, media, Incident::new(wi, eta), coherent);
-    let mut exits = Exits::new(exits, request.bins, &media, coherent);
+    let mut exits = Exits::new(exits, request.bins, &media);
     let rays = (request.rays / BATCHES).max(1);
+    let sequence = request.seed.wrapping_mul(BATCHES).wrapping_add(batch);
     let mut truncated = V::zero();
     for ray in 0..rays {
-        let [u, v] = sobol(ray, request.seed.wrapping_mul(BATCHES).wrapping_add(batch));
+        let [u, v] = sobol(ray, sequence);
         let Some((state, field)) = polygons.start(u, v) else {
             truncated += V::one(); // a hole from top to bottom
             continue;
         };
         exits.begin(state.point_nm());
+        let mut random = Random::new(ray, sequence);
         let done = if coherent {
-            trace(&mut polygons, state, field, slots, WAVES, &mut exits)
+            let (waves, paths) = slots.split_at_mut(STATES - SPILLED);
+            let spill = Spill { slots: paths, limits: PATHS, random: &mut random };
+            trace(&mut polygons, state, field, waves, WAVES, Some(spill), &mut exits)
         } else {
-            follow_paths(&mut polygons, state, field, slots, PATHS, &mut exits)
+            follow_paths(&mut polygons, state, field, slots, PATHS, &mut random, &mut exits)
         };
         truncated += done.truncated + exits.settle(&mut Tallies(tallies));
     }

@@ -79,6 +79,8 @@ const MOST_LANES: usize = 16;
 pub struct Exit<V: Lanes> {
     side: Side,
     bins: [u32; MOST_LANES],
+    /// Followed by itself: its power counts, its field does not.
+    alone: bool,
     /// Referred to the first hit, and scaled to the power it carries.
     field: Field<V>,
     power: Polarised<V>,
@@ -89,7 +91,13 @@ impl<V: Lanes> Exit<V> {
     #[must_use]
     pub fn none() -> Self {
         let nothing = Polarised::both(VectorLanes::zero());
-        Self { side: Side::Above, bins: [0; MOST_LANES], field: nothing, power: Polarised::both(V::zero()) }
+        Self {
+            side: Side::Above,
+            bins: [0; MOST_LANES],
+            alone: true,
+            field: nothing,
+            power: Polarised::both(V::zero()),
+        }
     }
 }
 
@@ -102,7 +110,6 @@ pub struct Exits<'m, V: Lanes> {
     per_wavelength: V::Precise,
     /// The starting ray's first hit.
     origin_nm: DVec3,
-    coherent: bool,
     /// Power of exits for which there was no memory.
     dropped: V,
 }
@@ -115,11 +122,11 @@ pub trait Histogram {
 
 impl<'m, V: Lanes> Exits<'m, V> {
     /// No exits yet. `memory` should hold as many as one starting ray may have; more are dropped and accounted for.
-    pub fn new(memory: &'m mut [Exit<V>], grid: DirectionBins, media: &MediaLanes<'_, V>, coherent: bool) -> Self {
+    pub fn new(memory: &'m mut [Exit<V>], grid: DirectionBins, media: &MediaLanes<'_, V>) -> Self {
         const { assert!(V::WIDTH <= MOST_LANES) };
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
         let origin_nm = DVec3::ZERO;
-        Self { memory, count: 0, grid, per_wavelength, origin_nm, coherent, dropped: V::zero() }
+        Self { memory, count: 0, grid, per_wavelength, origin_nm, dropped: V::zero() }
     }
 
     /// Begins a starting ray at its first hit.
@@ -133,10 +140,10 @@ impl<'m, V: Lanes> Exits<'m, V> {
     pub fn settle(&mut self, histogram: &mut impl Histogram) -> V {
         let exits = &mut self.memory[..self.count];
         for first in 0..exits.len() {
-            if self.coherent {
+            if !exits[first].alone {
                 let (head, tail) = exits.split_at_mut(first + 1);
                 let into = &mut head[first];
-                for other in tail.iter_mut().filter(|other| other.side == into.side) {
+                for other in tail.iter_mut().filter(|other| !other.alone && other.side == into.side) {
                     // Lanes are independent: those whose bins agree move over, the others stay.
                     let moves = V::from_fn(|lane| f64::from(u8::from(other.bins[lane] == into.bins[lane])));
                     let stays = V::one() - moves;
@@ -159,26 +166,42 @@ impl<'m, V: Lanes> Exits<'m, V> {
     }
 }
 
+impl<V: Lanes> Exits<'_, V> {
+    /// Adds to an exit that is alike, or takes a place of its own.
+    fn put(&mut self, exit: Exit<V>) {
+        let alike =
+            |other: &&mut Exit<V>| other.side == exit.side && other.alone == exit.alone && other.bins == exit.bins;
+        if let Some(other) = self.memory[..self.count].iter_mut().find(alike) {
+            other.field = other.field.zip(exit.field, |a, b| a + b);
+            other.power = other.power.zip(exit.power, |a, b| a + b);
+        } else if let Some(place) = self.memory.get_mut(self.count) {
+            *place = exit;
+            self.count += 1;
+        } else {
+            self.dropped += (exit.power.s + exit.power.p) * V::splat(0.5);
+        }
+    }
+}
+
 impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
-        let bins = self.grid.of_lanes(&departure.wavevector);
         let to_origin = departure.wavevector.dot_real(self.origin_nm - departure.point_nm).scale(self.per_wavelength);
-        let field = scaled_to_power(field, departure.power, propagate(to_origin));
+        self.put(Exit {
+            side: departure.side,
+            bins: self.grid.of_lanes(&departure.wavevector),
+            alone: false,
+            field: scaled_to_power(field, departure.power, propagate(to_origin)),
+            power: departure.power,
+        });
+    }
 
-        let same = |exit: &&mut Exit<V>| exit.side == departure.side && exit.bins == bins;
-        if self.coherent
-            && let Some(exit) = self.memory[..self.count].iter_mut().find(same)
-        {
-            exit.field = exit.field.zip(field, |a, b| a + b);
-            return;
-        }
-        match self.memory.get_mut(self.count) {
-            Some(place) => {
-                *place = Exit { side: departure.side, bins, field, power: departure.power };
-                self.count += 1;
-            }
-            None => self.dropped += (departure.power.s + departure.power.p) * V::splat(0.5),
-        }
+    fn exit_alone(&mut self, departure: Departure<V>, _: Field<V>) {
+        self.put(Exit {
+            side: departure.side,
+            bins: self.grid.of_lanes(&departure.wavevector),
+            power: departure.power,
+            ..Exit::none()
+        });
     }
 }
 

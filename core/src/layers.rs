@@ -153,7 +153,7 @@ pub fn trace_layers<V: Lanes>(
         Summation::ClosedLoops => layers.close_loops(unit, &mut sink),
         Summation::Generations(limits) => {
             layers.totals.fill(Totals::none());
-            trace(&mut layers, State { facet: 0, side: Side::Above }, unit, memory.slots, limits, &mut sink)
+            trace(&mut layers, State { facet: 0, side: Side::Above }, unit, memory.slots, limits, None, &mut sink)
         }
     };
     let response = sink.response();
@@ -273,6 +273,10 @@ impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
 
     fn merge(&self, _: &State, a: Field<V>, _: &State, b: Field<V>) -> Field<V> {
         a.zip(b, |a, b| a + b)
+    }
+
+    fn scale(&self, field: &Field<V>, by: f64) -> Field<V> {
+        field.map(|a| a.scale(V::splat(by)))
     }
 
     fn power(&self, state: &State, field: &Field<V>) -> V {

@@ -111,6 +111,8 @@ const SAME_PLANE_NM: f64 = 1e-6;
 const NORMAL_INCIDENCE: f64 = 1e-20;
 /// An evanescent wave is followed to the next facet unless it falls below this amplitude on the way.
 const EVANESCENT: f64 = 1e-8;
+/// |N·N'| of facets between which it is followed: the rounding of single-precision meshes, squared.
+const PARALLEL: f64 = 1.0 - 1e-10;
 
 impl<'a, V: Lanes> Polygons<'a, V> {
     /// A cell, its media and the light. `merging` adds rays of equal state as amplitudes; without it each path is its own.
@@ -164,6 +166,42 @@ impl<'a, V: Lanes> Polygons<'a, V> {
         field.map(|e| e.norm_sqr() * per)
     }
 
+    /// Geometric optics without interference: power is handed on whole, and waves in absorbing media decay along their way.
+    ///
+    /// Exact amplitudes do neither there: in an absorbing medium the incident and the reflected wave exchange power, so that
+    /// R + T ≠ 1, and a refracted wave decays across its direction. A path followed by itself would gain or lose by that.
+    fn conserve(
+        &self,
+        arrived: Polarised<V>,
+        reflected: &mut Leaving<V>,
+        refracted: Option<&mut Leaving<V>>,
+        bare: bool,
+    ) {
+        let zero = V::zero();
+        let least = |a: V, b: V| a.select_lt(b, a, b);
+        let limit = |leaving: &mut Leaving<V>, power: Polarised<V>| {
+            let scale = leaving.power.zip(power, |had, has| zero.select_lt(had, (has / had).sqrt(), zero));
+            leaving.field = leaving.field.zip(scale, |e, by| e.scale(ComplexLanes::real(by)));
+            leaving.power = power;
+        };
+        // What cannot pass is reflected whole; from an absorbing medium |r| may differ from 1 then.
+        let total = refracted.as_ref().is_some_and(|refracted| is_evanescent(&refracted.wavevector, self.hero));
+        let back = if total { arrived } else { reflected.power.zip(arrived, least) };
+        limit(reflected, back);
+        let Some(refracted) = refracted else { return };
+        let rest = arrived.zip(reflected.power, |a, b| (a - b).max(zero));
+        let through = if bare { rest } else { refracted.power.zip(rest, |t, rest| least(t.max(zero), rest)) };
+        // The ray's power is that of its tube from here on.
+        refracted.power = self.tube_power(&refracted.field, refracted.spread, refracted.medium);
+        limit(refracted, through);
+        let eta = self.eta(refracted.medium);
+        if eta.im.any_above(0.0) {
+            let lane = |i: usize| refracted.wavevector.direction(i).normalize_or_zero();
+            let component = |of: fn(DVec3) -> f64| ComplexLanes::real(V::Precise::from_fn(|i| of(lane(i)))) * eta;
+            refracted.wavevector = VectorLanes { x: component(|v| v.x), y: component(|v| v.y), z: component(|v| v.z) };
+        }
+    }
+
     /// Sends a ray from a facet into `medium` and says where it goes, with its field there.
     fn send(&mut self, from: &State<V>, leaving: Leaving<V>) -> Sent<V> {
         let Leaving { wavevector, field, medium, normal, spread, power } = leaving;
@@ -175,7 +213,9 @@ impl<'a, V: Lanes> Polygons<'a, V> {
         match self.cell.next(from.point_nm, direction, medium, Some(from.facet)) {
             Next::Facet(meeting) => {
                 let factor = self.carry(&wavevector, meeting.point_nm - from.point_nm);
-                if evanescent && !factor.norm_sqr().any_above(EVANESCENT * EVANESCENT) {
+                // Across a gap between parallel facets; on a tilted one a wave that only decays would be a growing one.
+                let parallel = self.cell.facet(meeting.facet).normal.dot(normal).abs() > PARALLEL;
+                if evanescent && !(parallel && factor.norm_sqr().any_above(EVANESCENT * EVANESCENT)) {
                     return None;
                 }
                 let arriving = field.map(|e| e.scale(factor));
@@ -268,6 +308,11 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         field.zip(more, |a, b| a + b.scale(factor))
     }
 
+    fn scale(&self, field: &Field<V>, by: f64) -> Field<V> {
+        let by = ComplexLanes::real(V::splat(by));
+        field.map(|e| e.scale(by))
+    }
+
     fn power(&self, state: &State<V>, field: &Field<V>) -> V {
         let interface = self.cell.interface(state.facet);
         let medium = match (state.front, interface.below) {
@@ -354,8 +399,12 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
                 power,
             }
         });
+        let arrived = self.tube_power(field, state.spread, near);
+        let (mut reflected, mut refracted) = (reflected, refracted);
+        if !self.merging {
+            self.conserve(arrived, &mut reflected, refracted.as_mut(), films.is_empty());
+        }
         if !films.is_empty() && !is_evanescent(&q, self.hero) {
-            let arrived = self.tube_power(field, state.spread, near);
             let through = refracted.as_ref().map_or(Polarised::both(V::zero()), |refracted| refracted.power);
             let kept = arrived.zip(reflected.power, |a, b| a - b).zip(through, |a, b| a - b);
             self.absorbed = self.absorbed.zip(kept, |sum, kept| sum + kept);

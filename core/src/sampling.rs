@@ -13,6 +13,28 @@ pub fn sobol(index: u32, seed: u32) -> [f64; 2] {
     [x, y].map(|bits| f64::from(bits) / 4_294_967_296.0)
 }
 
+/// Uniform random numbers: splitmix64 (Steele, Lea & Flood, OOPSLA 2014).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Random(u64);
+
+impl Random {
+    /// The sequence of a starting ray; equal arguments give equal sequences.
+    #[must_use]
+    pub fn new(ray: u32, seed: u32) -> Self {
+        Self(u64::from(ray) << 32 | u64::from(seed))
+    }
+
+    /// The next number, in [0, 1).
+    #[allow(clippy::should_implement_trait)]
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
 /// The second dimension of Sobol's sequence: direction numbers of Pascal's triangle modulo 2.
 fn second_dimension(mut index: u32) -> u32 {
     let mut direction = 1u32 << 31;
@@ -65,6 +87,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn random_numbers_are_uniform() {
+        let mut random = Random::new(3, 7);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        let count = 100_000;
+        for _ in 0..count {
+            let x = random.next();
+            assert!((0.0..1.0).contains(&x));
+            sum += x;
+            squares += x * x;
+        }
+        // Standard errors of the mean and of the second moment are 1e-3.
+        assert!((sum / f64::from(count) - 0.5).abs() < 5e-3);
+        assert!((squares / f64::from(count) - 1.0 / 3.0).abs() < 5e-3);
     }
 
     #[test]

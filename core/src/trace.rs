@@ -10,6 +10,7 @@
 //! sink's ([`Sink`]). Planar cells have an accelerated sum of the same series in [`crate::layers`].
 
 use crate::lanes::Lanes;
+use crate::sampling::Random;
 
 /// Where a ray goes after a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,8 @@ pub trait Facets<V: Lanes> {
     fn merge(&self, into: &Self::State, field: Self::Field, from: &Self::State, more: Self::Field) -> Self::Field;
     /// Power of a ray in units of the incident one, per lane; an upper bound where the wave is evanescent.
     fn power(&self, state: &Self::State, field: &Self::Field) -> V;
+    /// The field times a real number.
+    fn scale(&self, field: &Self::Field, by: f64) -> Self::Field;
     /// Splits a ray at its facet: the reflected and the refracted ray.
     fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
 }
@@ -51,6 +54,11 @@ pub type Split<S, X, F> = [Option<(Target<S, X>, F)>; 2];
 pub trait Sink<X, F> {
     /// One ray leaves.
     fn exit(&mut self, exit: X, field: F);
+
+    /// One ray leaves that was followed by itself: its power counts, its phase does not.
+    fn exit_alone(&mut self, exit: X, field: F) {
+        self.exit(exit, field);
+    }
 }
 
 /// A place for one state of the present or the next generation.
@@ -102,14 +110,26 @@ pub struct Trace<V> {
     pub generations: u32,
 }
 
-/// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace: a full one drops rays and accounts for
-/// them in [`Trace::truncated`].
+/// Where rays go for which [`trace`] has no slot: each is followed by itself.
+#[derive(Debug)]
+pub struct Spill<'s, S, F> {
+    /// Memory for [`follow_paths`].
+    pub slots: &'s mut [Slot<S, F>],
+    /// Its limits.
+    pub limits: Limits,
+    /// Its roulette.
+    pub random: &'s mut Random,
+}
+
+/// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Rays for which it has no room lose their
+/// interference and go on by themselves through `spill`; without that they are dropped into [`Trace::truncated`].
 pub fn trace<V: Lanes, C: Facets<V>>(
     cell: &mut C,
     start: C::State,
     field: C::Field,
     slots: &mut [Slot<C::State, C::Field>],
     limits: Limits,
+    mut spill: Option<Spill<'_, C::State, C::Field>>,
     sink: &mut impl Sink<C::Exit, C::Field>,
 ) -> Trace<V> {
     for slot in slots.iter_mut() {
@@ -133,9 +153,17 @@ pub fn trace<V: Lanes, C: Facets<V>>(
                 match target {
                     Target::Exit(exit) => sink.exit(exit, field),
                     Target::State(state) => {
-                        if !offer(cell, slots, generation + 1, state, field) {
-                            dropped += cell.power(&state, &field);
+                        if offer(cell, slots, generation + 1, state, field) {
+                            continue;
                         }
+                        dropped += match &mut spill {
+                            Some(Spill { slots, limits, random }) => {
+                                let alone = follow_paths(cell, state, field, slots, *limits, random, sink);
+                                visits += alone.visits;
+                                alone.truncated
+                            }
+                            None => cell.power(&state, &field),
+                        };
                     }
                 }
             }
@@ -153,14 +181,18 @@ pub fn trace<V: Lanes, C: Facets<V>>(
     }
 }
 
-/// Follows every path of `field` by itself, depth first and weaker branch first, so that few rays wait at a time. Rays below
-/// `limits.in_flight` each, beyond `limits.generations` hits, or without a slot are dropped into [`Trace::truncated`].
+/// Follows every path of `field` by itself, depth first and weaker branch first, so that few rays wait at a time.
+///
+/// A ray below the power `limits.in_flight` plays roulette: it ends with a probability that keeps the mean, and goes on
+/// stronger otherwise. So the number of paths stays bounded however often they split, and power is right on average.
+/// Rays beyond `limits.generations` hits, or without a slot, are dropped into [`Trace::truncated`].
 pub fn follow_paths<V: Lanes, C: Facets<V>>(
     cell: &mut C,
     start: C::State,
     field: C::Field,
     slots: &mut [Slot<C::State, C::Field>],
     limits: Limits,
+    random: &mut Random,
     sink: &mut impl Sink<C::Exit, C::Field>,
 ) -> Trace<V> {
     let mut trace = Trace { truncated: V::zero(), visits: 0, generations: 0 };
@@ -183,17 +215,27 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
         trace.generations = trace.generations.max(generation);
         let mut on = [None, None];
         for (branch, (target, field)) in cell.split(&state, &field).into_iter().flatten().enumerate() {
-            match target {
-                Target::Exit(exit) => sink.exit(exit, field),
-                Target::State(state) => {
-                    let power = cell.power(&state, &field);
-                    if generation >= limits.generations || !power.any_above(limits.in_flight) {
-                        trace.truncated += power;
-                    } else {
-                        on[branch] = Some((power, Slot { generation: generation + 1, state, field }));
-                    }
+            let state = match target {
+                Target::Exit(exit) => {
+                    sink.exit_alone(exit, field);
+                    continue;
                 }
+                Target::State(state) => state,
+            };
+            let power = cell.power(&state, &field);
+            if generation >= limits.generations {
+                trace.truncated += power;
+                continue;
             }
+            let survival = (0..V::WIDTH).map(|lane| power.lane(lane)).fold(0.0, f64::max) / limits.in_flight;
+            let field = if survival >= 1.0 {
+                field
+            } else if random.next() < survival {
+                cell.scale(&field, 1.0 / libm::sqrt(survival))
+            } else {
+                continue;
+            };
+            on[branch] = Some((power, Slot { generation: generation + 1, state, field }));
         }
         // The stronger waits below the weaker, which is soon done with.
         if let [Some((first, _)), Some((second, _))] = &on

@@ -64,5 +64,7 @@ fn where_paths_interfere_a_flat_film_is_airys() {
 fn without_interference_the_faces_add_as_powers() {
     let expected = fresnel().map(|r| 2.0 * r / (1.0 + r)).iter().sum::<f64>() / 2.0;
     let found = found(Coherence::None);
-    assert!((found.reflected.value - expected).abs() <= found.truncated.value + DROPPED, "{}", found.reflected.value);
+    // Weak paths play roulette.
+    let allowed = 4.0 * found.reflected.std_error + DROPPED;
+    assert!((found.reflected.value - expected).abs() <= allowed, "{:?} for {expected}", found.reflected);
 }
