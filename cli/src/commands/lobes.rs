@@ -40,7 +40,7 @@ pub fn outgoing(table: &ScatterTable, name: &str, theta_deg: Option<&[f64]>, phi
     let label = format!("{name}: light from θ = {theta_deg}°, φ = {phi_deg}°");
     let notes = [
         format!("f scaled to its brightest component, {brightest:.3} per sr"),
-        format!("{} × {} bins; ○ light, + its mirror direction", bins.cos, bins.phi),
+        format!("{} × {} bins; ring: the light, cross: its mirror direction", bins.cos, bins.phi),
     ];
     let marks = [Mark { theta_deg, phi_deg, cross: false }, Mark { theta_deg, phi_deg: phi_deg + 180.0, cross: true }];
     let disc = Disc { label: &label, rgb: &rgb, theta_max_deg: 90.0, azimuthal: true };
