@@ -115,7 +115,7 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
         Wavelengths::Auto(_) => return Err(refuse("--wavelengths auto", "name the wavelengths, as 380:780:10")),
     };
     let cell = &args.cell;
-    if cell.target_error.is_some_and(|error| !(error > 0.0)) {
+    if cell.target_error.is_some_and(|error| error.is_nan() || error <= 0.0) {
         return Err(Error::usage("--target-error must be positive"));
     }
     let [theta, phi] = cell.incident.map_or([8, 16], |bins| bins.0);

@@ -46,10 +46,11 @@ impl<'a> ScatterSampler<'a> {
     /// horizon.
     #[must_use]
     pub fn sample(&self, wi: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
-        if !(wi.z > 0.0) {
+        let above = wi.z > 0.0;
+        if !above {
             return None;
         }
-        let [mut u0, mut u1] = u.map(|u| u.max(0.0).min(1.0 - 0.5 * f32::EPSILON));
+        let [mut u0, mut u1] = u.map(|u| if u > 0.0 { u.min(1.0 - 0.5 * f32::EPSILON) } else { 0.0 });
         let nodes = self.mixture(wi);
         // Which incident direction, which row, where in the row's tent: each takes its part of the first number.
         let mut chosen = nodes[0].index;

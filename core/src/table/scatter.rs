@@ -81,7 +81,8 @@ impl<'a> ScatterTable<'a> {
     /// (f_first − f_last) 2π/(24 rows²). Takes a sum over all bins: keep the result.
     pub fn albedo(&self, wi: Vec3, out: &mut [f32]) {
         out.fill(0.0);
-        if !(wi.z > 0.0) {
+        let above = wi.z > 0.0;
+        if !above {
             return;
         }
         for Node { index, weight } in self.layout.incident_nodes(polar(wi), azimuth(wi)) {
