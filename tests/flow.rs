@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const FLOW: [&str; 21] = [
+const FLOW: &[&str] = &[
     "lanes",
     "sampling",
     "complex",
@@ -21,6 +21,7 @@ const FLOW: [&str; 21] = [
     "layers",
     "polygons",
     "bins",
+    "orders",
     "table",
     "colour",
 ];

@@ -9,3 +9,4 @@ mod paper;
 mod planar;
 mod reference;
 mod scalar;
+mod scatter_table;

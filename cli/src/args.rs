@@ -153,18 +153,47 @@ pub struct EstimateArgs {
     /// Also a picture of the table as a disc (.png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Number of angles, evenly from 0 up to but not including 90 degrees
-    #[arg(long, default_value_t = 90, value_parser = clap::value_parser!(u16).range(2..=9000))]
-    pub angles: u16,
-    /// Wavelengths in nm: 450,550 or 380:780:5 or auto
-    #[arg(long, allow_hyphen_values = true, default_value = "380:780:5")]
-    pub wavelengths: Wavelengths,
+    /// Planar scenes: number of angles, evenly from 0 up to but not including 90 degrees [default: 90]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(2..=9000))]
+    pub angles: Option<u16>,
+    /// Wavelengths in nm: 450,550 or 380:780:5 or auto [default: 380:780:5, of cells 380:780:10]
+    #[arg(long, allow_hyphen_values = true)]
+    pub wavelengths: Option<Wavelengths>,
+    /// How a cell of tilted facets is sampled
+    #[command(flatten)]
+    pub cell: CellSampling,
     /// From spectrum to colour
     #[command(flatten)]
     pub colouring: Colouring,
     /// How to compute
     #[command(flatten)]
     pub computing: Computing,
+}
+
+/// How `estimate` samples a cell of tilted facets; planar scenes refuse these options.
+#[derive(Debug, Clone, Args)]
+pub struct CellSampling {
+    /// Cells: incident directions, θ × φ; one φ makes an isotropic table, averaged around the normal [default: 8x16]
+    #[arg(long, value_name = "THETAxPHI")]
+    pub incident: Option<Bins>,
+    /// Cells: bins of outgoing directions, cos θ × φ; φ a multiple of that of --incident [default: 16x32]
+    #[arg(long, value_name = "COSxPHI")]
+    pub bins: Option<Bins>,
+    /// Cells: starting rays over the period for each incident direction [default: 4096]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
+    pub rays: Option<u32>,
+    /// Cells: how exits add [default: ray]
+    #[arg(long, value_enum)]
+    pub coherence: Option<Coherence>,
+    /// Cells: seed of the sampling sequence [default: 0]
+    #[arg(long)]
+    pub seed: Option<u32>,
+    /// Cells: average f(wi, wo) and f(wo, wi)
+    #[arg(long)]
+    pub reciprocal: bool,
+    /// Cells: double the rays of each incident direction until its albedo has this standard error, up to 4194304 rays
+    #[arg(long, value_name = "ERROR")]
+    pub target_error: Option<f64>,
 }
 
 /// Arguments of `scatter`.
@@ -261,7 +290,7 @@ impl FromStr for Bins {
         let part = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=1024).contains(n));
         match text.split_once('x').map(|(cos, phi)| (part(cos), part(phi))) {
             Some((Some(cos), Some(phi))) => Ok(Self([cos, phi])),
-            _ => Err("expected COSxPHI such as 8x16, each from 1 to 1024".into()),
+            _ => Err("expected two numbers such as 8x16, each from 1 to 1024".into()),
         }
     }
 }
@@ -331,9 +360,13 @@ pub struct PlotArgs {
     /// What to draw
     #[arg(long, value_enum, default_value_t = PlotKind::Disc)]
     pub kind: PlotKind,
-    /// Angles of the spectra, taken from the nearest of the table's
-    #[arg(long, allow_hyphen_values = true, default_value = "0,45,75")]
-    pub theta: Angles,
+    /// Angles of incidence: of spectra, the nearest of the table's [default: 0,45,75]; of lobes [default: 15,45,75]; of the
+    /// disc of a cell, one [default: 30]
+    #[arg(long, allow_hyphen_values = true)]
+    pub theta: Option<Angles>,
+    /// Cells: azimuth of the light in degrees
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub phi: f64,
 }
 
 /// Arguments of `figures`.
@@ -353,8 +386,10 @@ pub struct FiguresArgs {
 /// What `plot` draws.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum PlotKind {
-    /// The BRDF disc of figures 3 and 4: radius θ, angle φ
+    /// The BRDF disc of figures 3 and 4: radius θ, angle φ; of cells, where the light of one direction goes
     Disc,
+    /// Cells: f cos θ in the plane of incidence
+    Lobes,
     /// Reflectance against wavelength at chosen angles: s, p, mean
     Spectrum,
     /// Mean reflectance over angle and wavelength

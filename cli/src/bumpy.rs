@@ -113,6 +113,19 @@ impl<'s> Bumpy<'s> {
     }
 }
 
+/// Whether a scene has facets that are not horizontal, so that it needs the general tracer.
+#[must_use]
+pub fn has_tilted_facets(scene: &Scene) -> bool {
+    /// Normals of horizontal triangles differ by the rounding of single-precision files over the length of an edge.
+    const TILT: f64 = 1e-6;
+    let Shape::Cell { mesh, .. } = &scene.shape else { return false };
+    let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
+    mesh.triangles.iter().any(|triangle| {
+        let normal = area(&vertices, triangle.vertices);
+        normal.x.hypot(normal.y) > TILT * normal.length()
+    })
+}
+
 /// Twice the area of a triangle along its normal.
 fn area(vertices: &[DVec3], triangle: [u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|v| vertices[v as usize]);

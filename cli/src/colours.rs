@@ -36,20 +36,29 @@ pub fn colours(
     space: RgbSpace,
     quadrature: Quadrature,
 ) -> Result<Vec<Colour>> {
+    let weights = visible_weights(&spectra.wavelength_nm, illuminant, quadrature)?;
+    let colour = |angle| {
+        let xyz = xyz(&weights, spectra.row(angle).iter().map(|sample| sample.mean_reflectance()));
+        Colour { xyz, rgb: space.from_xyz(xyz) }
+    };
+    Ok((0..spectra.theta_deg.len()).map(colour).collect())
+}
+
+/// Weights of XYZ for each wavelength.
+///
+/// # Errors
+/// If none of the wavelengths is visible.
+pub fn visible_weights(wavelength_nm: &[f64], illuminant: Illuminant, quadrature: Quadrature) -> Result<Vec<[f64; 3]>> {
     let [first, last] = VISIBLE_NM.map(f64::from);
-    if let (Some(&shortest), Some(&longest)) = (spectra.wavelength_nm.first(), spectra.wavelength_nm.last())
+    if let (Some(&shortest), Some(&longest)) = (wavelength_nm.first(), wavelength_nm.last())
         && (longest < first || shortest > last)
     {
         return Err(Error::usage(format_args!(
             "--wavelengths: {shortest} to {longest} nm are invisible; a colour needs some from {first} to {last} nm"
         )));
     }
-    let mut weights = vec![[0.0; 3]; spectra.wavelength_nm.len()];
-    xyz_weights(&spectra.wavelength_nm, illuminant, quadrature, &mut weights)
+    let mut weights = vec![[0.0; 3]; wavelength_nm.len()];
+    xyz_weights(wavelength_nm, illuminant, quadrature, &mut weights)
         .map_err(|error| Error::usage(format_args!("--wavelengths: {error}")))?;
-    let colour = |angle| {
-        let xyz = xyz(&weights, spectra.row(angle).iter().map(|sample| sample.mean_reflectance()));
-        Colour { xyz, rgb: space.from_xyz(xyz) }
-    };
-    Ok((0..spectra.theta_deg.len()).map(colour).collect())
+    Ok(weights)
 }

@@ -93,6 +93,13 @@ const SAMPLES_PER_FRINGE: f64 = 4.0;
 const COARSEST_STEP_NM: f64 = 10.0;
 
 impl Wavelengths {
+    /// The visible range in even steps.
+    #[must_use]
+    pub fn every(step_nm: f64) -> Self {
+        let [first, last] = VISIBLE_NM.map(f64::from);
+        Self::List((0..=((last - first) / step_nm) as u32).map(|i| first + f64::from(i) * step_nm).collect())
+    }
+
     /// The wavelengths to compute for a scene.
     ///
     /// # Errors

@@ -18,6 +18,8 @@ pub mod planar;
 pub mod progress;
 pub mod sampling;
 pub mod scatter;
+pub mod scatter_estimate;
+pub mod scatter_table;
 pub mod scene;
 pub mod table;
 pub mod table_file;

@@ -1,5 +1,7 @@
 //! Scattering by polygon cells: starting rays over the period, histograms of where their light goes, standard errors.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
 use goniochrome::coherence::Side;
@@ -87,7 +89,7 @@ pub struct Scattered {
 /// Independent scramblings over which the standard error is taken.
 pub const BATCHES: u32 = 32;
 /// Exits that one starting ray may have.
-const MOST_EXITS: usize = 512;
+pub(crate) const MOST_EXITS: usize = 512;
 /// The tracer's default workspace for polygon cells, in states; at most 64 KiB for either precision.
 pub const STATES: usize = 36;
 /// Of these, how many are for rays that find no room among the waves.
@@ -144,7 +146,8 @@ fn run<V: Lanes>(
         |(slots, exits), (out, batch)| {
             for (group, wavelengths) in groups.iter().zip(wavelength_nm.chunks(V::WIDTH)) {
                 let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
-                trace_batch(cell, *group, wi, batch, request, slots, exits, &mut tallies);
+                let rays = 0..(request.rays / BATCHES).max(1);
+                trace_batch(cell, *group, wi, batch, rays, request, slots, exits, &mut tallies);
                 out.extend(tallies);
             }
             progress();
@@ -153,18 +156,18 @@ fn run<V: Lanes>(
     Ok((0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect())
 }
 
-/// Sums over the starting rays of one batch, one wavelength.
+/// Means over starting rays of one batch, one wavelength.
 #[derive(Clone, Debug, Default)]
-struct Tally {
-    reflected: f64,
-    transmitted: f64,
-    absorbed: f64,
-    truncated: f64,
-    bins: Vec<f64>,
+pub(crate) struct Tally {
+    pub reflected: f64,
+    pub transmitted: f64,
+    pub absorbed: f64,
+    pub truncated: f64,
+    pub bins: Vec<f64>,
 }
 
 impl Tally {
-    fn new(bins: usize) -> Self {
+    pub(crate) fn new(bins: usize) -> Self {
         Self { bins: vec![0.0; bins], ..Self::default() }
     }
 }
@@ -185,12 +188,14 @@ impl Histogram for Tallies<'_> {
     }
 }
 
+/// Traces the starting rays `rays` of a batch; writes the means into `tallies`, which must be new.
 #[allow(clippy::too_many_arguments)]
-fn trace_batch<V: Lanes>(
+pub(crate) fn trace_batch<V: Lanes>(
     cell: MeshCell<'_>,
     media: MediaLanes<'_, V>,
     wi: DVec3,
     batch: u32,
+    rays: Range<u32>,
     request: &Request,
     slots: &mut [Slot<State<V>, goniochrome::polygons::Field<V>>],
     exits: &mut [Exit<V>],
@@ -200,10 +205,10 @@ fn trace_batch<V: Lanes>(
     let coherent = request.coherence == Coherence::Ray;
     let mut polygons = Polygons::new(cell, media, Incident::new(wi, eta), coherent);
     let mut exits = Exits::new(exits, request.bins, &media);
-    let rays = (request.rays / BATCHES).max(1);
+    let per_ray = 1.0 / rays.len() as f64;
     let sequence = request.seed.wrapping_mul(BATCHES).wrapping_add(batch);
     let mut truncated = V::zero();
-    for ray in 0..rays {
+    for ray in rays {
         let [u, v] = sobol(ray, sequence);
         let Some((state, field)) = polygons.start(u, v) else {
             truncated += V::one(); // a hole from top to bottom
@@ -225,7 +230,6 @@ fn trace_batch<V: Lanes>(
     for (lane, tally) in tallies.iter_mut().enumerate() {
         tally.truncated = truncated.lane(lane);
         tally.absorbed = 0.5 * (s.lane(lane) + p.lane(lane));
-        let per_ray = 1.0 / f64::from(rays);
         for sum in [&mut tally.reflected, &mut tally.transmitted, &mut tally.absorbed, &mut tally.truncated]
             .into_iter()
             .chain(&mut tally.bins)

@@ -46,7 +46,7 @@ impl MirrorTable {
             }
         }
         check_axis("theta_deg", &self.theta_deg, |theta| (0.0..=90.0).contains(&theta))?;
-        check_axis("wavelength_nm", &self.wavelength_nm, |nm| nm > 0.0 && nm.is_finite())?;
+        check_wavelengths(&self.wavelength_nm)?;
         for (name, values) in [("s", &self.reflectance_s), ("p", &self.reflectance_p)] {
             // The paper's flux is an amplitude sum and may exceed 1, so only sign and finiteness are checked.
             if let Some(i) = values.iter().position(|r| !r.is_finite() || *r < 0.0) {
@@ -89,6 +89,11 @@ pub(crate) fn check_size(angles: usize, wavelengths: usize) -> Result<()> {
         )));
     }
     Ok(())
+}
+
+/// Wavelengths are positive and increase.
+pub(crate) fn check_wavelengths(wavelength_nm: &[f64]) -> Result<()> {
+    check_axis("wavelength_nm", wavelength_nm, |nm| nm > 0.0 && nm.is_finite())
 }
 
 fn check_axis(name: &str, values: &[f64], in_range: impl Fn(f64) -> bool) -> Result<()> {

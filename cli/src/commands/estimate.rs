@@ -2,20 +2,30 @@
 
 use std::collections::BTreeMap;
 
+use goniochrome::bins::DirectionBins;
 use goniochrome::colour::{Quadrature, RgbSpace};
+use goniochrome::table::ScatterLayout;
 
-use crate::args::{EstimateArgs, spelled};
-use crate::colours::colours;
+use crate::args::{EstimateArgs, ModelArg, spelled};
+use crate::bumpy::{Bumpy, has_tilted_facets};
+use crate::colours::{colours, visible_weights};
 use crate::commands::compute;
 use crate::commands::plot::disc_of;
 use crate::error::{Error, Result};
-use crate::estimate::Spectra;
+use crate::estimate::{Method, Sample, Spectra};
+use crate::grid::Wavelengths;
 use crate::output;
+use crate::picture::Format;
 use crate::planar::Planar;
-use crate::progress::remark;
+use crate::progress::{bar, remark};
+use crate::scatter::Request;
+use crate::scatter_estimate::{TableRequest, estimate};
 use crate::scene::{Scene, load};
 use crate::table::MirrorTable;
-use crate::table_file;
+use crate::table_file::{self, Table};
+
+/// Starting rays of an incident direction unless the user says otherwise.
+const RAYS: u32 = 4096;
 
 pub fn run(args: &EstimateArgs) -> Result<()> {
     if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("exr")) {
@@ -25,40 +35,138 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
     for path in [Some(&args.output), args.plot.as_ref()].into_iter().flatten() {
         output::check_destination(path, &scene.files)?;
     }
-    let planar = Planar::new(&scene)?;
-    let theta_deg: Vec<f64> = (0..args.angles).map(|i| 90.0 * f64::from(i) / f64::from(args.angles)).collect();
-    let spectra = compute(&planar, &theta_deg, &args.wavelengths, &args.computing)?;
+    if let Some(plot) = &args.plot {
+        Format::of(plot)?;
+        output::refuse_same_output(&args.output, plot)?;
+    }
+    let (table, said) = if has_tilted_facets(&scene) { scattering(args, &scene)? } else { mirror_like(args, &scene)? };
+    table_file::write(&args.output, &table)?;
+    if let Some(path) = &args.plot {
+        disc_of(&table, None, 0.0)?.save(path)?;
+    }
+    remark(args.computing.quiet, format_args!("{}: {said}", args.output.display()));
+    Ok(())
+}
+
+/// The 2D table of planes.
+fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
+    let cell = &args.cell;
+    for (given, name) in [
+        (cell.incident.is_some(), "incident"),
+        (cell.bins.is_some(), "bins"),
+        (cell.rays.is_some(), "rays"),
+        (cell.coherence.is_some(), "coherence"),
+        (cell.seed.is_some(), "seed"),
+        (cell.reciprocal, "reciprocal"),
+        (cell.target_error.is_some(), "target-error"),
+    ] {
+        if given {
+            return Err(Error::usage(format_args!(
+                "--{name} is for cells of tilted facets; {} is planar, and its table has one direction out for one in",
+                scene.name
+            )));
+        }
+    }
+    let planar = Planar::new(scene)?;
+    let angles = args.angles.unwrap_or(90);
+    let theta_deg: Vec<f64> = (0..angles).map(|i| 90.0 * f64::from(i) / f64::from(angles)).collect();
+    let wavelengths = args.wavelengths.clone().unwrap_or_else(|| Wavelengths::every(5.0));
+    let spectra = compute(&planar, &theta_deg, &wavelengths, &args.computing)?;
     let colours = colours(
         &spectra,
         args.colouring.illuminant.into(),
         RgbSpace::from(args.colouring.space),
         Quadrature::Interpolated,
     )?;
-    let reflectance = |of: fn(&crate::estimate::Sample) -> f64| spectra.samples.iter().map(|s| of(s) as f32).collect();
+    let reflectance = |of: fn(&Sample) -> f64| spectra.samples.iter().map(|s| of(s) as f32).collect();
     let table = MirrorTable {
         reflectance_s: reflectance(|sample| sample.reflectance.s),
         reflectance_p: reflectance(|sample| sample.reflectance.p),
         rgb: colours.iter().map(|colour| colour.rgb.map(|c| c as f32)).collect(),
-        metadata: metadata(args, &scene, &spectra),
+        metadata: metadata(args, scene, &spectra),
         theta_deg,
         wavelength_nm: spectra.wavelength_nm.clone(),
     };
-    table_file::write(&args.output, &table)?;
-    if let Some(path) = &args.plot {
-        disc_of(&table).save(path)?;
-    }
-    remark(
-        args.computing.quiet,
-        format_args!(
-            "{}: {} angles × {} wavelengths; truncated ≤ {:.1e}, imbalance ≤ {:.1e}",
-            args.output.display(),
-            table.theta_deg.len(),
-            table.wavelength_nm.len(),
-            spectra.worst(|sample| sample.truncated),
-            spectra.worst(|sample| sample.imbalance)
-        ),
+    let said = format!(
+        "{} angles × {} wavelengths; truncated ≤ {:.1e}, imbalance ≤ {:.1e}",
+        table.theta_deg.len(),
+        table.wavelength_nm.len(),
+        spectra.worst(|sample| sample.truncated),
+        spectra.worst(|sample| sample.imbalance)
     );
-    Ok(())
+    Ok((table.into(), said))
+}
+
+/// The 4D table of tilted facets.
+fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
+    let refuse =
+        |option: &str, why: &str| Error::usage(format_args!("{option}: {} has tilted facets; {why}", scene.name));
+    if args.angles.is_some() {
+        return Err(refuse("--angles", "name its directions by --incident"));
+    }
+    if args.computing.model != ModelArg::Physical {
+        return Err(refuse("--model", "they are traced by exact physics alone"));
+    }
+    if args.computing.method != Method::Trace {
+        return Err(refuse("--method", "they can only be traced"));
+    }
+    let wavelength_nm = match args.wavelengths.clone().unwrap_or_else(|| Wavelengths::every(10.0)) {
+        Wavelengths::List(list) => list,
+        Wavelengths::Auto(_) => return Err(refuse("--wavelengths auto", "name the wavelengths, as 380:780:10")),
+    };
+    let cell = &args.cell;
+    if cell.target_error.is_some_and(|error| error.is_nan() || error <= 0.0) {
+        return Err(Error::usage("--target-error must be positive"));
+    }
+    let [theta, phi] = cell.incident.map_or([8, 16], |bins| bins.0);
+    let [cos, around] = cell.bins.map_or([16, 32], |bins| bins.0);
+    let bins = DirectionBins { cos, phi: around };
+    let layout = ScatterLayout::new(theta, phi, bins)
+        .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))?;
+    let weights = visible_weights(&wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
+    let tracing = Request {
+        coherence: cell.coherence.unwrap_or_default(),
+        rays: cell.rays.unwrap_or(RAYS),
+        seed: cell.seed.unwrap_or(0),
+        bins,
+        precision: args.computing.precision,
+        threads: args.computing.request().threads,
+    };
+    let space = args.colouring.space.into();
+    let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
+    let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
+    let bumpy = Bumpy::new(scene)?;
+    let progress = bar(&scene.name, layout.incident_count(), args.computing.quiet);
+    let mut table = estimate(&bumpy, &wavelength_nm, &request, &|| progress.inc(1))?;
+    progress.finish_and_clear();
+    table.metadata = scatter_metadata(args, scene, &request.tracing);
+    let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);
+    let said = format!(
+        "{theta} × {phi} incident directions × {cos} × {around} bins × {} wavelengths; standard error of the albedo ≤ {:.1e}, \
+         truncated ≤ {truncated:.1e}",
+        wavelength_nm.len(),
+        table.worst_error(),
+    );
+    Ok((table.into(), said))
+}
+
+/// The same for a cell.
+fn scatter_metadata(args: &EstimateArgs, scene: &Scene, tracing: &Request) -> BTreeMap<String, String> {
+    [
+        ("generator", format!("goniochrome {}", env!("CARGO_PKG_VERSION"))),
+        ("scene", scene.name.clone()),
+        ("scene_toml", scene.toml.clone()),
+        ("model", spelled(args.computing.model)),
+        ("precision", spelled(args.computing.precision)),
+        ("coherence", spelled(tracing.coherence)),
+        ("seed", tracing.seed.to_string()),
+        ("reciprocal", args.cell.reciprocal.to_string()),
+        ("illuminant", spelled(args.colouring.illuminant)),
+        ("colour_space", spelled(args.colouring.space)),
+        ("observer", "CIE 1931 2 degree".into()),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into()
 }
 
 /// How the table was made. Nothing here depends on when or where, so equal runs give equal files.

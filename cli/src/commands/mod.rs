@@ -4,6 +4,7 @@ mod colour;
 mod compare;
 mod estimate;
 mod figures;
+mod lobes;
 mod orders;
 mod plot;
 mod presets;

@@ -2,35 +2,56 @@
 
 use std::slice;
 
-use crate::args::{PlotArgs, PlotKind};
-use crate::error::Result;
+use crate::args::{PlotArgs, PlotKind, spelled};
+use crate::commands::lobes;
+use crate::error::{Error, Result};
 use crate::output;
 use crate::picture::{Disc, Format, HeatAxis, LineOptions, PALETTE, Picture, Series, disc, heat_map, line_chart};
 use crate::table::MirrorTable;
-use crate::table_file;
+use crate::table_file::{self, Table};
 
 pub fn run(args: &PlotArgs) -> Result<()> {
     Format::of(&args.output)?;
     output::check_destination(&args.output, slice::from_ref(&args.table))?;
+    if !args.phi.is_finite() {
+        return Err(Error::usage(format_args!("--phi {}: the azimuth must be finite", args.phi)));
+    }
     let table = table_file::read(&args.table)?;
-    let name = name_of(&table);
-    let picture = match args.kind {
-        PlotKind::Disc => disc_of(&table),
-        PlotKind::Spectrum => spectra_of(&table, name, &args.theta.0),
-        PlotKind::Map => map_of(&table, name),
+    let name = table.name();
+    let theta = args.theta.as_ref().map(|angles| angles.0.as_slice());
+    let picture = match (args.kind, &table) {
+        (PlotKind::Disc, _) => disc_of(&table, theta, args.phi)?,
+        (PlotKind::Spectrum, Table::Mirror(mirror)) => spectra_of(mirror, name, theta.unwrap_or(&[0.0, 45.0, 75.0])),
+        (PlotKind::Map, Table::Mirror(mirror)) => map_of(mirror, name),
+        (PlotKind::Lobes, Table::Scatter(scatter)) => {
+            lobes::lobes(scatter, name, theta.unwrap_or(&[15.0, 45.0, 75.0]), args.phi)?
+        }
+        (kind, Table::Mirror(_)) => {
+            return Err(Error::usage(format_args!(
+                "{}: a planar scene has no {}; draw its disc, spectrum or map",
+                args.table.display(),
+                spelled(kind)
+            )));
+        }
+        (kind, Table::Scatter(_)) => {
+            return Err(Error::usage(format_args!(
+                "{}: a cell of tilted facets has no {}; draw its disc or lobes",
+                args.table.display(),
+                spelled(kind)
+            )));
+        }
     };
     picture.save(&args.output)
 }
 
-/// The scene a table was made from.
-fn name_of(table: &MirrorTable) -> &str {
-    table.metadata.get("scene").map_or("table", String::as_str)
-}
-
-/// Every direction of the table's hemisphere: figures 3 and 4.
-pub fn disc_of(table: &MirrorTable) -> Picture {
-    let rgb = |theta_deg: f64, _phi_deg: f64| table.rgb_at(theta_deg);
-    disc(&Disc { label: name_of(table), rgb: &rgb, theta_max_deg: 90.0, azimuthal: false })
+/// Every direction of the table's hemisphere: figures 3 and 4; of a cell, where the light of one direction goes.
+pub fn disc_of(table: &Table, theta_deg: Option<&[f64]>, phi_deg: f64) -> Result<Picture> {
+    let mirror = match table {
+        Table::Mirror(mirror) => mirror,
+        Table::Scatter(scatter) => return lobes::outgoing(scatter, table.name(), theta_deg, phi_deg),
+    };
+    let rgb = |theta_deg: f64, _phi_deg: f64| mirror.rgb_at(theta_deg);
+    Ok(disc(&Disc { label: table.name(), rgb: &rgb, theta_max_deg: 90.0, azimuthal: false }))
 }
 
 fn spectra_of(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Picture {

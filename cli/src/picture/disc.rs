@@ -27,22 +27,45 @@ pub struct Disc<'a> {
     pub azimuthal: bool,
 }
 
+/// A direction to point out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// Angle from the normal.
+    pub theta_deg: f64,
+    /// Azimuth.
+    pub phi_deg: f64,
+    /// A cross instead of a ring.
+    pub cross: bool,
+}
+
 /// One large disc with a scale of θ below it.
 #[must_use]
 pub fn disc(disc: &Disc) -> Picture {
+    marked_disc(disc, &[], &[])
+}
+
+/// The same with directions marked and notes below.
+#[must_use]
+pub fn marked_disc(disc: &Disc, marks: &[Mark], notes: &[String]) -> Picture {
     const RADIUS: f64 = 170.0;
-    let width = (2.0 * RADIUS + 120.0).max(text_width(disc.label, Style::title().size) + 40.0).ceil();
+    let noted = notes.iter().map(|note| text_width(note, Style::tick().size)).fold(0.0, f64::max);
+    let titled = text_width(disc.label, Style::title().size).max(noted) + 40.0;
+    let width = (2.0 * RADIUS + 120.0).max(titled).ceil();
     let centre = (0.5 * width, RADIUS + if disc.azimuthal { 70.0 } else { 50.0 });
     let mut canvas = Canvas::default();
     canvas.text(centre.0, 28.0, Anchor::Middle, Style::title(), disc.label);
     draw_disc(&mut canvas, centre, RADIUS, disc);
+    for mark in marks {
+        draw_mark(&mut canvas, centre, RADIUS, *mark);
+    }
     if disc.azimuthal {
         let (x, y) = centre;
         canvas.text(x + RADIUS + 8.0, y + 4.0, Anchor::Start, Style::tick(), "φ = 0°");
         canvas.text(x, y - RADIUS - 9.0, Anchor::Middle, Style::tick(), "90°");
         canvas.text(x - RADIUS - 8.0, y + 4.0, Anchor::End, Style::tick(), "180°");
+        canvas.text(x, y + RADIUS + 18.0, Anchor::Middle, Style::tick(), "270°");
     }
-    let below = centre.1 + RADIUS + 16.0;
+    let below = centre.1 + RADIUS + if disc.azimuthal { 34.0 } else { 16.0 };
     canvas.line((centre.0, below), (centre.0 + RADIUS, below), AXIS, 1.0);
     for theta in [0.0, 30.0, 60.0, 90.0] {
         let x = centre.0 + RADIUS * theta / 90.0;
@@ -50,7 +73,27 @@ pub fn disc(disc: &Disc) -> Picture {
         canvas.text(x, below + 19.0, Anchor::Middle, Style::tick(), &format!("{theta}°"));
     }
     canvas.text(centre.0 - 16.0, below + 4.0, Anchor::End, Style::tick(), "angle from the normal θ");
-    Picture::new(width, below + 34.0, canvas)
+    for (line, note) in (0u32..).zip(notes) {
+        canvas.text(centre.0, below + 44.0 + 17.0 * f64::from(line), Anchor::Middle, Style::tick(), note);
+    }
+    let lines = notes.len() as f64;
+    Picture::new(width, below + 34.0 + if notes.is_empty() { 0.0 } else { 8.0 + 17.0 * lines }, canvas)
+}
+
+fn draw_mark(canvas: &mut Canvas, centre: (f64, f64), radius: f64, mark: Mark) {
+    const SIZE: f64 = 6.0;
+    let (sin, cos) = mark.phi_deg.to_radians().sin_cos();
+    let at = radius * mark.theta_deg / 90.0;
+    let (x, y) = (centre.0 + at * cos, centre.1 - at * sin);
+    // Dark under light, as the rings.
+    for (colour, width) in [("#000", 3.0), ("#fff", 1.4)] {
+        if mark.cross {
+            canvas.line((x - SIZE, y), (x + SIZE, y), colour, width);
+            canvas.line((x, y - SIZE), (x, y + SIZE), colour, width);
+        } else {
+            canvas.ring((x, y), SIZE, colour, width, 1.0);
+        }
+    }
 }
 
 /// Discs in a grid, row by row, with their labels as captions.

@@ -21,7 +21,7 @@ use crate::error::{Error, Result};
 use svg::Canvas;
 
 pub use compare::{Profile, side_by_side};
-pub use disc::{Disc, disc, disc_grid};
+pub use disc::{Disc, Mark, disc, disc_grid, marked_disc};
 pub use encode::{grey, hex, srgb8, wavelength_colour};
 pub use heat_map::{HeatAxis, heat_map};
 pub use layout::rows;

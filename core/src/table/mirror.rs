@@ -1,37 +1,7 @@
-//! BRDF tables over borrowed memory: layout, checks, look-up.
-//!
-//! A mirror-like surface reflects into one direction only, so its BRDF is f(wi, wo) = ρ(θ) δ(wo − mirror(wi)) / cos θ and
-//! its table is ρ(θ) for each channel: "2D" in the paper, angle × wavelength (section 3.1).
+//! Tables of mirror-like surfaces: one direction in, one direction out.
 
+use super::TableError;
 use core::f64::consts::FRAC_PI_2;
-
-/// Why a table was refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TableError {
-    /// Fewer than two rows, no channels, or a slice that is not rows × channels long.
-    Shape,
-    /// The largest angle is not in (0, π/2].
-    ThetaMax,
-    /// A value that is NaN or infinite.
-    NotFinite {
-        /// Place in the slice.
-        index: usize,
-    },
-}
-
-impl core::fmt::Display for TableError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            Self::Shape => {
-                write!(f, "a table needs at least two angles, one channel, and as many values as both together")
-            }
-            Self::ThetaMax => write!(f, "the largest angle must lie in (0, 90] degrees"),
-            Self::NotFinite { index } => write!(f, "value {index} is not finite"),
-        }
-    }
-}
-
-impl core::error::Error for TableError {}
 
 /// ρ(θ) of a mirror-like surface: rows uniform in θ from 0 to `theta_max`, ends included; linear between rows.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,113 @@
+//! `estimate` of cells of tilted facets: energy, threads, reciprocity, refusals.
+
+use goniochrome_cli::scatter_table::ScatterTable;
+use goniochrome_cli::table_file::{Table, read};
+
+use crate::user::User;
+
+const BUMPS: &str = include_str!("../data/cells/bumps-glass.obj");
+const SCENE: &str = "[cell]\nmesh = \"bumps.obj\"\nperiod_nm = [20000.0, 20000.0]\n\
+                     [interface.surface]\nabove = 1.0\nbelow = 1.5\n";
+
+fn user() -> User {
+    User::with(&[("bumps.toml", SCENE), ("bumps.obj", BUMPS)])
+}
+
+fn table(user: &User, name: &str) -> ScatterTable {
+    match read(&user.at(name)).unwrap() {
+        Table::Scatter(table) => table,
+        Table::Mirror(_) => panic!("{name} is a mirror table"),
+    }
+}
+
+#[test]
+fn a_lossless_cell_loses_nothing() {
+    let user = user();
+    user.ok(
+        "estimate bumps.toml -o t.exr --incident 2x2 --bins 8x16 --rays 1024 --wavelengths 550 --coherence none -q",
+    );
+    let table = table(&user, "t.exr");
+    let layout = table.layout;
+    for (incident, energy) in table.energy.iter().enumerate() {
+        let sum = energy.reflected.value + energy.transmitted + energy.absorbed + energy.truncated;
+        // What is not followed is counted; single precision rounds a few dozen factors of each path.
+        assert!((sum - 1.0).abs() < 1e-4, "{incident}: {sum}");
+        assert!(energy.truncated < 0.01, "{energy:?}");
+        let solid_angle = |bin| layout.bins().projected_solid_angle(bin);
+        let bins = table.row(incident, 0).iter().enumerate();
+        let albedo: f64 = bins.map(|(bin, f)| f64::from(*f) * solid_angle(bin)).sum();
+        assert!((albedo - energy.reflected.value).abs() < 1e-5, "{incident}: {albedo}, {energy:?}");
+    }
+}
+
+#[test]
+fn tables_do_not_depend_on_the_number_of_threads_and_follow_the_seed() {
+    let user = user();
+    let run = |name: &str, options: &str| {
+        let common = "--incident 2x2 --bins 4x8 --rays 64 --wavelengths 450,550 -q";
+        user.ok(&format!("estimate bumps.toml -o {name}.exr {common} {options}"));
+        user.read(&format!("{name}.exr"))
+    };
+    let one = run("one", "--threads 1");
+    assert!(one == run("two", "--threads 2"));
+    assert!(one != run("seed", "--seed 1"));
+}
+
+#[test]
+fn more_rays_are_traced_until_the_error_is_reached() {
+    let user = user();
+    let common = "--incident 2x1 --bins 4x8 --rays 32 --wavelengths 550 --coherence none -q";
+    user.ok(&format!("estimate bumps.toml -o t.exr {common} --target-error 0.004"));
+    let table = table(&user, "t.exr");
+    assert!(table.worst_error() <= 0.004);
+    assert!(table.energy.iter().any(|energy| energy.rays > 32));
+}
+
+#[test]
+fn light_takes_both_ways_alike() {
+    let user = user();
+    // Incident and outgoing directions at the same cos θ are rare on these grids; compare by interpolation, far from the ends.
+    let common = "--incident 8x8 --bins 8x16 --rays 2048 --wavelengths 550 --coherence none -q";
+    user.ok(&format!("estimate bumps.toml -o t.exr {common}"));
+    let table = table(&user, "t.exr");
+    let layout = table.layout;
+    let (mut pairs, mut excess, mut worst) = (0, 0, 0.0_f64);
+    for incident in 8..48 {
+        let [theta_i, phi_i] = layout.incident(incident);
+        for bin in (32..112).step_by(5) {
+            let [cos_o, relative] = layout.outgoing(bin);
+            let from = layout.incident_nodes(cos_o.acos() as f32, (phi_i + relative) as f32);
+            let to = layout.outgoing_nodes(theta_i.cos() as f32, -relative as f32);
+            let (mut back, mut variance) = (0.0, f64::from(table.luminance_error[incident * 128 + bin]).powi(2));
+            for (i, o) in from.iter().flat_map(|i| to.map(|o| (i, o))) {
+                let weight = f64::from(i.weight * o.weight);
+                back += weight * f64::from(table.row(i.index, 0)[o.index]);
+                variance += (weight * f64::from(table.luminance_error[i.index * 128 + o.index])).powi(2);
+            }
+            let f = f64::from(table.row(incident, 0)[bin]);
+            // Bins are wide: interpolation across them errs by a good part of the larger value.
+            let allowed = 4.0 * variance.sqrt() + 0.35 * f.max(back) + 2e-3;
+            worst = worst.max((f - back).abs() / allowed);
+            excess += usize::from((f - back).abs() > allowed);
+            pairs += 1;
+        }
+    }
+    println!("{pairs} pairs, {excess} beyond, worst {worst:.2}");
+    assert!(pairs >= 100 && excess * 50 <= pairs, "{excess} of {pairs}");
+}
+
+#[test]
+fn options_that_do_not_apply_are_refused() {
+    let user = user();
+    for (line, says) in [
+        ("estimate bumps.toml -o t.exr --angles 4", "--angles"),
+        ("estimate bumps.toml -o t.exr --model paper", "--model"),
+        ("estimate bumps.toml -o t.exr --incident 4x3 --bins 4x8", "multiple"),
+        ("estimate bumps.toml -o t.exr --wavelengths auto", "name the wavelengths"),
+        ("estimate bumps.toml -o t.exr --target-error 0", "--target-error"),
+        ("estimate paper-fig4 -o t.exr --rays 64", "--rays"),
+        ("estimate paper-fig4 -o t.exr --reciprocal", "--reciprocal"),
+    ] {
+        user.refused(line, 2, &[says]);
+    }
+}
