@@ -150,3 +150,31 @@ fn tables_become_pictures() {
         }
     }
 }
+
+/// What a scattering estimate may leave out.
+const LEFT_OUT: f64 = 1e-4;
+
+#[test]
+fn bumpy_presets_scatter_all_of_the_light() {
+    let user = User::new();
+    assert_eq!(bumpy().count(), 9);
+    for name in bumpy() {
+        let light = "--theta 20 --phi 30 --wavelength 550 --coherence none --rays 1024 --json -";
+        let report = user.ok(&format!("scatter {name} {light}")).stdout;
+        let of = |key: &str| {
+            let place = report.find(&format!("\"{key}\"")).expect(key);
+            let value = report[place..].split("\"value\":").nth(1).expect("a value");
+            value.split([',', '\n', '}']).next().expect("a number").trim().parse::<f64>().expect("a number")
+        };
+        let [reflected, transmitted, absorbed, truncated] =
+            ["reflected", "transmitted", "absorbed", "truncated"].map(of);
+        println!("{name}: {reflected} {transmitted} {absorbed} {truncated}");
+        assert!(reflected > 0.01 && transmitted > 0.01, "{name}: {reflected} {transmitted}");
+        assert!(truncated <= LEFT_OUT, "{name}: {truncated}");
+        // Between facets of an absorbing body the power of a wave is not that of its field alone.
+        if name != "morpho-ridges" {
+            let sum = reflected + transmitted + absorbed + truncated;
+            assert!((sum - 1.0).abs() <= LEFT_OUT, "{name}: {sum}");
+        }
+    }
+}
