@@ -105,6 +105,7 @@ fn a_mesh_goes_through_every_command() {
 fn meshes_at_fault_are_named_by_line() {
     let top = |faces: &str| two_planes(faces, "f 5 6 7 8");
     let tilted = top("f 1 2 3 4").replacen("v 0 0 300", "v 0 0 310", 1);
+    let ridge = "v 500 0 400\nv 500 1000 400\n".to_owned() + &two_planes("f 3 1 2 6\nf 1 4 5 2", "f 7 8 9 10");
     let cases: &[(String, &[&str])] = &[
         (String::new(), &["film.obj:1:", "no faces"]),
         (corners(0.0), &["film.obj:4:", "no faces"]),
@@ -112,7 +113,8 @@ fn meshes_at_fault_are_named_by_line() {
         (top("f 1 2 3"), &["film.obj:10:", "not closed", "has no partner", "fill the hole"]),
         (top("f 1 2 3\nf 1 4 3"), &["film.obj:11:", "faces the other way", "turn its vertices around"]),
         (top("f 1 2 3 4\nf 1 2 3 4"), &["film.obj:10:", "covers the period 2 times", "remove the copies"]),
-        (tilted, &["film.obj:10:", "tilted", "horizontal planes"]),
+        (tilted, &["film.obj:10:", "not planar", "split it into triangles"]),
+        (ridge, &["film.obj:12:", "tilted", "horizontal planes"]),
         (top("f 1 2 3 9"), &["film.obj:10:", "vertex 9 does not exist", "8 are defined above"]),
         (top("f 1 2 3 0"), &["film.obj:10:", "vertex 0 does not exist"]),
         (top("f 1 2 x 4"), &["film.obj:10:", "\"x\"", "vertex number"]),

@@ -1,10 +1,21 @@
 //! Every preset through every command.
 
 use exr::prelude::{FlatImage, read_first_flat_layer_from_file};
-use goniochrome_cli::scene::presets::names;
+use goniochrome_cli::scene::presets;
+use goniochrome_cli::scene::{Shape, load};
 use resvg::tiny_skia::Pixmap;
 
 use crate::user::{User, column, largest_difference, triples};
+
+/// The presets of plane layers.
+fn names() -> impl Iterator<Item = &'static str> {
+    presets::names().filter(|name| matches!(load(name).expect(name).shape, Shape::Stack { .. }))
+}
+
+/// The presets of tilted facets.
+fn bumpy() -> impl Iterator<Item = &'static str> {
+    presets::names().filter(|name| matches!(load(name).expect(name).shape, Shape::Cell { .. }))
+}
 
 /// Single precision of a power near 1.
 const SINGLE: f64 = 1e-5;
@@ -15,10 +26,12 @@ const LOSSLESS: [&str; 5] = ["paper-fig4", "paper-fig6-300", "paper-fig6-3000", 
 fn the_list_names_each_preset_and_a_printed_one_is_the_same_scene() {
     let user = User::new();
     let list = user.ok("presets").stdout;
-    assert_eq!(list.lines().count(), names().count());
-    for name in names() {
+    assert_eq!(list.lines().count(), presets::names().count());
+    for name in presets::names() {
         let line = list.lines().find(|line| line.split(' ').next() == Some(name)).expect(name);
         assert!(line.trim_start_matches(name).trim().len() > 20, "{line}");
+    }
+    for name in names() {
         user.write("scene.toml", user.ok(&format!("presets {name}")).stdout);
         let [preset, file] =
             [name, "scene.toml"].map(|scene| user.ok(&format!("spectrum {scene} --theta 0,60")).stdout);
@@ -134,6 +147,34 @@ fn tables_become_pictures() {
         }
         for number in ["nan", "NaN", "inf"] {
             assert!(!svg.contains(&format!("{number},")) && !svg.contains(&format!(",{number}")), "{name}");
+        }
+    }
+}
+
+/// What a scattering estimate may leave out.
+const LEFT_OUT: f64 = 1e-4;
+
+#[test]
+fn bumpy_presets_scatter_all_of_the_light() {
+    let user = User::new();
+    assert_eq!(bumpy().count(), 9);
+    for name in bumpy() {
+        let light = "--theta 20 --phi 30 --wavelength 550 --coherence none --rays 1024 --json -";
+        let report = user.ok(&format!("scatter {name} {light}")).stdout;
+        let of = |key: &str| {
+            let place = report.find(&format!("\"{key}\"")).expect(key);
+            let value = report[place..].split("\"value\":").nth(1).expect("a value");
+            value.split([',', '\n', '}']).next().expect("a number").trim().parse::<f64>().expect("a number")
+        };
+        let [reflected, transmitted, absorbed, truncated] =
+            ["reflected", "transmitted", "absorbed", "truncated"].map(of);
+        println!("{name}: {reflected} {transmitted} {absorbed} {truncated}");
+        assert!(reflected > 0.01 && transmitted > 0.01, "{name}: {reflected} {transmitted}");
+        assert!(truncated <= LEFT_OUT, "{name}: {truncated}");
+        // Between facets of an absorbing body the power of a wave is not that of its field alone.
+        if name != "morpho-ridges" {
+            let sum = reflected + transmitted + absorbed + truncated;
+            assert!((sum - 1.0).abs() <= LEFT_OUT, "{name}: {sum}");
         }
     }
 }

@@ -139,7 +139,7 @@ impl Check<'_> {
         }
         for triangle in &self.mesh.triangles {
             for point in self.points(triangle) {
-                if !(point.abs().max_element() <= MAX_LENGTH_NM) {
+                if !point.is_finite() || point.abs().max_element() > MAX_LENGTH_NM {
                     let message = format!("the facet reaches {}: more than a metre; units are nanometres", at(point));
                     return Err(self.refuse(triangle.line, message));
                 }
@@ -354,10 +354,9 @@ impl Check<'_> {
         let mut hits: Vec<(f64, [Below; 2], u32)> = Vec::new();
         for &other in solid {
             let triangle = &self.mesh.triangles[other];
-            let points = self.points(triangle);
             let area =
                 |p: DVec3, q: DVec3| (p.x - through.x) * (q.y - through.y) - (q.x - through.x) * (p.y - through.y);
-            let [a, b, c] = points;
+            let [a, b, c] = self.points(triangle);
             let [u, v, w] = [area(b, c), area(c, a), area(a, b)];
             let up = u > 0.0 && v > 0.0 && w > 0.0;
             if up || (u < 0.0 && v < 0.0 && w < 0.0) {

@@ -199,9 +199,16 @@ fn cells_are_refused_by_place() {
         "s.toml:1:1: [cell]: a [cell] needs one [interface.NAME] for each usemtl name of its mesh; add them"
     );
     let coating = "[interface.a]\nabove = 1\nbelow = 2\ncoating = [ { material = \"MgF2\", thickness_nm = 100 } ]\n";
+    assert!(refusal(&cell(coating)).ends_with("/nonexistent/m.obj: no such file; paths start at the scene file"));
     assert_eq!(
-        refusal(&cell(coating)),
-        "s.toml:7:11: coating: coatings are not supported yet; model the films as planes of the mesh"
+        refusal(&cell(&coating.replace("MgF2", "MgFF"))),
+        "s.toml:7:26: material: unknown material \"MgFF\"; nearest is \"MgF2\", or declare [materials.MgFF]"
+    );
+    let both = cell("surface = { kind = \"pits\" }\n");
+    assert_eq!(refusal(&both), "s.toml:4:11: surface: a [cell] has either a mesh or a surface; remove one");
+    assert_eq!(
+        refusal("[cell]\nperiod_nm = [1, 1]\n"),
+        "s.toml:1:1: [cell]: neither mesh nor surface; write mesh = \"file.obj\""
     );
     assert!(
         refusal(&cell(&coating.replace("100", "-1")))

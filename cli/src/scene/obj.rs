@@ -267,6 +267,11 @@ mod tests {
         );
         assert_eq!(sixth("f 1 2 3 4\nf 1 2 3 4"), "m.obj:7: more than 3 triangles; use a coarser mesh");
         assert!(sixth("curv 0 1").starts_with("m.obj:6: unknown statement \"curv\" (read are v, f, usemtl;"));
+        assert_eq!(
+            sixth("v 0 1 0.1\nf 1 2 3 5"),
+            "m.obj:7: the polygon is not planar: a corner lies 0.05 nm off; split it into triangles"
+        );
+        assert!(read(&format!("{SQUARE}v 0 1 0.00001\nf 1 2 3 5")).is_ok());
         assert_eq!(sixth("v 0.9 0.1 0\nf 1 2 3 5"), "m.obj:7: the polygon is concave; split it into triangles");
     }
 }

@@ -66,9 +66,9 @@ fn coat(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plan
     };
     // From `above` to `below` of its interface, which a plane that faces down has the other way up.
     if sheet.turned {
-        coating.iter().rev().for_each(&mut add)
+        coating.iter().rev().for_each(&mut add);
     } else {
-        coating.iter().for_each(&mut add)
+        coating.iter().for_each(&mut add);
     }
     planes.push(Plane { z_nm: sheet.plane.z_nm - lowered_nm - thickness_nm, interface: Interface { above, below } });
     thickness_nm

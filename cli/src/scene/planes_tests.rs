@@ -74,8 +74,37 @@ fn facets_may_share_vertices_or_repeat_them() {
 
 #[test]
 fn tilted_facets_are_refused() {
-    let tilted = square("top", 3.0).replace("v 4 2 3", "v 4 2 3.1");
-    assert_eq!(refusal(&tilted), "m.obj:6: facet is tilted; this release traces cells of horizontal planes only");
+    let ridge = "v 0 0 0\nv 0 2 0\nv 1 0 1\nv 1 2 1\nv 4 0 0\nv 4 2 0\nusemtl top\nf 1 3 4 2\nf 3 5 6 4\n";
+    assert_eq!(refusal(ridge), "m.obj:8: facet is tilted; this release traces cells of horizontal planes only");
+}
+
+#[test]
+fn coatings_become_films_that_push_the_rest_down() {
+    let scene = scene(&(square("top", 50.0) + &square("base", -100.0)));
+    let Shape::Cell { mesh, period_nm, mut interfaces } = scene.shape else { panic!("a cell") };
+    let [air, film, dark] = [0, 1, 2].map(|n| n as u16);
+    let top = interfaces.iter_mut().find(|interface| interface.name == "top").unwrap();
+    top.coating = vec![Layer { medium: dark, thickness_nm: 7.0 }, Layer { medium: air, thickness_nm: 5.0 }];
+    let (above, below) = (top.interface.above, top.interface.below);
+    let found = planes(&mesh, period_nm, &interfaces, &scene.media).unwrap();
+    assert_eq!(found.iter().map(|plane| plane.z_nm).collect::<Vec<_>>(), [50.0, 43.0, 38.0, -112.0]);
+    assert_eq!(found[0].interface, Interface { above, below: Below::Medium(dark) });
+    assert_eq!(found[1].interface, Interface { above: dark, below: Below::Medium(air) });
+    assert_eq!(found[2].interface, Interface { above: air, below });
+    // Seen from behind, the films stand in the opposite order.
+    let turned = Mesh {
+        triangles: mesh
+            .triangles
+            .iter()
+            .map(|t| Triangle { vertices: [t.vertices[0], t.vertices[2], t.vertices[1]], ..*t })
+            .collect(),
+        ..mesh
+    };
+    let only: Vec<Triangle> = turned.triangles[..2].to_vec();
+    let turned = planes(&Mesh { triangles: only, ..turned }, period_nm, &interfaces, &scene.media).unwrap();
+    let media: Vec<Below> = turned.iter().map(|plane| plane.interface.below).collect();
+    assert_eq!(media, [Below::Medium(air), Below::Medium(dark), Below::Medium(above)]);
+    assert_ne!(film, dark);
 }
 
 #[test]
