@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::user::User;
 
-const FILES: [&str; 7] = [
+const FILES: [&str; 8] = [
     "figure-3.png",
     "figure-4.png",
     "figure-6-discs.png",
@@ -12,6 +12,7 @@ const FILES: [&str; 7] = [
     "figure-7-film.png",
     "figure-7-three-films.png",
     "index.html",
+    "presets.png",
 ];
 
 /// The values of an attribute of a page.
