@@ -14,7 +14,7 @@ use goniochrome::sampling::{Random, sobol};
 use goniochrome::trace::{Limits, Slot, Spill, follow_paths, trace};
 
 use crate::bumpy::Bumpy;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::estimate::Precision;
 use crate::parallel;
 
@@ -153,7 +153,10 @@ fn run<V: Lanes>(
             progress();
         },
     );
-    Ok((0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect())
+    let found: Vec<Scattered> =
+        (0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect();
+    found.iter().try_for_each(|found| refuse_divergence(bumpy, found))?;
+    Ok(found)
 }
 
 /// Means over starting rays of one batch, one wavelength.
@@ -237,6 +240,18 @@ pub(crate) fn trace_batch<V: Lanes>(
             *sum *= per_ray;
         }
     }
+}
+
+/// Waves in absorbing bodies narrower than a wavelength may meet loops of gain above 1, whose sum by hits has no end.
+pub(crate) fn refuse_divergence(bumpy: &Bumpy<'_>, found: &Scattered) -> Result<()> {
+    let totals = [found.reflected, found.transmitted, found.absorbed, found.truncated];
+    if totals.iter().all(|total| total.value.is_finite()) && found.truncated.value <= 1.0 {
+        return Ok(());
+    }
+    Err(Error::failed(format_args!(
+        "{}: the waves of coherence ray do not converge in this cell; use --coherence none",
+        bumpy.scene().name
+    )))
 }
 
 /// Mean and standard error over batches.

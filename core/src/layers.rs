@@ -275,8 +275,17 @@ impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
         a.zip(b, |a, b| a + b)
     }
 
-    fn scale(&self, field: &Field<V>, by: f64) -> Field<V> {
-        field.map(|a| a.scale(V::splat(by)))
+    fn exit_power(&self, side: &Side, field: &Field<V>) -> V {
+        let power = match side {
+            Side::Above => self.optics.reflectance(*field),
+            Side::Below => self.optics.transmittance(*field),
+        };
+        power.s.max(power.p)
+    }
+
+    fn strengthen(&self, target: Target<State, Side>, field: &Field<V>, by: f64) -> (Target<State, Side>, Field<V>) {
+        let amplitude = V::splat(by).sqrt();
+        (target, field.map(|a| a.scale(amplitude)))
     }
 
     fn power(&self, state: &State, field: &Field<V>) -> V {

@@ -308,9 +308,24 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         field.zip(more, |a, b| a + b.scale(factor))
     }
 
-    fn scale(&self, field: &Field<V>, by: f64) -> Field<V> {
-        let by = ComplexLanes::real(V::splat(by));
-        field.map(|e| e.scale(by))
+    fn exit_power(&self, departure: &Departure<V>, _: &Field<V>) -> V {
+        (departure.power.s + departure.power.p) * V::splat(0.5)
+    }
+
+    fn strengthen(
+        &self,
+        target: Target<State<V>, Departure<V>>,
+        field: &Field<V>,
+        by: f64,
+    ) -> (Target<State<V>, Departure<V>>, Field<V>) {
+        let amplitude = ComplexLanes::real(V::splat(by).sqrt());
+        let target = match target {
+            Target::Exit(departure) => {
+                Target::Exit(Departure { power: departure.power.map(|power| power * V::splat(by)), ..departure })
+            }
+            waiting @ Target::State(_) => waiting,
+        };
+        (target, field.map(|e| e.scale(amplitude)))
     }
 
     fn power(&self, state: &State<V>, field: &Field<V>) -> V {
@@ -321,7 +336,7 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
             (false, Below::Mirror) => return V::zero(),
         };
         let Polarised { s, p } = self.tube_power(field, state.spread, medium);
-        s.max(p)
+        (s + p) * V::splat(0.5)
     }
 
     fn split(&mut self, state: &State<V>, field: &Field<V>) -> Split<State<V>, Departure<V>, Field<V>> {

@@ -28,7 +28,7 @@ pub trait Facets<V: Lanes> {
     /// The complex amplitudes that a ray carries, referred to the facet's anchor.
     type Field: Copy;
     /// How a ray leaves: a side of the stack, or a direction.
-    type Exit;
+    type Exit: Copy;
 
     /// A state waits at most this many slots behind its home; 1 where every state has a home of its own.
     const PROBES: usize;
@@ -41,8 +41,15 @@ pub trait Facets<V: Lanes> {
     fn merge(&self, into: &Self::State, field: Self::Field, from: &Self::State, more: Self::Field) -> Self::Field;
     /// Power of a ray in units of the incident one, per lane; an upper bound where the wave is evanescent.
     fn power(&self, state: &Self::State, field: &Self::Field) -> V;
-    /// The field times a real number.
-    fn scale(&self, field: &Self::Field, by: f64) -> Self::Field;
+    /// Power of a ray that leaves, as [`Facets::power`].
+    fn exit_power(&self, exit: &Self::Exit, field: &Self::Field) -> V;
+    /// A ray, waiting or leaving, `by` times as powerful.
+    fn strengthen(
+        &self,
+        target: Target<Self::State, Self::Exit>,
+        field: &Self::Field,
+        by: f64,
+    ) -> (Target<Self::State, Self::Exit>, Self::Field);
     /// Splits a ray at its facet: the reflected and the refracted ray.
     fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
 }
@@ -181,11 +188,15 @@ pub fn trace<V: Lanes, C: Facets<V>>(
     }
 }
 
+/// Power below which a path that is followed by itself is given up: a millionth of what 1e-3 of it would show.
+const FADED: f64 = 1e-9;
+
 /// Follows every path of `field` by itself, depth first and weaker branch first, so that few rays wait at a time.
 ///
-/// A ray below the power `limits.in_flight` plays roulette: it ends with a probability that keeps the mean, and goes on
-/// stronger otherwise. So the number of paths stays bounded however often they split, and power is right on average.
-/// Rays beyond `limits.generations` hits, or without a slot, are dropped into [`Trace::truncated`].
+/// A ray below the power `limits.in_flight` is no longer split: one of its branches is drawn with a probability in
+/// proportion to its power and goes on with the power of both. So the number of paths stays bounded however often they
+/// meet facets, no power is lost, and each direction gets its share on average. Rays beyond `limits.generations` hits, or
+/// without a slot, are dropped into [`Trace::truncated`].
 pub fn follow_paths<V: Lanes, C: Facets<V>>(
     cell: &mut C,
     start: C::State,
@@ -213,8 +224,13 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
         let Slot { generation, state, field } = slots[waiting];
         trace.visits += 1;
         trace.generations = trace.generations.max(generation);
+        let weak = !cell.power(&state, &field).any_above(limits.in_flight);
+        let mut branches = cell.split(&state, &field);
+        if weak {
+            draw(cell, &mut branches, random);
+        }
         let mut on = [None, None];
-        for (branch, (target, field)) in cell.split(&state, &field).into_iter().flatten().enumerate() {
+        for (branch, (target, field)) in branches.into_iter().flatten().enumerate() {
             let state = match target {
                 Target::Exit(exit) => {
                     sink.exit_alone(exit, field);
@@ -223,19 +239,11 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
                 Target::State(state) => state,
             };
             let power = cell.power(&state, &field);
-            if generation >= limits.generations {
+            if generation >= limits.generations || !power.any_above(FADED) {
                 trace.truncated += power;
-                continue;
-            }
-            let survival = (0..V::WIDTH).map(|lane| power.lane(lane)).fold(0.0, f64::max) / limits.in_flight;
-            let field = if survival >= 1.0 {
-                field
-            } else if random.next() < survival {
-                cell.scale(&field, 1.0 / libm::sqrt(survival))
             } else {
-                continue;
-            };
-            on[branch] = Some((power, Slot { generation: generation + 1, state, field }));
+                on[branch] = Some((power, Slot { generation: generation + 1, state, field }));
+            }
         }
         // The stronger waits below the weaker, which is soon done with.
         if let [Some((first, _)), Some((second, _))] = &on
@@ -250,6 +258,27 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
         }
     }
     trace
+}
+
+/// Leaves one of two branches, with the power of both in the sum over lanes.
+fn draw<V: Lanes, C: Facets<V>>(cell: &C, branches: &mut Split<C::State, C::Exit, C::Field>, random: &mut Random) {
+    let [Some(first), Some(second)] = branches else { return };
+    let power = |(target, field): &(Target<C::State, C::Exit>, C::Field)| {
+        let power = match target {
+            Target::Exit(exit) => cell.exit_power(exit, field),
+            Target::State(state) => cell.power(state, field),
+        };
+        (0..V::WIDTH).map(|lane| power.lane(lane)).sum::<f64>()
+    };
+    let (a, b) = (power(first), power(second));
+    let both = a + b;
+    if random.next() * both < a {
+        let (target, field) = *first;
+        *branches = [Some(cell.strengthen(target, &field, both / a)), None];
+    } else if b > 0.0 {
+        let (target, field) = *second;
+        *branches = [None, Some(cell.strengthen(target, &field, both / b))];
+    }
 }
 
 /// Merges a ray of the coming generation with its equal, or gives it a free slot; false if there is none.
