@@ -199,7 +199,7 @@ pub struct CellSampling {
 /// Arguments of `scatter`.
 #[derive(Debug, Args)]
 pub struct ScatterArgs {
-    /// A scene file with a [cell], or the name of such a preset
+    /// A scene file with a cell of polygons, or the name of such a preset
     pub scene: String,
     /// Angle of incidence in degrees, in [0, 90)
     #[arg(long, default_value_t = 0.0)]
@@ -242,7 +242,7 @@ pub struct ScatterArgs {
 /// Arguments of `orders`.
 #[derive(Debug, Args)]
 pub struct OrdersArgs {
-    /// A scene file with a [cell], or the name of such a preset
+    /// A scene file with a cell of polygons, or the name of such a preset
     pub scene: String,
     /// Angle of incidence in degrees, in [0, 90)
     #[arg(long, default_value_t = 0.0)]

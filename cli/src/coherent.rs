@@ -15,7 +15,7 @@ use crate::bumpy::Bumpy;
 use crate::diffraction::{self, orders};
 use crate::error::Result;
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, Request, STATES, Scattered};
+use crate::scatter::{BATCHES, Estimate, Request, Scattered, states};
 
 /// Waves in flight below this power are dropped.
 const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
@@ -48,7 +48,7 @@ pub fn scatter_bins(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: f64, request: &
     parallel::for_each(
         request.threads,
         batches.iter_mut().zip(0u32..),
-        || vec![free_slot::<F64>(); STATES],
+        || vec![free_slot::<F64>(); states(bumpy)],
         |slots, (Batch { fields, truncated, absorbed }, batch)| {
             let mut polygons = Polygons::new(cell, media, incident, true);
             let mut sink = BinFields::new(fields, request.bins, &media, incident.wavevector());

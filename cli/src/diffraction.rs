@@ -13,7 +13,7 @@ use goniochrome::trace::{Limits, trace};
 use crate::bumpy::Bumpy;
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, STATES};
+use crate::scatter::{BATCHES, Estimate, states};
 
 /// What to compute.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +71,7 @@ pub fn orders(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: &[f64], request: &Req
         let mut eta = vec![ComplexLanes::zero(); media.len()];
         let group = MediaLanes::<F64>::evaluate(&media, wavelengths, &mut eta)
             .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
-        found.extend(group_orders(cell, &group, wi, wavelengths, request)?);
+        found.extend(group_orders(cell, states(bumpy), &group, wi, wavelengths, request)?);
     }
     found.sort_by_key(|order: &Diffracted| order.index);
     Ok(found)
@@ -79,6 +79,7 @@ pub fn orders(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: &[f64], request: &Req
 
 fn group_orders(
     cell: MeshCell<'_>,
+    states: usize,
     media: &MediaLanes<'_, F64>,
     wi: DVec3,
     wavelengths: &[f64],
@@ -110,7 +111,7 @@ fn group_orders(
     parallel::for_each(
         request.threads,
         batches.iter_mut().zip(0u32..),
-        || vec![free_slot::<F64>(); STATES],
+        || vec![free_slot::<F64>(); states],
         |slots, (orders, batch)| {
             let mut polygons = Polygons::new(cell, *media, Incident::new(wi, eta), true);
             let mut sink = Orders::new(orders, wi, eta, media);

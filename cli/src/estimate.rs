@@ -9,6 +9,7 @@ use goniochrome::stack::{Optics, OpticsMemory, Stack};
 use goniochrome::trace::Limits;
 
 use crate::error::{Error, Result};
+use crate::groups::Groups;
 use crate::parallel;
 use crate::planar::Planar;
 use crate::table::MAX_SAMPLES;
@@ -129,14 +130,10 @@ fn run<V: Lanes>(
     let mut buffer = planar.buffer();
     let stack = planar.stack(&mut buffer)?;
     let media = planar.media();
-    let mut etas: Vec<Vec<ComplexLanes<V::Precise>>> =
-        wavelength_nm.chunks(V::WIDTH).map(|_| vec![ComplexLanes::zero(); media.len()]).collect();
-    let mut groups = Vec::with_capacity(etas.len());
-    for (wavelengths, eta) in wavelength_nm.chunks(V::WIDTH).zip(&mut etas) {
-        let group = MediaLanes::<V>::evaluate(&media, wavelengths, eta)
-            .map_err(|(index, error)| planar.medium_error(index, &error))?;
-        refuse_absorbing_ambient(planar, stack, &group)?;
-        groups.push(group);
+    let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
+    let groups = groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| planar.medium_error(index, &error))?;
+    for (group, _) in &groups {
+        refuse_absorbing_ambient(planar, stack, group)?;
     }
 
     let mut samples = vec![Sample::default(); count];
@@ -147,7 +144,7 @@ fn run<V: Lanes>(
         || Worker::<V>::new(stack),
         |worker, (row, theta)| {
             let sin_theta = theta.to_radians().sin();
-            for (out, group) in row.chunks_mut(V::WIDTH).zip(&groups) {
+            for (out, (group, _)) in row.chunks_mut(V::WIDTH).zip(&groups) {
                 worker.fill(out, stack, group, sin_theta, request, limits);
             }
             progress();

@@ -10,6 +10,7 @@ pub mod diffraction;
 pub mod error;
 pub mod estimate;
 pub mod grid;
+pub mod groups;
 pub mod html;
 pub mod output;
 pub mod parallel;

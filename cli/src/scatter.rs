@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
 use goniochrome::coherence::Side;
-use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::complex::Polarised;
 use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
@@ -16,6 +16,7 @@ use goniochrome::trace::{Limits, Slot, Spill, follow_paths, trace};
 use crate::bumpy::Bumpy;
 use crate::error::{Error, Result};
 use crate::estimate::Precision;
+use crate::groups::Groups;
 use crate::parallel;
 
 /// How exits add.
@@ -92,13 +93,18 @@ pub const BATCHES: u32 = 32;
 pub(crate) const MOST_EXITS: usize = 512;
 /// The tracer's default workspace for polygon cells, in states; at most 64 KiB for either precision.
 pub const STATES: usize = 36;
+/// States for a cell: the default, or as many as a planar stack of its interfaces has.
+pub(crate) fn states(bumpy: &Bumpy<'_>) -> usize {
+    STATES.max(2 * bumpy.interface_count() + SPILLED)
+}
+
 /// Of these, how many are for rays that find no room among the waves.
 const SPILLED: usize = 10;
 
 const _: () = assert!(STATES * size_of::<Slot<State<F32>, goniochrome::polygons::Field<F32>>>() <= 64 * 1024);
 const _: () = assert!(STATES * size_of::<Slot<State<F64>, goniochrome::polygons::Field<F64>>>() <= 64 * 1024);
 
-/// Paths below this power play roulette.
+/// Paths below this power are no longer split.
 const PATHS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
 /// Waves in flight below this power are dropped: up to 2√1e-13 = 6e-7 in reflectance for each wave that rings.
 const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
@@ -130,21 +136,15 @@ fn run<V: Lanes>(
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
-    let mut etas: Vec<Vec<ComplexLanes<V::Precise>>> =
-        wavelength_nm.chunks(V::WIDTH).map(|_| vec![ComplexLanes::zero(); media.len()]).collect();
-    let mut groups = Vec::new();
-    for (wavelengths, eta) in wavelength_nm.chunks(V::WIDTH).zip(&mut etas) {
-        let group = MediaLanes::<V>::evaluate(&media, wavelengths, eta)
-            .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
-        groups.push(group);
-    }
+    let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
+    let groups = groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.medium_error(index, &error))?;
     let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
     parallel::for_each(
         request.threads,
         batches.iter_mut().zip(0u32..),
-        || (vec![free_slot::<V>(); STATES], vec![Exit::<V>::none(); MOST_EXITS]),
+        || (vec![free_slot::<V>(); states(bumpy)], vec![Exit::<V>::none(); MOST_EXITS]),
         |(slots, exits), (out, batch)| {
-            for (group, wavelengths) in groups.iter().zip(wavelength_nm.chunks(V::WIDTH)) {
+            for (group, wavelengths) in &groups {
                 let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
                 let rays = 0..(request.rays / BATCHES).max(1);
                 trace_batch(cell, *group, wi, batch, rays, request, slots, exits, &mut tallies);
@@ -220,7 +220,7 @@ pub(crate) fn trace_batch<V: Lanes>(
         exits.begin(state.point_nm());
         let mut random = Random::new(ray, sequence);
         let done = if coherent {
-            let (waves, paths) = slots.split_at_mut(STATES - SPILLED);
+            let (waves, paths) = slots.split_at_mut(slots.len() - SPILLED);
             let spill = Spill { slots: paths, limits: PATHS, random: &mut random };
             trace(&mut polygons, state, field, waves, WAVES, Some(spill), &mut exits)
         } else {

@@ -3,9 +3,7 @@
 use glam::DVec3;
 use goniochrome::bins::Exit;
 use goniochrome::colour::RgbSpace;
-use goniochrome::complex::ComplexLanes;
 use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
 use goniochrome::polygons::{Field, State, free_slot};
 use goniochrome::table::ScatterLayout;
@@ -14,8 +12,9 @@ use goniochrome::trace::Slot;
 use crate::bumpy::Bumpy;
 use crate::error::Result;
 use crate::estimate::Precision;
+use crate::groups::{Group, Groups};
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, MOST_EXITS, Request, STATES, Tally, trace_batch};
+use crate::scatter::{BATCHES, Estimate, MOST_EXITS, Request, Tally, states, trace_batch};
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
 
 /// Starting rays of one incident direction beyond which `target_error` asks for no more.
@@ -73,14 +72,8 @@ fn run<V: Lanes>(
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
-    let mut etas: Vec<Vec<ComplexLanes<V::Precise>>> =
-        wavelength_nm.chunks(V::WIDTH).map(|_| vec![ComplexLanes::zero(); media.len()]).collect();
-    let mut groups = Vec::new();
-    for (wavelengths, eta) in wavelength_nm.chunks(V::WIDTH).zip(&mut etas) {
-        let group = MediaLanes::<V>::evaluate(&media, wavelengths, eta)
-            .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
-        groups.push((group, wavelengths.len()));
-    }
+    let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
+    let groups = groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.medium_error(index, &error))?;
     let layout = request.layout;
     let (bins, pairs) = (layout.bins().count(), layout.count());
     let mut table = ScatterTable {
@@ -96,7 +89,7 @@ fn run<V: Lanes>(
     parallel::for_each(
         request.tracing.threads,
         rows.zip(&mut table.energy).enumerate(),
-        || Worker::<V> { slots: vec![free_slot::<V>(); STATES], exits: vec![Exit::none(); MOST_EXITS] },
+        || Worker::<V> { slots: vec![free_slot::<V>(); states(bumpy)], exits: vec![Exit::none(); MOST_EXITS] },
         |worker, (incident, ((brdf, error), energy))| {
             *energy = worker.direction(cell, &groups, request, incident, brdf, error);
             progress();
@@ -126,7 +119,7 @@ impl<V: Lanes> Worker<V> {
     fn direction(
         &mut self,
         cell: MeshCell<'_>,
-        groups: &[(MediaLanes<'_, V>, usize)],
+        groups: &[Group<'_, V>],
         request: &TableRequest<'_>,
         incident: usize,
         brdf: &mut [f32],
@@ -176,7 +169,7 @@ impl<V: Lanes> Worker<V> {
     fn batch(
         &mut self,
         cell: MeshCell<'_>,
-        groups: &[(MediaLanes<'_, V>, usize)],
+        groups: &[Group<'_, V>],
         request: &TableRequest<'_>,
         tracing: &Request,
         incident: usize,
@@ -196,8 +189,8 @@ impl<V: Lanes> Worker<V> {
         let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
         let count = f64::from(rays.end - rays.start);
         let mut wavelength = 0;
-        for (group, width) in groups {
-            let mut tallies = vec![Tally::new(bins); *width];
+        for (group, wavelengths) in groups {
+            let mut tallies = vec![Tally::new(bins); wavelengths.len()];
             let Self { slots, exits } = self;
             trace_batch(cell, *group, wi, batch as u32, rays.clone(), tracing, slots, exits, &mut tallies);
             for tally in tallies {

@@ -42,9 +42,6 @@ fn planes_reflect_as_the_independent_transfer_matrix_says() {
         let name = case["name"].as_str().expect("a name");
         let n: Vec<Vec<f64>> = case["n"].as_array().expect("indices").iter().map(list).collect();
         let thickness = list(&case["thickness_nm"]);
-        if thickness.len() > 6 {
-            continue; // hit by hit, twenty layers ring for thousands of hits
-        }
         let names: Vec<String> = (0..=thickness.len()).map(|i| format!("p{i}")).collect();
         let mut depth = 0.0;
         let sheets: Vec<(&str, f64)> = names
@@ -64,9 +61,6 @@ fn planes_reflect_as_the_independent_transfer_matrix_says() {
         let wavelengths = list(&case["wavelength_nm"]);
         let mut worst: f64 = 0.0;
         for (row, theta) in list(&case["theta_deg"]).into_iter().enumerate() {
-            if theta > 75.0 {
-                continue; // resonances of 7000 hits
-            }
             // All starting rays are alike: one for each batch.
             let found = traced(&scene, theta, 37.0, &wavelengths, 32, Precision::F32);
             for (column, found) in found.iter().enumerate() {
