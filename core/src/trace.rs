@@ -124,7 +124,7 @@ pub struct Spill<'s, S, F> {
     pub slots: &'s mut [Slot<S, F>],
     /// Its limits.
     pub limits: Limits,
-    /// Its roulette.
+    /// Draws among branches.
     pub random: &'s mut Random,
 }
 
@@ -188,7 +188,7 @@ pub fn trace<V: Lanes, C: Facets<V>>(
     }
 }
 
-/// Power below which a path that is followed by itself is given up: a millionth of what 1e-3 of it would show.
+/// Power below which a path that is followed by itself is given up. Drawing keeps power whole, so only absorption leads here.
 const FADED: f64 = 1e-9;
 
 /// Follows every path of `field` by itself, depth first and weaker branch first, so that few rays wait at a time.
