@@ -281,13 +281,21 @@ impl<'m, V: Lanes> Optics<'m, V> {
     ) -> Self {
         let tangential = media.eta()[usize::from(stack.ambient())].re * V::Precise::splat(sin_theta);
         let tangential_squared = ComplexLanes::real(tangential * tangential);
+        // Only the media of this stack; waves in others are never read.
         let waves = &mut memory.waves[..stack.media()];
-        for (wave, &eta) in waves.iter_mut().zip(media.eta()) {
-            *wave = Wave::new(eta, tangential_squared);
+        let mut half_space = |medium: MediumIndex| {
+            waves[usize::from(medium)] = Wave::new(media.eta()[usize::from(medium)], tangential_squared);
+        };
+        half_space(stack.ambient());
+        if let Below::Medium(substrate) = stack.substrate() {
+            half_space(substrate);
         }
-        for film in stack.films {
-            let medium = usize::from(film.medium);
-            waves[medium] = Wave::in_film(media.eta()[medium], tangential_squared);
+        for (place, film) in stack.films.iter().enumerate() {
+            // Films of one medium that differ in thickness share its wave; a look at the last few finds most.
+            if !stack.films[place.saturating_sub(4)..place].iter().any(|earlier| earlier.medium == film.medium) {
+                let medium = usize::from(film.medium);
+                waves[medium] = Wave::in_film(media.eta()[medium], tangential_squared);
+            }
         }
         let reflections = &mut memory.reflections[..stack.interfaces.len()];
         for (r, interface) in reflections.iter_mut().zip(stack.interfaces) {
