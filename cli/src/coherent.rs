@@ -8,17 +8,14 @@ use goniochrome::lanes::{F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::polygons::{Field, Incident, Polygons, free_slot};
 use goniochrome::sampling::sobol;
-use goniochrome::trace::{Limits, trace};
+use goniochrome::trace::trace;
 use goniochrome::vector::VectorLanes;
 
 use crate::bumpy::Bumpy;
 use crate::diffraction::{self, orders};
 use crate::error::Result;
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, Request, Scattered, states};
-
-/// Waves in flight below this power are dropped.
-const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
+use crate::scatter::{BATCHES, Estimate, Request, Scattered, WAVES, refuse_divergence, states};
 
 /// Sums over the starting rays of one batch.
 #[derive(Clone)]
@@ -87,7 +84,9 @@ pub fn scatter_bins(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: f64, request: &
     let transmitted = total((half..2 * half).map(bin));
     let (truncated, absorbed) = (mean(|batch| batch.truncated), mean(|batch| batch.absorbed));
     let imbalance = rest(reflected, transmitted, absorbed, truncated);
-    Ok(Scattered { reflected, transmitted, absorbed, truncated, imbalance, bins })
+    let found = Scattered { reflected, transmitted, absorbed, truncated, imbalance, bins };
+    refuse_divergence(bumpy, &found)?;
+    Ok(found)
 }
 
 /// Light from `wi` at one wavelength, with coherence `cell`: reflected orders, each in the bin of its direction. Transmitted

@@ -107,7 +107,7 @@ const _: () = assert!(STATES * size_of::<Slot<State<F64>, goniochrome::polygons:
 /// Paths below this power are no longer split.
 const PATHS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
 /// Waves in flight below this power are dropped: up to 2√1e-13 = 6e-7 in reflectance for each wave that rings.
-const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
+pub(crate) const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 
 /// Light from the unit direction `wi`, at each wavelength. `progress` is told of each of the batches.
 ///
@@ -249,7 +249,7 @@ pub(crate) fn refuse_divergence(bumpy: &Bumpy<'_>, found: &Scattered) -> Result<
         return Ok(());
     }
     Err(Error::failed(format_args!(
-        "{}: the waves of coherence ray do not converge in this cell; use --coherence none",
+        "{}: interfering waves do not converge in this cell; use --coherence none",
         bumpy.scene().name
     )))
 }
