@@ -84,7 +84,8 @@ pub fn scatter_bins(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: f64, request: &
     let transmitted = total((half..2 * half).map(bin));
     let (truncated, absorbed) = (mean(|batch| batch.truncated), mean(|batch| batch.absorbed));
     let imbalance = rest(reflected, transmitted, absorbed, truncated);
-    let found = Scattered { reflected, transmitted, absorbed, truncated, imbalance, bins };
+    let without_interference = Estimate::default();
+    let found = Scattered { reflected, transmitted, absorbed, truncated, imbalance, without_interference, bins };
     refuse_divergence(bumpy, &found)?;
     Ok(found)
 }
@@ -114,7 +115,15 @@ pub fn scatter_orders(
     let reflected = total(bins.iter().copied());
     let none = Estimate::default();
     let imbalance = rest(reflected, none, none, none);
-    Ok(Scattered { reflected, transmitted: none, absorbed: none, truncated: none, imbalance, bins })
+    Ok(Scattered {
+        reflected,
+        transmitted: none,
+        absorbed: none,
+        truncated: none,
+        imbalance,
+        without_interference: none,
+        bins,
+    })
 }
 
 /// The sum of independent estimates.

@@ -9,9 +9,9 @@ use goniochrome::complex::Polarised;
 use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
-use goniochrome::polygons::{Incident, Polygons, State, free_slot};
+use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
 use goniochrome::sampling::{Random, sobol};
-use goniochrome::trace::{Limits, Slot, Spill, follow_paths, trace};
+use goniochrome::trace::{Facets, Limits, Slot, Spill, follow_paths, trace};
 
 use crate::bumpy::Bumpy;
 use crate::error::{Error, Result};
@@ -83,6 +83,9 @@ pub struct Scattered {
     pub truncated: Estimate,
     /// 1 less all of these: rounding for coherence `none`; where paths interfere, power balances only on average.
     pub imbalance: Estimate,
+    /// Share of starting rays whose interfering waves have no sum, and which were followed without interference: waves in
+    /// absorbing bodies narrower than a wavelength may meet loops of gain above 1.
+    pub without_interference: Estimate,
     /// Through the top, in each bin.
     pub bins: Vec<Estimate>,
 }
@@ -90,19 +93,39 @@ pub struct Scattered {
 /// Independent scramblings over which the standard error is taken.
 pub const BATCHES: u32 = 32;
 /// Exits that one starting ray may have.
-pub(crate) const MOST_EXITS: usize = 512;
+const MOST_EXITS: usize = 512;
 /// The tracer's default workspace for polygon cells, in states; at most 64 KiB for either precision.
 pub const STATES: usize = 36;
-/// States for a cell: the default, or as many as a planar stack of its interfaces has.
+/// States for a cell: the default, or as many as its waves and the rays that spill from them need.
 pub(crate) fn states(bumpy: &Bumpy<'_>) -> usize {
-    STATES.max(2 * bumpy.interface_count() + SPILLED)
+    STATES.max(waves(bumpy) + SPILLED)
 }
 
-/// Of these, how many are for rays that find no room among the waves.
+/// States in which waves wait for their equals: as many as a planar stack of the cell's interfaces has, and two pairs for
+/// waves that a ray sends beyond an edge. Light that has more is scattered by curved facets and meets no equals: 4 to
+/// 26 pairs give the bumpy presets the same spectra.
+fn waves(bumpy: &Bumpy<'_>) -> usize {
+    2 * bumpy.interface_count() + 4
+}
+
+/// States for rays that find no room among the waves.
 const SPILLED: usize = 10;
 
-const _: () = assert!(STATES * size_of::<Slot<State<F32>, goniochrome::polygons::Field<F32>>>() <= 64 * 1024);
-const _: () = assert!(STATES * size_of::<Slot<State<F64>, goniochrome::polygons::Field<F64>>>() <= 64 * 1024);
+/// A thread's memory for the tracer.
+pub(crate) struct Workspace<V: Lanes> {
+    slots: Vec<Slot<State<V>, Field<V>>>,
+    waves: usize,
+    exits: Vec<Exit<V>>,
+}
+
+impl<V: Lanes> Workspace<V> {
+    pub(crate) fn new(bumpy: &Bumpy<'_>) -> Self {
+        Self { slots: vec![free_slot(); states(bumpy)], waves: waves(bumpy), exits: vec![Exit::none(); MOST_EXITS] }
+    }
+}
+
+const _: () = assert!(STATES * size_of::<Slot<State<F32>, Field<F32>>>() <= 64 * 1024);
+const _: () = assert!(STATES * size_of::<Slot<State<F64>, Field<F64>>>() <= 64 * 1024);
 
 /// Paths below this power are no longer split.
 const PATHS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
@@ -142,12 +165,12 @@ fn run<V: Lanes>(
     parallel::for_each(
         request.threads,
         batches.iter_mut().zip(0u32..),
-        || (vec![free_slot::<V>(); states(bumpy)], vec![Exit::<V>::none(); MOST_EXITS]),
-        |(slots, exits), (out, batch)| {
+        || Workspace::<V>::new(bumpy),
+        |workspace, (out, batch)| {
             for (group, wavelengths) in &groups {
                 let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
                 let rays = 0..(request.rays / BATCHES).max(1);
-                trace_batch(cell, *group, wi, batch, rays, request, slots, exits, &mut tallies);
+                trace_batch(cell, *group, wi, batch, rays, request, workspace, &mut tallies);
                 out.extend(tallies);
             }
             progress();
@@ -166,6 +189,7 @@ pub(crate) struct Tally {
     pub transmitted: f64,
     pub absorbed: f64,
     pub truncated: f64,
+    pub without_interference: f64,
     pub bins: Vec<f64>,
 }
 
@@ -200,8 +224,7 @@ pub(crate) fn trace_batch<V: Lanes>(
     batch: u32,
     rays: Range<u32>,
     request: &Request,
-    slots: &mut [Slot<State<V>, goniochrome::polygons::Field<V>>],
-    exits: &mut [Exit<V>],
+    Workspace { slots, waves, exits }: &mut Workspace<V>,
     tallies: &mut [Tally],
 ) {
     let eta = media.eta()[usize::from(cell.above())];
@@ -211,6 +234,7 @@ pub(crate) fn trace_batch<V: Lanes>(
     let per_ray = 1.0 / rays.len() as f64;
     let sequence = request.seed.wrapping_mul(BATCHES).wrapping_add(batch);
     let mut truncated = V::zero();
+    let mut without_interference = 0;
     for ray in rays {
         let [u, v] = sobol(ray, sequence);
         let Some((state, field)) = polygons.start(u, v) else {
@@ -219,12 +243,26 @@ pub(crate) fn trace_batch<V: Lanes>(
         };
         exits.begin(state.point_nm());
         let mut random = Random::new(ray, sequence);
-        let done = if coherent {
-            let (waves, paths) = slots.split_at_mut(slots.len() - SPILLED);
+        let before = polygons;
+        let waves_done = coherent.then(|| {
+            let (waves, paths) = slots.split_at_mut(*waves);
             let spill = Spill::new(paths, PATHS, &mut random);
             trace(&mut polygons, state, field, waves, WAVES, Some(spill), &mut exits)
-        } else {
-            follow_paths(&mut polygons, state, field, slots, PATHS, &mut random, &mut exits)
+        });
+        let done = match waves_done {
+            Some(done) if !done.truncated.any_above(1.0) => done,
+            diverged => {
+                if diverged.is_some() {
+                    // The waves of this starting ray have no sum: it is followed again without their interference.
+                    polygons = before;
+                    exits.begin(state.point_nm());
+                    without_interference += 1;
+                }
+                polygons.apart(true);
+                let done = follow_paths(&mut polygons, state, field, slots, PATHS, &mut random, &mut exits);
+                polygons.apart(!coherent);
+                done
+            }
         };
         truncated += done.truncated + exits.settle(&mut Tallies(tallies));
     }
@@ -232,6 +270,7 @@ pub(crate) fn trace_batch<V: Lanes>(
     let Polarised { s, p } = polygons.absorbed();
     for (lane, tally) in tallies.iter_mut().enumerate() {
         tally.truncated = truncated.lane(lane);
+        tally.without_interference = f64::from(without_interference) * per_ray;
         tally.absorbed = 0.5 * (s.lane(lane) + p.lane(lane));
         for sum in [&mut tally.reflected, &mut tally.transmitted, &mut tally.absorbed, &mut tally.truncated]
             .into_iter()
@@ -268,6 +307,7 @@ fn summarise<'t>(batches: impl Iterator<Item = &'t Tally> + Clone) -> Scattered 
         transmitted: over(&|tally| tally.transmitted),
         absorbed: over(&|tally| tally.absorbed),
         truncated: over(&|tally| tally.truncated),
+        without_interference: over(&|tally| tally.without_interference),
         imbalance: over(&|t| 1.0 - t.reflected - t.transmitted - t.absorbed - t.truncated),
         bins: (0..bins).map(|bin| over(&|tally| tally.bins[bin])).collect(),
     }

@@ -1,20 +1,17 @@
 //! BRDFs of cells of tilted facets: every incident direction traced, its light counted in bins.
 
 use glam::DVec3;
-use goniochrome::bins::Exit;
 use goniochrome::colour::RgbSpace;
 use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::mesh::MeshCell;
-use goniochrome::polygons::{Field, State, free_slot};
 use goniochrome::table::ScatterLayout;
-use goniochrome::trace::Slot;
 
 use crate::bumpy::Bumpy;
 use crate::error::Result;
 use crate::estimate::Precision;
 use crate::groups::{Group, Groups};
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, MOST_EXITS, Request, Tally, states, trace_batch};
+use crate::scatter::{BATCHES, Estimate, Request, Tally, Workspace, trace_batch};
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
 
 /// Starting rays of one incident direction beyond which `target_error` asks for no more.
@@ -89,7 +86,7 @@ fn run<V: Lanes>(
     parallel::for_each(
         request.tracing.threads,
         rows.zip(&mut table.energy).enumerate(),
-        || Worker::<V> { slots: vec![free_slot::<V>(); states(bumpy)], exits: vec![Exit::none(); MOST_EXITS] },
+        || Worker(Workspace::<V>::new(bumpy)),
         |worker, (incident, ((brdf, error), energy))| {
             *energy = worker.direction(cell, &groups, request, incident, brdf, error);
             progress();
@@ -98,11 +95,8 @@ fn run<V: Lanes>(
     Ok(table)
 }
 
-/// A thread's memory for the tracer.
-struct Worker<V: Lanes> {
-    slots: Vec<Slot<State<V>, Field<V>>>,
-    exits: Vec<Exit<V>>,
-}
+/// A thread, with its memory for the tracer.
+struct Worker<V: Lanes>(Workspace<V>);
 
 /// What one batch has found so far, weighted by luminance.
 #[derive(Clone, Default)]
@@ -191,8 +185,7 @@ impl<V: Lanes> Worker<V> {
         let mut wavelength = 0;
         for (group, wavelengths) in groups {
             let mut tallies = vec![Tally::new(bins); wavelengths.len()];
-            let Self { slots, exits } = self;
-            trace_batch(cell, *group, wi, batch as u32, rays.clone(), tracing, slots, exits, &mut tallies);
+            trace_batch(cell, *group, wi, batch as u32, rays.clone(), tracing, &mut self.0, &mut tallies);
             for tally in tallies {
                 let weight = request.weights[wavelength][1] * count;
                 luminance.reflected += weight * tally.reflected;

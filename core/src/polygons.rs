@@ -339,6 +339,10 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         (s + p) * V::splat(0.5)
     }
 
+    fn apart(&mut self, apart: bool) {
+        self.merging = !apart;
+    }
+
     fn split(&mut self, state: &State<V>, field: &Field<V>) -> Split<State<V>, Departure<V>, Field<V>> {
         let facet = self.cell.facet(state.facet);
         let interface = self.cell.interface(state.facet);
@@ -432,6 +436,10 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
 /// absorbing medium waves travel.
 #[inline]
 fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, hero: usize) -> bool {
+    // Most waves travel without loss; single lanes are slow to look at.
+    if !(wavevector.x.im.abs() + wavevector.y.im.abs() + wavevector.z.im.abs()).any_above(0.0) {
+        return false;
+    }
     let (re, im) = (
         wavevector.direction(hero),
         DVec3::new(wavevector.x.im.lane(hero), wavevector.y.im.lane(hero), wavevector.z.im.lane(hero)),

@@ -50,6 +50,9 @@ pub trait Facets<V: Lanes> {
         field: &Self::Field,
         by: f64,
     ) -> (Target<Self::State, Self::Exit>, Self::Field);
+    /// From here on rays are followed one by one (`true`), or as waves that interfere: where a cell's fields keep power only
+    /// together, it keeps that of each ray then.
+    fn apart(&mut self, _: bool) {}
     /// Splits a ray at its facet: the reflected and the refracted ray.
     fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
 }
@@ -106,6 +109,10 @@ impl Limits {
 /// 10⁶ leave no digit of single precision and ten of double.
 const DIVERGED: f64 = 1e12;
 
+/// The same where rays spill: what spills is followed to its end, so it must be power that a passive cell can hold. Merging on
+/// curved facets may double the power in flight for a moment.
+const AMPLIFIED: f64 = 4.0;
+
 /// What a trace cost and what it left undone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<V> {
@@ -117,13 +124,9 @@ pub struct Trace<V> {
     pub generations: u32,
 }
 
-/// Power of a spilled ray below which only some are followed. A thousandth of a starting ray is noise far below what
-/// starting rays differ by, and trapped light, which spills thousands of weaker rays, costs a hundredth.
-const SPILLED: f64 = 1e-3;
-
-/// Where rays go for which [`trace`] has no slot: they are followed by themselves. Weak ones are sampled systematically, one
-/// for each [`SPILLED`] of their power, from a random start: each counts as often as its power says, and all of it is kept but for
-/// one sample's.
+/// Where rays go for which [`trace`] has no slot: they are followed by themselves. Those weaker than `limits.in_flight` are sampled
+/// systematically, one for each `limits.in_flight` of their power, from a random start: each counts as often as its power says, and
+/// all power is kept but for one sample's.
 #[derive(Debug)]
 pub struct Spill<'s, S, F> {
     slots: &'s mut [Slot<S, F>],
@@ -138,27 +141,28 @@ pub struct Spill<'s, S, F> {
 impl<'s, S, F> Spill<'s, S, F> {
     /// Memory and limits for [`follow_paths`], and what draws among branches.
     pub fn new(slots: &'s mut [Slot<S, F>], limits: Limits, random: &'s mut Random) -> Self {
-        let waiting = random.next() * SPILLED;
+        let waiting = random.next() * limits.in_flight;
         Self { slots, limits, random, waiting, crowded: false }
     }
 
     /// By how much to strengthen a ray of this power, if it is to be followed.
     fn sample(&mut self, power: f64) -> Option<f64> {
-        if power >= SPILLED {
+        let each = self.limits.in_flight;
+        if power >= each {
             return Some(1.0);
         }
         self.waiting += power;
-        if self.waiting < SPILLED {
+        if self.waiting < each {
             return None;
         }
-        self.waiting -= SPILLED;
-        Some(SPILLED / power)
+        self.waiting -= each;
+        Some(each / power)
     }
 }
 
 /// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Rays for which it has no room lose their
 /// interference and go on by themselves through `spill`; without that they are dropped into [`Trace::truncated`]. From the first
-/// such ray on, weak ones ([`SPILLED`]) are sampled there too: where waves outnumber the workspace they hardly ever meet their equals
+/// such ray on, weak ones are sampled there too: where waves outnumber the workspace they hardly ever meet their equals
 /// again, as light trapped in a curved film does not, and following each as a wave costs a hundred times as much.
 pub fn trace<V: Lanes, C: Facets<V>>(
     cell: &mut C,
@@ -192,7 +196,7 @@ pub fn trace<V: Lanes, C: Facets<V>>(
                     Target::State(state) => {
                         let power = cell.power(&state, &field);
                         let mean = sum_of_lanes(power) / V::WIDTH as f64;
-                        let keep = !spill.as_ref().is_some_and(|spill| spill.crowded && mean < SPILLED);
+                        let keep = !spill.as_ref().is_some_and(|spill| spill.crowded && mean < spill.limits.in_flight);
                         if keep && offer(cell, slots, generation + 1, state, field) {
                             continue;
                         }
@@ -204,7 +208,9 @@ pub fn trace<V: Lanes, C: Facets<V>>(
                         if let Some(by) = spill.sample(mean) {
                             let (_, field) = cell.strengthen(Target::State(state), &field, by);
                             let Spill { slots, limits, random, .. } = spill;
+                            cell.apart(true);
                             let alone = follow_paths(cell, state, field, slots, *limits, random, sink);
+                            cell.apart(false);
                             visits += alone.visits;
                             dropped += alone.truncated;
                         }
@@ -217,7 +223,8 @@ pub fn trace<V: Lanes, C: Facets<V>>(
             .iter()
             .filter(|slot| slot.generation == next)
             .fold(V::zero(), |sum, slot| sum + cell.power(&slot.state, &slot.field));
-        let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(DIVERGED);
+        let most = if spill.is_some() { AMPLIFIED } else { DIVERGED };
+        let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(most);
         if done || generation >= limits.generations {
             return Trace { truncated: in_flight + dropped, visits, generations: generation };
         }

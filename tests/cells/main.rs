@@ -4,4 +4,5 @@ mod coherences;
 mod general_path;
 mod geometric;
 mod gratings;
+mod reciprocity;
 mod scene;

@@ -103,6 +103,7 @@ fn report(args: &ScatterArgs, request: &Request, found: &Scattered) -> Value {
         "absorbed": estimate(found.absorbed),
         "truncated": estimate(found.truncated),
         "imbalance": estimate(found.imbalance),
+        "without_interference": estimate(found.without_interference),
         "bins": bins,
     })
 }
