@@ -8,6 +8,7 @@ mod lobes;
 mod orders;
 mod plot;
 mod presets;
+mod render;
 mod sampling;
 mod scatter;
 mod spectrum;
@@ -41,6 +42,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),
+        Command::Render(args) => render::run(args),
         Command::Figures(args) => figures::run(args),
     }
 }
