@@ -12,6 +12,7 @@ mod render;
 mod sampling;
 mod scatter;
 mod spectrum;
+mod teapots;
 
 use std::path::Path;
 
