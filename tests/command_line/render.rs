@@ -283,6 +283,7 @@ fn what_cannot_be_rendered_is_refused() {
     user.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     user.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     user.write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    user.write("back.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/-9/-9 2/1/1 3/1/1\n");
     user.write("word.obj", "v 0 0 0\nv 1 0 x\n");
     for (options, code, says) in [
         ("-o a.jpg", 2, ".exr or .png"),
@@ -308,6 +309,7 @@ fn what_cannot_be_rendered_is_refused() {
         ("-o a.png --mesh line.obj", 1, "line.obj: no triangle of the mesh has an area"),
         ("-o a.png --mesh nan.obj", 1, "nan.obj: a vertex has a coordinate that is not finite"),
         ("-o a.png --mesh far.obj", 1, "far.obj: face vertex index out of bounds"),
+        ("-o a.png --mesh back.obj", 1, "back.obj: face texcoord index out of bounds"),
         ("-o a.png --mesh word.obj", 1, "at or before line 2"),
     ] {
         user.refused(&format!("render white.exr {options}"), code, &[says]);
