@@ -17,6 +17,7 @@ pub mod parallel;
 pub mod picture;
 pub mod planar;
 pub mod progress;
+pub mod render;
 pub mod sampling;
 pub mod scatter;
 pub mod scatter_estimate;

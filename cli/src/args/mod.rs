@@ -1,5 +1,7 @@
 //! The command line.
 
+mod render;
+
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::OnceLock;
@@ -13,6 +15,8 @@ use crate::estimate::{Method, Precision, Request};
 use crate::grid::{Angles, Wavelengths};
 use crate::parallel;
 use crate::scatter::Coherence;
+
+pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
 
 /// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
 #[derive(Debug, Parser)]
@@ -53,6 +57,8 @@ pub enum Command {
     Sampling(SamplingArgs),
     /// A picture of a table: BRDF disc, spectra, map
     Plot(PlotArgs),
+    /// A lit body with the table as its surface: teapot, sphere, plane or any OBJ
+    Render(Box<RenderArgs>),
     /// Every figure of the paper, with a page that explains them
     Figures(FiguresArgs),
 }

@@ -8,9 +8,11 @@ mod lobes;
 mod orders;
 mod plot;
 mod presets;
+mod render;
 mod sampling;
 mod scatter;
 mod spectrum;
+mod teapots;
 
 use std::path::Path;
 
@@ -41,6 +43,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),
+        Command::Render(args) => render::run(args),
         Command::Figures(args) => figures::run(args),
     }
 }

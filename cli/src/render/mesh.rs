@@ -1,0 +1,254 @@
+//! Meshes to show a surface on: triangles with a frame (t, n, b) at each vertex, the paper's section 3.3. z is up.
+//!
+//! Nothing here reads or writes files. Lengths have no unit: the camera fits itself to the mesh.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+pub use super::obj::Repairs;
+use super::{obj, teapot};
+use crate::error::Result;
+
+/// Segments along each edge of a patch: at 1024 pixels, no silhouette is off by a tenth of a pixel.
+pub const DEFAULT_LEVEL: u32 = 32;
+
+/// Triangles with a frame at each vertex.
+///
+/// Vertices at one place have bitwise equal positions even where their normals differ, so neighbouring triangles leave no
+/// gap. Front sides are counter-clockwise; normals point to them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Of each vertex.
+    pub positions: Vec<DVec3>,
+    /// n of each vertex, of unit length.
+    pub normals: Vec<DVec3>,
+    /// t of each vertex, of unit length and at right angles to n; b = n × t.
+    pub tangents: Vec<DVec3>,
+    /// Indices of vertices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Newell's teapot, each of its 32 patches cut into `level` × `level` quads; t along the first parameter of the patch,
+    /// which runs around the pot.
+    ///
+    /// Normals and tangents are those of the patches themselves, at their poles the limits.
+    #[must_use]
+    pub fn teapot(level: u32) -> Self {
+        teapot::tessellate(level)
+    }
+
+    /// The unit sphere, `4 level` segments around and `2 level` from pole to pole; t points eastwards.
+    #[must_use]
+    pub fn sphere(level: u32) -> Self {
+        let (around, down) = (4 * level, 2 * level);
+        let mut mesh = Self::default();
+        for row in 0..=down {
+            let (sin, cos) = (PI * f64::from(row) / f64::from(down)).sin_cos();
+            let sin = if row == down { 0.0 } else { sin };
+            for column in 0..=around {
+                // The last column lies exactly on the first.
+                let phi = TAU * f64::from(column % around) / f64::from(around);
+                let normal = DVec3::new(sin * phi.cos(), sin * phi.sin(), cos).normalize();
+                mesh.push(normal, normal, DVec3::new(-phi.sin(), phi.cos(), 0.0));
+            }
+        }
+        mesh.grid(0, around, down, false);
+        mesh
+    }
+
+    /// The square from −1 to 1 in x and y, facing up; t along x.
+    #[must_use]
+    pub fn plane() -> Self {
+        let mut mesh = Self::default();
+        for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+            mesh.push(DVec3::new(x, y, 0.0), DVec3::Z, DVec3::X);
+        }
+        mesh.grid(0, 1, 1, true);
+        mesh
+    }
+
+    /// The mesh in the text of an OBJ file that messages call `label`, and what had to be mended in it.
+    ///
+    /// t follows the first texture coordinate where there is one, and is horizontal elsewhere.
+    ///
+    /// # Errors
+    /// One line that names the file, and the line in it where that is known.
+    pub fn from_obj(label: &str, text: &str) -> Result<(Self, Repairs)> {
+        obj::read(label, text)
+    }
+
+    /// Adds a vertex.
+    pub(super) fn push(&mut self, position: DVec3, normal: DVec3, tangent: DVec3) {
+        self.positions.push(position);
+        self.normals.push(normal);
+        self.tangents.push(tangent_across(normal, tangent));
+    }
+
+    /// Two triangles for each quad of a grid of vertices, row by row from `first`, leaving out those without area.
+    ///
+    /// `counter_clockwise`: a step along a row, then one along a column, turns left seen from the front.
+    pub(super) fn grid(&mut self, first: u32, columns: u32, rows: u32, counter_clockwise: bool) {
+        for row in 0..rows {
+            for column in 0..columns {
+                let a = first + row * (columns + 1) + column;
+                let (b, c, d) = (a + 1, a + columns + 1, a + columns + 2);
+                for [i, j, k] in [[a, b, d], [a, d, c]] {
+                    let corners = if counter_clockwise { [i, j, k] } else { [i, k, j] };
+                    let [p, q, r] = corners.map(|corner| self.positions[corner as usize]);
+                    if p != q && q != r && r != p {
+                        self.triangles.push(corners);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The middle of the box around the mesh, and the distance from there to the farthest vertex.
+    #[must_use]
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
+        let least = self.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let most = self.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = 0.5 * (least + most);
+        (centre, self.positions.iter().map(|p| p.distance(centre)).fold(0.0, f64::max))
+    }
+
+    /// The frame at a point of a triangle: normal and tangent interpolated linearly between its vertices.
+    #[must_use]
+    pub fn frame(&self, triangle: u32, point: DVec3) -> Frame {
+        let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
+        let [a, b, c] = corners.map(|corner| self.positions[corner]);
+        let across = (b - a).cross(c - a);
+        // Shares of the vertices: the areas opposite to them.
+        let share = |p: DVec3, q: DVec3| ((p - point).cross(q - point).dot(across) / across.length_squared()).max(0.0);
+        let shares = [share(b, c), share(c, a), share(a, b)];
+        let mean = |of: &[DVec3]| corners.iter().zip(shares).map(|(&corner, w)| w * of[corner]).sum::<DVec3>();
+        let face = across.normalize();
+        // Normals of three corners may cancel on a badly modelled mesh.
+        let normal = mean(&self.normals).try_normalize().unwrap_or(face);
+        Frame { tangent: tangent_across(normal, mean(&self.tangents)), normal, face }
+    }
+}
+
+/// The directions of a surface at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// t.
+    pub tangent: DVec3,
+    /// n of the smooth surface.
+    pub normal: DVec3,
+    /// The normal of the flat triangle.
+    pub face: DVec3,
+}
+
+impl Frame {
+    /// The frame that a viewer in the direction `wo` sees: both sides of a surface carry the same structure, so behind it n and
+    /// b turn over; and n stays at least at right angles to `wo`, which interpolated normals at a silhouette miss by a little.
+    #[must_use]
+    pub fn facing(self, wo: DVec3) -> Self {
+        let side = if wo.dot(self.face) < 0.0 { -1.0 } else { 1.0 };
+        let (face, mut normal) = (side * self.face, side * self.normal);
+        let cos = normal.dot(wo);
+        if cos < 0.0 {
+            normal = (normal - cos * wo).try_normalize().unwrap_or(face);
+        }
+        Self { tangent: tangent_across(normal, self.tangent), normal, face }
+    }
+
+    /// b = n × t.
+    #[must_use]
+    pub fn binormal(&self) -> DVec3 {
+        self.normal.cross(self.tangent)
+    }
+
+    /// A direction of the world in the surface frame: x along t, y along b, z along n.
+    #[must_use]
+    pub fn to_local(&self, world: DVec3) -> DVec3 {
+        DVec3::new(world.dot(self.tangent), world.dot(self.binormal()), world.dot(self.normal))
+    }
+
+    /// A direction of the surface frame in the world.
+    #[must_use]
+    pub fn to_world(&self, local: DVec3) -> DVec3 {
+        local.x * self.tangent + local.y * self.binormal() + local.z * self.normal
+    }
+}
+
+/// The part of `wanted` at right angles to the normal, of unit length; the horizontal where nothing is left of it.
+#[must_use]
+pub fn tangent_across(normal: DVec3, wanted: DVec3) -> DVec3 {
+    let across = |v: DVec3| (v - v.dot(normal) * normal).try_normalize();
+    across(wanted)
+        .or_else(|| across(DVec3::Z.cross(normal)))
+        .or_else(|| across(DVec3::X))
+        .unwrap_or_else(|| normal.any_orthonormal_vector())
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// Vertices have unit frames at right angles, and every normal lies on the front side of its triangles.
+    pub(in super::super) fn check(mesh: &Mesh) {
+        for (normal, tangent) in mesh.normals.iter().zip(&mesh.tangents) {
+            assert!((normal.length() - 1.0).abs() < 1e-12 && (tangent.length() - 1.0).abs() < 1e-12);
+            assert!(normal.dot(*tangent).abs() < 1e-12);
+        }
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize]);
+            let across = (b - a).cross(c - a);
+            assert!(across.length() > 0.0, "{triangle:?}");
+            for corner in triangle {
+                assert!(across.dot(mesh.normals[*corner as usize]) > 0.0, "{triangle:?} at {a}");
+            }
+        }
+    }
+
+    /// Edges, by the bits of their ends, that are not met once in each direction.
+    pub(in super::super) fn open_edges(mesh: &Mesh) -> usize {
+        let mut edges = std::collections::HashMap::new();
+        let bits = |corner: u32| mesh.positions[corner as usize].to_array().map(|x| (x + 0.0).to_bits());
+        for [a, b, c] in &mesh.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((bits(*from), bits(*to))).or_insert(0i32) += 1;
+                *edges.entry((bits(*to), bits(*from))).or_insert(0i32) -= 1;
+            }
+        }
+        edges.values().filter(|&&balance| balance != 0).count() / 2
+    }
+
+    #[test]
+    fn the_sphere_is_closed_and_round() {
+        let sphere = Mesh::sphere(8);
+        check(&sphere);
+        assert_eq!(open_edges(&sphere), 0);
+        let (centre, radius) = sphere.bounding_sphere();
+        assert!(centre.length() < 1e-12 && (radius - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_plane_faces_up() {
+        check(&Mesh::plane());
+        let frame = Mesh::plane().frame(0, DVec3::new(0.3, 0.1, 0.0));
+        assert_eq!((frame.normal, frame.tangent, frame.binormal()), (DVec3::Z, DVec3::X, DVec3::Y));
+    }
+
+    #[test]
+    fn frames_are_those_of_the_vertices_and_turn_to_the_viewer() {
+        let sphere = Mesh::sphere(4);
+        let corner = sphere.triangles[40][0] as usize;
+        let frame = sphere.frame(40, sphere.positions[corner]);
+        assert!(frame.normal.distance(sphere.normals[corner]) < 1e-12);
+        assert!(frame.tangent.distance(sphere.tangents[corner]) < 1e-12);
+        let behind = frame.facing(-frame.normal);
+        assert!(behind.normal.distance(-frame.normal) < 1e-12 && behind.tangent.distance(frame.tangent) < 1e-12);
+        // A viewer in the plane of the triangle sees the smooth surface just grazingly, never from behind.
+        let wo = (frame.face.any_orthonormal_vector() + 1e-3 * frame.face).normalize();
+        for wo in [wo, DVec3::new(-wo.x, -wo.y, wo.z)] {
+            assert!(frame.facing(wo).normal.dot(wo) > -1e-12);
+        }
+        let local = DVec3::new(0.1, -0.7, 0.3);
+        assert!(frame.to_local(frame.to_world(local)).distance(local) < 1e-12);
+    }
+}

@@ -1,0 +1,136 @@
+//! Newell's teapot: 32 bicubic Bézier patches.
+
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+use glam::DVec3;
+
+use super::mesh::Mesh;
+
+/// Control points of a patch, row by row.
+type Patch = [[DVec3; 4]; 4];
+
+/// Places nearer than this are one: a millionth of a millionth of the pot, above the rounding of Bézier's sums.
+const SAME_PLACE: f64 = 1e-11;
+
+/// A derivative shorter than this vanishes: those of the pot's regular points are longer than 0.1.
+const VANISHES: f64 = 1e-9;
+
+/// The control points, as Newell published them, with the bottom that was added later.
+fn patches() -> &'static [Patch] {
+    static PATCHES: OnceLock<Vec<Patch>> = OnceLock::new();
+    PATCHES.get_or_init(|| {
+        let text = include_str!("../../data/mesh/teapot.bpt");
+        // The first line counts the patches, and each begins with its two degrees: lines of other than three numbers.
+        let points: Vec<DVec3> = text
+            .lines()
+            .filter_map(|line| {
+                let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+                <[f64; 3]>::try_from(numbers).ok().map(DVec3::from_array)
+            })
+            .collect();
+        points.chunks_exact(16).map(|p| std::array::from_fn(|row| std::array::from_fn(|i| p[4 * row + i]))).collect()
+    })
+}
+
+/// The pot as triangles, `level` segments along each edge of each patch.
+pub(super) fn tessellate(level: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut places = HashMap::new();
+    let at = |step: u32| f64::from(step) / f64::from(level);
+    for patch in patches() {
+        let first = mesh.positions.len() as u32;
+        for row in 0..=level {
+            for column in 0..=level {
+                let point = Point::on(patch, at(column), at(row));
+                // Patches that meet compute their common edge by different sums: the first one's result counts.
+                let key = point.position.to_array().map(|x| (x / SAME_PLACE).round() as i64);
+                let position = *places.entry(key).or_insert(point.position);
+                mesh.push(position, point.normal, point.tangent);
+            }
+        }
+        mesh.grid(first, level, level, true);
+    }
+    mesh
+}
+
+/// A point of a patch with its frame.
+struct Point {
+    position: DVec3,
+    normal: DVec3,
+    tangent: DVec3,
+}
+
+impl Point {
+    fn on(patch: &Patch, u: f64, v: f64) -> Self {
+        let sum = |along: [f64; 4], across: [f64; 4]| -> DVec3 {
+            patch.iter().zip(across).map(|(row, y)| y * row.iter().zip(along).map(|(&p, x)| x * p).sum::<DVec3>()).sum()
+        };
+        let (mut du, mut dv) = (sum(slopes(u), shares(v)), sum(shares(u), slopes(v)));
+        // At a pole a whole edge of the patch is one point and the derivative along it is 0; just inside, it is the mixed
+        // derivative times the distance.
+        let mixed = || sum(slopes(u), slopes(v));
+        if du.length() < VANISHES {
+            du = if v < 0.5 { mixed() } else { -mixed() };
+        }
+        if dv.length() < VANISHES {
+            dv = if u < 0.5 { mixed() } else { -mixed() };
+        }
+        Self { position: sum(shares(u), shares(v)), normal: du.cross(dv).normalize(), tangent: du }
+    }
+}
+
+/// Bernstein's polynomials of degree 3.
+fn shares(t: f64) -> [f64; 4] {
+    let s = 1.0 - t;
+    [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
+}
+
+/// Their derivatives.
+fn slopes(t: f64) -> [f64; 4] {
+    let s = 1.0 - t;
+    [-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::tests::{check, open_edges};
+    use super::*;
+
+    #[test]
+    fn all_patches_are_read() {
+        assert_eq!(patches().len(), 32);
+        assert_eq!(patches()[0][0][0], DVec3::new(1.4, 0.0, 2.4));
+        assert_eq!(patches()[31][3][3].z, 0.15);
+    }
+
+    #[test]
+    fn normals_are_outward_everywhere_and_whole() {
+        for level in [1, 2, 7, 32] {
+            let mesh = tessellate(level);
+            assert!(mesh.normals.iter().chain(&mesh.tangents).all(|v| v.is_finite()));
+            if level > 2 {
+                check(&mesh);
+            }
+        }
+    }
+
+    #[test]
+    fn patches_meet_without_seams() {
+        let mesh = tessellate(8);
+        // Open in the original: the inner rim and the lid's edge, 4 patches each; both ends of the handle and of the spout, 2
+        // patches each.
+        assert_eq!(open_edges(&mesh), 16 * 8);
+        let mut places: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
+        for (i, p) in mesh.positions.iter().enumerate() {
+            places.entry(p.to_array().map(f64::to_bits)).or_default().push(i);
+        }
+        // Patches meet smoothly everywhere but where the lower end of the handle touches the pot.
+        let apart = |pair: &[usize]| mesh.normals[pair[0]].distance(mesh.normals[pair[1]]) > 1e-6;
+        let creases: Vec<DVec3> =
+            places.values().filter(|shared| shared.windows(2).any(apart)).map(|s| mesh.positions[s[0]]).collect();
+        assert_eq!(creases, [DVec3::new(-2.0, 0.0, 0.9)]);
+        let near = |a: DVec3| mesh.positions.iter().filter(|p| p.distance(a) < 1e-6 && **p != a).count();
+        assert!(mesh.positions.iter().step_by(37).all(|&p| near(p) == 0));
+    }
+}
