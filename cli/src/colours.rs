@@ -1,5 +1,7 @@
 //! Spectra to colours.
 
+use std::collections::BTreeMap;
+
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM, xyz, xyz_weights};
 
 use crate::error::{Error, Result};
@@ -42,6 +44,15 @@ pub fn colours(
         Colour { xyz, rgb: space.from_xyz(xyz) }
     };
     Ok((0..spectra.theta_deg.len()).map(colour).collect())
+}
+
+/// The light that a table's colours were made for.
+#[must_use]
+pub fn illuminant_of(metadata: &BTreeMap<String, String>) -> Illuminant {
+    match metadata.get("illuminant").map(String::as_str) {
+        Some("E") => Illuminant::E,
+        _ => Illuminant::D65,
+    }
 }
 
 /// Weights of XYZ for each wavelength.

@@ -1,5 +1,6 @@
 //! One file per command: arguments in, files out.
 
+mod cell_plots;
 mod colour;
 mod compare;
 mod estimate;
