@@ -1,6 +1,7 @@
 //! The command line.
 
 mod plot;
+mod view;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -17,6 +18,7 @@ use crate::parallel;
 use crate::scatter::Coherence;
 
 pub use plot::{PlotArgs, PlotKind};
+pub use view::ViewArgs;
 
 /// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
 #[derive(Debug, Parser)]
@@ -57,6 +59,8 @@ pub enum Command {
     Sampling(SamplingArgs),
     /// A picture of a table: BRDF disc, lobes, spectra, map, path of the colour
     Plot(PlotArgs),
+    /// A page that turns a surface in light: teapot, sphere or plane, with spectra under the pointer
+    View(ViewArgs),
     /// Every figure of the paper, with a page that explains them
     Figures(FiguresArgs),
 }

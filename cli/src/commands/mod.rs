@@ -12,6 +12,7 @@ mod presets;
 mod sampling;
 mod scatter;
 mod spectrum;
+mod view;
 
 use std::path::Path;
 
@@ -42,6 +43,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),
+        Command::View(args) => view::run(args),
         Command::Figures(args) => figures::run(args),
     }
 }
