@@ -18,9 +18,19 @@ const disc = new Disc($("disc"), $("disc-marks"), table);
 
 // ---- drawing
 
-function size() {
-  const dense = Math.min(window.devicePixelRatio || 1, 2);
+/** While the visitor turns the body, pictures are small enough to follow the hand; at rest they have every pixel. */
+const AT_REST = 600;
+const hand = { moved: -Infinity, scale: 1, timer: 0, frame: 0 };
+
+function size(scale = 1) {
+  const dense = Math.min(window.devicePixelRatio || 1, 2) * scale;
   return [Math.max(1, Math.round(stage.clientWidth * dense)), Math.max(1, Math.round(stage.clientHeight * dense))];
+}
+
+/** Milliseconds from one picture to the next tell how large pictures may be. */
+function adapt(took) {
+  if (took > 90) hand.scale = Math.max(0.2, 0.75 * hand.scale);
+  else if (took < 30) hand.scale = Math.min(1, 1.1 * hand.scale);
 }
 
 function redraw(anew = true) {
@@ -32,16 +42,22 @@ function redraw(anew = true) {
   }
 }
 
-function frame() {
+function frame(now) {
   waiting = false;
   if (!renderer || renderer.gl.isContextLost()) return;
-  renderer.resize(...size());
+  const moving = now - hand.moved < AT_REST;
+  if (moving && now - hand.frame < 2000) adapt(now - hand.frame);
+  hand.frame = now;
+  renderer.resize(...size(moving ? hand.scale : 1));
   const more = renderer.advance(state, camera);
   stage.dataset.drawn = renderer.drawn;
   if (more) redraw(false);
 }
 
 function changed() {
+  hand.moved = performance.now();
+  clearTimeout(hand.timer);
+  hand.timer = setTimeout(() => redraw(false), AT_REST + 50);
   redraw();
   read();
   keepAddress();

@@ -18,8 +18,8 @@ class Renderer {
     else throw new Error("this graphics processor cannot draw into floats, which the page needs");
     this.scatters = table.scatters;
     /** After so many pictures the mean is left as it is. */
-    this.enough = this.scatters ? 400 : 32;
-    this.draws = this.scatters ? 2 : 1;
+    this.enough = this.scatters ? 512 : 32;
+    this.draws = 1;
     this.prepare(data, table);
     this.restart();
   }
