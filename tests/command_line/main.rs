@@ -12,3 +12,4 @@ mod scenes;
 mod tables;
 mod usage;
 mod user;
+mod view;

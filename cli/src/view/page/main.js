@@ -86,6 +86,7 @@ new ResizeObserver(() => { redraw(); read(); }).observe(stage);
 
 function read() {
   if (pointed.theta !== undefined) {
+    $("crosshair").hidden = true;
     reading = { theta: pointed.theta, phi: pointed.phi };
   } else {
     const [width, height] = [stage.clientWidth || 1, stage.clientHeight || 1];
