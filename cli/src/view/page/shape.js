@@ -1,5 +1,8 @@
 // A mesh in the unit sphere, and where a ray meets it.
 
+/** A ray along the edge of two triangles meets one of them, whatever the rounding. */
+const EDGE = 1e-9;
+
 class Shape {
   constructor(data) {
     this.positions = signed(data.positions);
@@ -21,11 +24,11 @@ class Shape {
       if (determinant === 0) continue;
       const from = plus(origin, a, -1);
       const u = dot(from, p) / determinant;
-      if (u < 0 || u > 1) continue;
+      if (u < -EDGE || u > 1 + EDGE) continue;
       const q = cross(from, ab);
       const v = dot(direction, q) / determinant;
       const t = dot(ac, q) / determinant;
-      if (v < 0 || u + v > 1 || t <= 0 || t >= nearest) continue;
+      if (v < -EDGE || u + v > 1 + EDGE || t <= 0 || t >= nearest) continue;
       [nearest, found] = [t, { corners: [i, j, l], shares: [1 - u - v, u, v], front: determinant > 0 }];
     }
     if (!found) return null;
