@@ -25,6 +25,19 @@ impl Raster {
         })
     }
 
+    /// The same with the share of each pixel that is covered.
+    ///
+    /// # Panics
+    /// As [`Raster::from_linear`].
+    #[must_use]
+    pub fn from_linear_with_coverage(width: u32, height: u32, mut at: impl FnMut(u32, u32) -> ([f32; 3], f32)) -> Self {
+        Self::new(width, height, |x, y| {
+            let (rgb, coverage) = at(x, y);
+            let [r, g, b] = srgb8(rgb);
+            [r, g, b, (255.0 * coverage.clamp(0.0, 1.0)).round() as u8]
+        })
+    }
+
     /// Pixels of R, G, B and coverage.
     pub(super) fn new(width: u32, height: u32, mut rgba: impl FnMut(u32, u32) -> [u8; 4]) -> Self {
         let mut pixels = Pixmap::new(width, height).expect("the sides of a raster are positive and small");

@@ -1,14 +1,120 @@
 //! Pictures of a surface on a lit body: what `goniochrome render` draws, and `goniochrome view` shows.
 //!
-//! The shared parts read and write no files: [`mesh`] (what is lit), [`camera`] (from where it is seen), [`environment`] (by what
-//! it is lit).
+//! Nothing here reads or writes files. [`mesh`] is what is lit, [`camera`] from where it is seen, [`environment`] by what it is
+//! lit, [`surface`] how it reflects; [`render()`] makes a [`film`], which [`tone`] brings to a screen.
 //!
 //! The world is right-handed with z up. Directions are unit vectors; `wo` points to the viewer and `wi` to the light.
 
+pub mod body;
 pub mod camera;
+pub mod channels;
 pub mod environment;
+pub mod film;
 mod latlong;
 pub mod mesh;
 mod obj;
 pub mod studio;
+pub mod surface;
 mod teapot;
+pub mod tone;
+mod tracer;
+
+use body::Body;
+use camera::Camera;
+use environment::Environment;
+use film::Film;
+use surface::Surface;
+use tracer::{Scratch, Stream, Tracer};
+
+use crate::error::Result;
+use crate::parallel;
+
+/// What is seen past the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Background {
+    /// The environment.
+    #[default]
+    Environment,
+    /// Nothing: coverage 0.
+    Transparent,
+    /// One linear RGB colour.
+    Colour([f32; 3]),
+}
+
+/// How carefully to draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Rays through each pixel: one through its middle, or spread evenly over its square.
+    pub samples: u32,
+    /// Reflections by the body that light is followed over, at least 1.
+    pub reflections: u32,
+    /// Threads; the picture does not depend on them.
+    pub threads: usize,
+}
+
+/// A body in its light, seen by a camera.
+#[derive(Clone, Copy)]
+pub struct Stage<'a> {
+    /// What is lit.
+    pub body: &'a Body<'a>,
+    /// How it reflects.
+    pub surface: &'a Surface,
+    /// By what it is lit.
+    pub environment: &'a Environment,
+    /// From where it is seen.
+    pub camera: &'a Camera,
+    /// What is seen past it.
+    pub background: Background,
+}
+
+/// Draws the picture; `tick` is called after each of its rows.
+///
+/// # Errors
+/// If the surface's table cannot be sampled.
+pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) -> Result<Film> {
+    let mut memory = Vec::new();
+    let tracer = Tracer {
+        body: stage.body,
+        surface: stage.surface.prepare(&mut memory)?,
+        channels: stage.surface.channels(),
+        environment: stage.environment,
+        reflections: quality.reflections.max(1),
+    };
+    let [width, height] = stage.camera.size;
+    let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
+    let rows = pixels.chunks_mut(width as usize).zip(0..height);
+    let scratch = || Scratch::new(tracer.channels.count());
+    parallel::for_each(quality.threads, rows, scratch, |scratch, (row, y)| {
+        for (pixel, x) in row.iter_mut().zip(0..width) {
+            *pixel = shade(stage, &tracer, quality.samples.max(1), [x, y], scratch);
+        }
+        tick();
+    });
+    Ok(Film { size: stage.camera.size, pixels })
+}
+
+/// The mean over a pixel.
+fn shade(stage: &Stage<'_>, tracer: &Tracer<'_>, samples: u32, [x, y]: [u32; 2], scratch: &mut Scratch) -> [f32; 4] {
+    let camera = stage.camera;
+    let (mut behind, mut covered) = ([0.0; 3], 0);
+    scratch.radiance.fill(0.0);
+    for sample in 0..samples {
+        let mut stream = Stream::new(sample, y * camera.size[0] + x);
+        let [right, down] = if samples == 1 { [0.5; 2] } else { stream.next() };
+        let direction = camera.direction(f64::from(x) + right, f64::from(y) + down);
+        if tracer.add(camera.eye, direction, &mut stream, scratch) {
+            covered += 1;
+            continue;
+        }
+        let rgb = match stage.background {
+            Background::Environment => stage.environment.radiance(direction),
+            Background::Transparent => continue,
+            Background::Colour(rgb) => rgb,
+        };
+        (0..3).for_each(|c| behind[c] += rgb[c]);
+    }
+    let count = samples as f32;
+    let [r, g, b] = tracer.channels.colour(&scratch.radiance);
+    let coverage = if stage.background == Background::Transparent { covered as f32 / count } else { 1.0 };
+    [(r + behind[0]) / count, (g + behind[1]) / count, (b + behind[2]) / count, coverage]
+}

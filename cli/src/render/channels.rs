@@ -1,0 +1,142 @@
+//! In which numbers light is followed: three of RGB, or one for each wavelength.
+
+use glam::{DMat3, DVec3};
+use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
+
+use crate::colours::visible_weights;
+use crate::error::{Error, Result};
+
+/// Where light passes from blue to green and from green to red, in nm, and over how much: the crossings of sRGB's matching
+/// functions, smooth enough not to add features to a spectrum.
+const PASSES_NM: [f64; 2] = [490.0, 575.0];
+const PASS_WIDTH_NM: f64 = 12.0;
+
+/// The least determinant of the basis' colours, relative to that of exact R, G and B: below, wavelengths cannot tell colours apart.
+const LEAST_DETERMINANT: f64 = 1e-3;
+
+/// How light of an environment becomes numbers, and those become the colour of a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channels {
+    /// Of each channel: its radiance where the environment's R, G or B is 1 and the others 0.
+    basis: Vec<[f32; 3]>,
+    /// Of each channel: R, G and B of its radiance 1.
+    weights: Vec<[f32; 3]>,
+}
+
+impl Channels {
+    /// R, G and B.
+    #[must_use]
+    pub fn rgb() -> Self {
+        let identity = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Self { basis: identity.clone(), weights: identity }
+    }
+
+    /// Wavelengths, seen by the observer under an illuminant.
+    ///
+    /// An environment's RGB becomes the illuminant times R b_R(λ) + G b_G(λ) + B b_B(λ). The basis starts from three smooth
+    /// bands that add up to 1 and is then mixed linearly, so that it still adds up to 1 (white light is the illuminant
+    /// itself) and each of R, G, B alone gives back its colour on a perfect mirror. It may be slightly negative: saturated
+    /// lights of sRGB are no natural spectra.
+    ///
+    /// # Errors
+    /// If the wavelengths are invisible or too few to tell R, G and B apart.
+    pub fn spectral(wavelength_nm: &[f64], illuminant: Illuminant, space: RgbSpace) -> Result<Self> {
+        let weights: Vec<DVec3> = visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?
+            .into_iter()
+            .map(|xyz| DVec3::from_array(space.from_xyz(xyz)))
+            .collect();
+        let bands: Vec<DVec3> = wavelength_nm.iter().map(|&nm| bands(nm)).collect();
+        // Column k: the colour of band k on a perfect mirror.
+        let colours = |k: usize| -> DVec3 { bands.iter().zip(&weights).map(|(band, &w)| band[k] * w).sum() };
+        let found = DMat3::from_cols(colours(0), colours(1), colours(2));
+        let white: DVec3 = weights.iter().sum();
+        let wanted = DMat3::from_diagonal(white);
+        if !(found.determinant().abs() > LEAST_DETERMINANT * wanted.determinant().abs()) {
+            return Err(Error::failed(format_args!(
+                "{} wavelengths cannot tell red, green and blue light apart; estimate the table with more of them, or leave \
+                 --spectral out",
+                wavelength_nm.len()
+            )));
+        }
+        let mix = found.inverse() * wanted;
+        let narrow = |v: DVec3| v.to_array().map(|x| x as f32);
+        Ok(Self {
+            basis: bands.into_iter().map(|band| narrow(mix.transpose() * band)).collect(),
+            weights: weights.into_iter().map(narrow).collect(),
+        })
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.basis.len()
+    }
+
+    /// Adds `scale` × throughput × the environment's light to the radiance of each channel.
+    pub fn add_light(&self, radiance: &mut [f32], throughput: &[f32], rgb: [f32; 3], scale: f32) {
+        for ((sum, through), basis) in radiance.iter_mut().zip(throughput).zip(&self.basis) {
+            *sum += scale * through * (basis[0] * rgb[0] + basis[1] * rgb[1] + basis[2] * rgb[2]);
+        }
+    }
+
+    /// The colour of the radiance in each channel.
+    #[must_use]
+    pub fn colour(&self, radiance: &[f32]) -> [f32; 3] {
+        let mut rgb = [0.0; 3];
+        for (value, weight) in radiance.iter().zip(&self.weights) {
+            (0..3).for_each(|c| rgb[c] += value * weight[c]);
+        }
+        rgb
+    }
+}
+
+/// Red, green and blue bands; their sum is 1.
+fn bands(nm: f64) -> DVec3 {
+    let beyond = PASSES_NM.map(|pass| 1.0 / (1.0 + ((pass - nm) / PASS_WIDTH_NM).exp()));
+    DVec3::new(beyond[1], beyond[0] - beyond[1], 1.0 - beyond[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(step: usize) -> Vec<f64> {
+        (380..=780).step_by(step).map(|nm| nm as f64).collect()
+    }
+
+    #[test]
+    fn white_light_is_the_illuminant_and_every_light_keeps_its_colour() {
+        for (illuminant, space) in [(Illuminant::D65, RgbSpace::Srgb), (Illuminant::E, RgbSpace::Paper)] {
+            for step in [1, 5, 10, 20] {
+                let channels = Channels::spectral(&grid(step), illuminant, space).unwrap();
+                let through = vec![1.0; channels.count()];
+                let shown = |rgb: [f32; 3]| {
+                    let mut radiance = vec![0.0; channels.count()];
+                    channels.add_light(&mut radiance, &through, rgb, 1.0);
+                    (channels.colour(&radiance), radiance)
+                };
+                let (white, spectrum) = shown([1.0; 3]);
+                assert!(spectrum.iter().all(|x| (x - 1.0).abs() < 1e-5));
+                for light in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.3, 0.8, 0.1]] {
+                    let (colour, _) = shown(light);
+                    assert!((0..3).all(|c| (colour[c] - white[c] * light[c]).abs() < 1e-4), "{light:?} {colour:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_basis_is_nearly_positive() {
+        let channels = Channels::spectral(&grid(5), Illuminant::D65, RgbSpace::Srgb).unwrap();
+        let least = channels.basis.iter().flatten().copied().fold(f32::INFINITY, f32::min);
+        let most = channels.basis.iter().flatten().copied().fold(0.0, f32::max);
+        println!("{least} to {most}");
+        assert!(least > -0.25 && most < 1.5);
+    }
+
+    #[test]
+    fn too_few_wavelengths_are_refused() {
+        let error = Channels::spectral(&[450.0, 550.0], Illuminant::D65, RgbSpace::Srgb).unwrap_err();
+        assert!(error.to_string().contains("2 wavelengths cannot tell"), "{error}");
+    }
+}

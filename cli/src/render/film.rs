@@ -1,0 +1,59 @@
+//! A rendered picture, and its files.
+
+use std::io::Cursor;
+
+use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage};
+
+use super::tone::{ToneMap, exposure};
+use crate::error::{Error, Result};
+use crate::picture::Raster;
+
+/// Linear RGB, multiplied by coverage, and coverage; row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// R, G, B, A of each pixel.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+impl Film {
+    /// The bytes of an OpenEXR file: scene-linear R, G, B multiplied by A, 32-bit float. Equal pictures give equal bytes.
+    ///
+    /// # Errors
+    /// If encoding fails.
+    pub fn exr(&self, comment: &str) -> Result<Vec<u8>> {
+        let [width, height] = self.size.map(|side| side as usize);
+        let pixel = |at: exr::math::Vec2<usize>| {
+            let [r, g, b, a] = self.pixels[at.1 * width + at.0];
+            (r, g, b, a)
+        };
+        let attributes = LayerAttributes {
+            software_name: Some(Text::from(concat!("goniochrome ", env!("CARGO_PKG_VERSION")))),
+            // UTF-8, although the crate's own conversion knows Latin-1 alone.
+            comments: Some(Text::from_slice_unchecked(comment.as_bytes())),
+            ..LayerAttributes::default()
+        };
+        let layer = Layer::new((width, height), attributes, Encoding::SMALL_LOSSLESS, SpecificChannels::rgba(pixel));
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer)
+            .write()
+            .non_parallel()
+            .to_buffered(&mut bytes)
+            .map_err(|error| Error::failed(format_args!("cannot encode the picture as EXR: {error}")))?;
+        Ok(bytes.into_inner())
+    }
+
+    /// The bytes of a PNG file: `stops` brighter, through a tone map, then 8-bit sRGB under the gamut policy of pictures.
+    #[must_use]
+    pub fn png(&self, stops: f64, tone: ToneMap) -> Vec<u8> {
+        let [width, height] = self.size;
+        let factor = exposure(stops);
+        let pixel = |x: u32, y: u32| {
+            let [r, g, b, a] = self.pixels[y as usize * width as usize + x as usize];
+            let scale = if a > 0.0 { factor / a } else { 0.0 };
+            (tone.apply([r, g, b].map(|c| c * scale)), a)
+        };
+        Raster::from_linear_with_coverage(width, height, pixel).png()
+    }
+}
