@@ -49,11 +49,11 @@ export const picture = (page, wanted, side, count) =>
 
 export const fileUrl = (name) => `data:image/png;base64,${readFileSync(at(name)).toString("base64")}`;
 
-/** Mean and largest difference of the 8-bit values of two pictures of one size. */
-export async function difference(browser, a, b) {
+/** Mean and largest difference of the 8-bit values of two pictures of one size, where a third is opaque. */
+export async function difference(browser, a, b, mask) {
   const page = await browser.newPage();
   const result = await page.evaluate(async (urls) => {
-    const [one, two] = await Promise.all(urls.map(async (url) => {
+    const [one, two, opaque] = await Promise.all(urls.map(async (url) => {
       const image = new Image();
       image.src = url;
       await image.decode();
@@ -63,17 +63,17 @@ export async function difference(browser, a, b) {
       return context.getImageData(0, 0, image.width, image.height);
     }));
     if (one.width !== two.width || one.height !== two.height) throw new Error("pictures of two sizes");
-    let [sum, largest, lit] = [0, 0, 0];
+    let [sum, largest, lit, count] = [0, 0, 0, 0];
     for (let i = 0; i < one.data.length; i += 1) {
-      if (i % 4 === 3) continue;
+      if (i % 4 === 3 || opaque.data[i | 3] < 128) continue;
       const apart = Math.abs(one.data[i] - two.data[i]);
       sum += apart;
       largest = Math.max(largest, apart);
       lit += two.data[i] > 16 ? 1 : 0;
+      count += 1;
     }
-    const count = (one.data.length / 4) * 3;
-    return { mean: sum / count, largest, lit: lit / count };
-  }, [a, b]);
+    return { mean: sum / count, largest, lit: lit / count, covered: (4 * count) / (3 * one.data.length) };
+  }, [a, b, mask]);
   await page.close();
   return result;
 }

@@ -18,7 +18,7 @@ use crate::parallel;
 use crate::scatter::Coherence;
 
 pub use plot::{PlotArgs, PlotKind};
-pub use view::ViewArgs;
+pub use view::PageArgs;
 
 /// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
 #[derive(Debug, Parser)]
@@ -60,7 +60,7 @@ pub enum Command {
     /// A picture of a table: BRDF disc, lobes, spectra, map, path of the colour
     Plot(PlotArgs),
     /// A page that turns a surface in light: teapot, sphere or plane, with spectra under the pointer
-    View(ViewArgs),
+    View(PageArgs),
     /// Every figure of the paper, with a page that explains them
     Figures(FiguresArgs),
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 /// Arguments of `view`.
 #[derive(Debug, Args)]
-pub struct ViewArgs {
+pub struct PageArgs {
     /// A table made by `estimate`
     pub table: PathBuf,
     /// The page (.html): one file that needs no network

@@ -2,13 +2,13 @@
 
 use std::slice;
 
-use crate::args::ViewArgs;
+use crate::args::PageArgs;
 use crate::error::{Error, Result};
 use crate::output;
 use crate::table_file;
 use crate::view::page;
 
-pub fn run(args: &ViewArgs) -> Result<()> {
+pub fn run(args: &PageArgs) -> Result<()> {
     let extension = args.output.extension().unwrap_or_default().to_ascii_lowercase();
     if extension != "html" && extension != "htm" {
         return Err(Error::usage(format_args!("{}: a page is written as .html; name it so", args.output.display())));
