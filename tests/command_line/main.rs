@@ -8,6 +8,7 @@ mod disk_full;
 mod figures;
 mod meshes;
 mod presets;
+mod render;
 mod scenes;
 mod tables;
 mod usage;

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod plot;
+mod render;
 mod view;
 
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ use crate::parallel;
 use crate::scatter::Coherence;
 
 pub use plot::{PlotArgs, PlotKind};
+pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
 pub use view::PageArgs;
 
 /// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
@@ -59,6 +61,8 @@ pub enum Command {
     Sampling(SamplingArgs),
     /// A picture of a table: BRDF disc, lobes, spectra, map, path of the colour
     Plot(PlotArgs),
+    /// A lit body with the table as its surface: teapot, sphere, plane or any OBJ
+    Render(Box<RenderArgs>),
     /// A page that turns a surface in light: teapot, sphere or plane, with spectra under the pointer
     View(PageArgs),
     /// Every figure of the paper, with a page that explains them

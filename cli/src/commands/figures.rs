@@ -6,6 +6,7 @@ use std::path::Path;
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
 use goniochrome::interface::Model;
 
+use super::teapots;
 use crate::args::FiguresArgs;
 use crate::colours::{Colour, colours};
 use crate::comparison::Comparison;
@@ -18,6 +19,7 @@ use crate::parallel;
 use crate::picture::{Disc, Picture, disc_grid};
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
+use crate::render::environment::Light;
 use crate::sampling::{self, Setting, error_curve};
 use crate::scene::{Scene, load};
 
@@ -36,10 +38,11 @@ pub fn run(args: &FiguresArgs) -> Result<()> {
     let threads = args.threads.map_or_else(parallel::available, usize::from);
     let request = Request { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads };
 
-    let progress = bar("figures", 5, args.quiet);
+    let progress = bar("figures", 6, args.quiet);
     let sections = [
         figure_3(folder, &request).inspect(|_| progress.inc(1))?,
         figure_4(folder, &request).inspect(|_| progress.inc(1))?,
+        figure_5(folder, &request).inspect(|_| progress.inc(1))?,
         figure_6(folder, &request).inspect(|_| progress.inc(1))?,
         figure_7(folder, &request).inspect(|_| progress.inc(1))?,
         gallery(folder, &request).inspect(|_| progress.inc(1))?,
@@ -81,17 +84,21 @@ fn between(colours: &[Colour], space: RgbSpace, theta_deg: f64) -> [f32; 3] {
     std::array::from_fn(|c| a[c] + w * (b[c] - a[c]))
 }
 
-/// One row of discs, one for each rendering.
-fn renderings(scene: &Scene, title: &str, request: &Request) -> Result<Picture> {
+/// Colours at every degree, for each rendering.
+fn computed(scene: &Scene, request: &Request) -> Result<Vec<Vec<Colour>>> {
     let planar = Planar::new(scene)?;
     let theta = disc_angles();
-    let computed = RENDERINGS
+    RENDERINGS
         .iter()
         .map(|&(_, model, illuminant, space)| {
             let spectra = spectra(&planar, &theta, &wavelengths(), &Request { model, ..*request }, &|| ())?;
             colours(&spectra, illuminant, space, Quadrature::Interpolated)
         })
-        .collect::<Result<Vec<_>>>()?;
+        .collect()
+}
+
+/// One row of discs, one for each rendering.
+fn renderings(computed: &[Vec<Colour>], title: &str) -> Picture {
     let looks: Vec<_> = computed
         .iter()
         .zip(&RENDERINGS)
@@ -102,20 +109,41 @@ fn renderings(scene: &Scene, title: &str, request: &Request) -> Result<Picture> 
         .zip(&RENDERINGS)
         .map(|(rgb, &(label, ..))| Disc { label, rgb, theta_max_deg: 90.0, azimuthal: false })
         .collect();
-    Ok(disc_grid(title, &[String::new()], &vec![String::new(); discs.len()], &discs))
+    disc_grid(title, &[String::new()], &vec![String::new(); discs.len()], &discs)
+}
+
+/// The pot of one rendering in the studio.
+fn teapot(
+    folder: &Path,
+    file: &str,
+    computed: &[Vec<Colour>],
+    rendering: usize,
+    threads: usize,
+) -> Result<Vec<String>> {
+    let table = teapots::table(&computed[rendering], RENDERINGS[rendering].3);
+    teapots::draw(folder, table, vec![(file, Light::White)], threads)
+}
+
+fn figure_5(folder: &Path, request: &Request) -> Result<Section> {
+    let computed = computed(&load("paper-fig4")?, request)?;
+    teapots::figure_5(folder, teapots::table(&computed[2], RENDERINGS[2].3), request.threads)
 }
 
 fn figure_3(folder: &Path, request: &Request) -> Result<Section> {
     let scene = load("paper-fig3")?;
-    renderings(&scene, "Figure 3: film n = 2.4, 300 nm, on a mirror", request)?.save(&folder.join("figure-3.png"))?;
+    let computed = computed(&scene, request)?;
+    renderings(&computed, "Figure 3: film n = 2.4, 300 nm, on a mirror").save(&folder.join("figure-3.png"))?;
+    let mut images = vec!["figure-3.png".to_owned()];
+    images.extend(teapot(folder, "figure-3-teapot.png", &computed, 0, request.threads)?);
     Ok(Section {
         heading: "Figure 3: one film on a mirror".into(),
-        images: vec!["figure-3.png".into()],
+        images,
         caption_html: "<p>The paper sees red to violet. With its own rules, which weigh a ray by Fresnel’s power ratios and \
                        take the modulus of the sum as flux, the tool does too. <strong>Exact physics shows no colour at \
                        all:</strong> a lossless film on a perfect mirror reflects all light of every wavelength at every \
                        angle, |r| = 1. What is left in the middle disc is the tint of the paper’s colour matrix, whose \
-                       white is pink under equal energy: R, G, B = 1.222, 0.944, 0.910.</p>"
+                       white is pink under equal energy: R, G, B = 1.222, 0.944, 0.910. The teapot, in white light, wears the \
+                       left disc.</p>"
             .into(),
     })
 }
@@ -123,13 +151,17 @@ fn figure_3(folder: &Path, request: &Request) -> Result<Section> {
 fn figure_4(folder: &Path, request: &Request) -> Result<Section> {
     let scene = load("paper-fig4")?;
     let title = "Figure 4: three films n = 2.4, 180 nm apart";
-    renderings(&scene, title, request)?.save(&folder.join("figure-4.png"))?;
+    let computed = computed(&scene, request)?;
+    renderings(&computed, title).save(&folder.join("figure-4.png"))?;
+    let mut images = vec!["figure-4.png".to_owned()];
+    images.extend(teapot(folder, "figure-4-teapot.png", &computed, 1, request.threads)?);
     Ok(Section {
         heading: "Figure 4: three films with air between".into(),
-        images: vec!["figure-4.png".into()],
+        images,
         caption_html: "<p>The paper describes orange seen from above, then green, then blue towards grazing angles. That is \
                        what exact physics gives: 1.39, 0.72, −0.01 at 0°, 0.48, 0.60, 0.47 at 60°, bluish at 80° (linear \
-                       RGB, the paper’s matrix). The paper’s own rules, taken literally, do not give orange.</p>"
+                       RGB, the paper’s matrix). The paper’s own rules, taken literally, do not give orange. The teapot, in white \
+                       light, wears the middle disc.</p>"
             .into(),
     })
 }

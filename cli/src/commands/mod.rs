@@ -9,9 +9,11 @@ mod lobes;
 mod orders;
 mod plot;
 mod presets;
+mod render;
 mod sampling;
 mod scatter;
 mod spectrum;
+mod teapots;
 mod view;
 
 use std::path::Path;
@@ -43,6 +45,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),
+        Command::Render(args) => render::run(args),
         Command::View(args) => view::run(args),
         Command::Figures(args) => figures::run(args),
     }

@@ -7,6 +7,9 @@ use crate::error::{Error, Result};
 /// Pixels of a picture on its longer side.
 pub const MAX_SIDE: u32 = 16_384;
 
+/// Pixels of a picture: a gigabyte of R, G, B and coverage.
+const MAX_PIXELS: u64 = 1 << 26;
+
 /// Free space around the sphere that holds the mesh, as a fraction of the distance.
 const MARGIN: f64 = 1.02;
 
@@ -91,6 +94,9 @@ impl View {
         let refuse = |what: std::fmt::Arguments<'_>| Err(Error::usage(what));
         if !(in_range(width) && in_range(height)) {
             return refuse(format_args!("--size {width}x{height}: sides go from 1 to {MAX_SIDE} pixels"));
+        }
+        if u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return refuse(format_args!("--size {width}x{height}: more than {MAX_PIXELS} pixels"));
         }
         let Self { azimuth_deg: azimuth, elevation_deg: elevation, field_of_view_deg: fov, distance, .. } = *self;
         if !azimuth.is_finite() {

@@ -51,7 +51,8 @@ impl Channels {
         let found = DMat3::from_cols(colours(0), colours(1), colours(2));
         let white: DVec3 = weights.iter().sum();
         let wanted = DMat3::from_diagonal(white);
-        if !(found.determinant().abs() > LEAST_DETERMINANT * wanted.determinant().abs()) {
+        let apart = found.determinant().abs() > LEAST_DETERMINANT * wanted.determinant().abs();
+        if !apart {
             return Err(Error::failed(format_args!(
                 "{} wavelengths cannot tell red, green and blue light apart; estimate the table with more of them, or leave \
                  --spectral out",

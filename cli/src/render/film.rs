@@ -15,6 +15,8 @@ pub struct Film {
     pub size: [u32; 2],
     /// R, G, B, A of each pixel.
     pub pixels: Vec<[f32; 4]>,
+    /// Some ray met the body.
+    pub shows_body: bool,
 }
 
 impl Film {

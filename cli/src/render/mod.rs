@@ -19,6 +19,8 @@ mod teapot;
 pub mod tone;
 mod tracer;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use body::Body;
 use camera::Camera;
 use environment::Environment;
@@ -83,18 +85,29 @@ pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) ->
     let [width, height] = stage.camera.size;
     let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
     let rows = pixels.chunks_mut(width as usize).zip(0..height);
+    let shows_body = AtomicBool::new(false);
     let scratch = || Scratch::new(tracer.channels.count());
     parallel::for_each(quality.threads, rows, scratch, |scratch, (row, y)| {
         for (pixel, x) in row.iter_mut().zip(0..width) {
-            *pixel = shade(stage, &tracer, quality.samples.max(1), [x, y], scratch);
+            let (mean, covered) = shade(stage, &tracer, quality.samples.max(1), [x, y], scratch);
+            *pixel = mean;
+            if covered {
+                shows_body.store(true, Ordering::Relaxed);
+            }
         }
         tick();
     });
-    Ok(Film { size: stage.camera.size, pixels })
+    Ok(Film { size: stage.camera.size, pixels, shows_body: shows_body.into_inner() })
 }
 
-/// The mean over a pixel.
-fn shade(stage: &Stage<'_>, tracer: &Tracer<'_>, samples: u32, [x, y]: [u32; 2], scratch: &mut Scratch) -> [f32; 4] {
+/// The mean over a pixel, and whether any of the body is in it.
+fn shade(
+    stage: &Stage<'_>,
+    tracer: &Tracer<'_>,
+    samples: u32,
+    [x, y]: [u32; 2],
+    scratch: &mut Scratch,
+) -> ([f32; 4], bool) {
     let camera = stage.camera;
     let (mut behind, mut covered) = ([0.0; 3], 0);
     scratch.radiance.fill(0.0);
@@ -116,5 +129,5 @@ fn shade(stage: &Stage<'_>, tracer: &Tracer<'_>, samples: u32, [x, y]: [u32; 2],
     let count = samples as f32;
     let [r, g, b] = tracer.channels.colour(&scratch.radiance);
     let coverage = if stage.background == Background::Transparent { covered as f32 / count } else { 1.0 };
-    [(r + behind[0]) / count, (g + behind[1]) / count, (b + behind[2]) / count, coverage]
+    ([(r + behind[0]) / count, (g + behind[1]) / count, (b + behind[2]) / count, coverage], covered > 0)
 }

@@ -65,8 +65,8 @@ pub(super) fn read(label: &str, text: &str) -> Result<(Mesh, Repairs)> {
 
 /// The triangles of the file, with polygons cut into fans.
 fn corners(label: &str, text: &str) -> Result<Vec<[Corner; 3]>> {
-    let options =
-        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    // With separate indices the crate makes up normals that a face does not name; with single ones it leaves them out.
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let mut rest = text.as_bytes();
     // Colours are the table's: what materials say does not matter.
     let loaded = tobj::load_obj_buf(&mut rest, &options, |_| Ok(Default::default()));
@@ -80,21 +80,19 @@ fn corners(label: &str, text: &str) -> Result<Vec<[Corner; 3]>> {
             let from = 3 * i as usize;
             list.get(from..from + 3).map(DVec3::from_slice)
         };
-        // The indices are absent where the file names none, and shorter where it names some.
-        let other = |indices: &[u32], i: usize| indices.get(i).copied().filter(|_| indices.len() == mesh.indices.len());
+        // Shorter lists leave out the vertices that name none, and fit nothing.
+        let vertices = mesh.positions.len() / 3;
+        let (has_normals, has_textures) = (mesh.normals.len() == 3 * vertices, mesh.texcoords.len() == 2 * vertices);
         let corner = |i: usize| {
-            let position = point(&mesh.positions, mesh.indices[i]).filter(|p| p.is_finite()).ok_or_else(|| {
+            let index = mesh.indices[i];
+            let position = point(&mesh.positions, index).filter(|p| p.is_finite()).ok_or_else(|| {
                 Error::failed(format_args!(
                     "{label}: a vertex has a coordinate that is not finite; export the mesh anew"
                 ))
             })?;
-            let normal = other(&mesh.normal_indices, i).and_then(|index| point(&mesh.normals, index));
-            let texture = other(&mesh.texcoord_indices, i);
-            Ok(Corner {
-                position,
-                normal: normal.and_then(DVec3::try_normalize),
-                texture: texture.and_then(|index| mesh.texcoords.get(2 * index as usize).copied()),
-            })
+            let normal = if has_normals { point(&mesh.normals, index) } else { None };
+            let texture = if has_textures { mesh.texcoords.get(2 * index as usize).copied() } else { None };
+            Ok(Corner { position, normal: normal.and_then(DVec3::try_normalize), texture })
         };
         for i in (0..mesh.indices.len()).step_by(3) {
             facets.push([corner(i)?, corner(i + 1)?, corner(i + 2)?]);
@@ -150,4 +148,36 @@ impl Smooth {
 /// What two vertices at one place share; 0 and −0 are one.
 fn bits(position: DVec3) -> [u64; 3] {
     position.to_array().map(|x| (x + 0.0).to_bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CUBE_CORNER: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+
+    #[test]
+    fn given_normals_and_texture_directions_are_kept() {
+        let text = format!("{CUBE_CORNER}vt 0 0\nvt 0 1\nvt 1 0\nvn 0 3 4\nf 1/1/1 2/2/1 3/3/1\n");
+        let (mesh, repairs) = read("m.obj", &text).unwrap();
+        assert_eq!(repairs, Repairs::default());
+        assert!(mesh.normals.iter().all(|n| n.distance(DVec3::new(0.0, 0.6, 0.8)) < 1e-12));
+        // The first texture coordinate rises along y; across the given normal that is (0, 0.8, −0.6).
+        assert!(mesh.tangents.iter().all(|t| t.distance(DVec3::new(0.0, 0.8, -0.6)) < 1e-12));
+    }
+
+    #[test]
+    fn computed_normals_keep_right_angles_and_smooth_gentle_ones() {
+        let (mesh, repairs) = read("m.obj", &format!("{CUBE_CORNER}f 1 2 3\nf 1 4 2\n")).unwrap();
+        assert_eq!((repairs.without_normals, repairs.without_area), (2, 0));
+        assert!(mesh.normals[..3].iter().all(|n| n.distance(DVec3::Z) < 1e-12), "{:?}", mesh.normals);
+        let (mesh, _) = read("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0.2\nv 0 -1 0.2\nf 1 2 3\nf 1 4 2\n").unwrap();
+        assert!(mesh.normals[0].distance(DVec3::Z) < 1e-12 && mesh.normals[2].y < 0.0);
+    }
+
+    #[test]
+    fn a_face_that_names_no_normal_gets_one_by_computation() {
+        let (_, repairs) = read("m.obj", &format!("{CUBE_CORNER}vn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 4\n")).unwrap();
+        assert!(repairs.without_normals > 0);
+    }
 }

@@ -55,13 +55,11 @@ impl Surface {
             Table::Mirror(table) => &table.wavelength_nm,
             Table::Scatter(table) => &table.wavelength_nm,
         };
-        let channels =
-            if spectral { Channels::spectral(wavelength_nm, illuminant, shown)? } else { Channels::rgb() };
+        let channels = if spectral { Channels::spectral(wavelength_nm, illuminant, shown)? } else { Channels::rgb() };
         let kind = match table {
             Table::Mirror(table) => {
                 let mean = || table.reflectance_s.iter().zip(&table.reflectance_p).map(|(s, p)| 0.5 * s + 0.5 * p);
-                let values =
-                    if spectral { mean().collect() } else { table.rgb.iter().flat_map(colour).collect() };
+                let values = if spectral { mean().collect() } else { table.rgb.iter().flat_map(colour).collect() };
                 Kind::Mirror { theta_deg: table.theta_deg.clone(), values }
             }
             Table::Scatter(table) => {

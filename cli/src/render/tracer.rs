@@ -133,7 +133,7 @@ impl Tracer<'_> {
             let [choice, drawn] = [stream.next(), stream.next()];
             let Some(from_light) = local.sample(choice[0], drawn) else { return };
             let by_table = local.pdf(from_light);
-            if !(by_table > 0.0) {
+            if by_table <= 0.0 {
                 return;
             }
             let wi = frame.to_world(from_light);

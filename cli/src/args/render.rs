@@ -1,0 +1,132 @@
+//! Arguments of `render`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+use crate::render::Background;
+use crate::render::camera::View;
+use crate::render::mesh::DEFAULT_LEVEL;
+use crate::render::tone::ToneMap;
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// A table made by `estimate`
+    pub table: PathBuf,
+    /// The picture: .exr, scene-linear R, G, B, A, or .png
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The light: white (1 from everywhere), studio (built in, neutral), or a lat-long image (.exr or Radiance .hdr)
+    #[arg(long, value_name = "white|studio|FILE", default_value = "studio")]
+    pub env: String,
+    /// Turn the light about the vertical, in degrees counter-clockwise from above
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub env_turn: f64,
+    /// What is lit: teapot, sphere (exact), plane, or an OBJ with z up
+    #[arg(long, value_name = "teapot|sphere|plane|FILE", default_value = "teapot")]
+    pub mesh: String,
+    /// Segments along each edge of the teapot's patches
+    #[arg(long, default_value_t = DEFAULT_LEVEL, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub level: u32,
+    /// Where the camera stands
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Rays through each pixel, a power of two for the evenest spread; 1 goes through its middle
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub samples: u32,
+    /// Reflections to follow where the body reflects itself. With 1 it does not see itself at all; with more, light is
+    /// followed from part to part, and only from the last is the environment seen as if nothing stood in its way
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub reflections: u32,
+    /// Shade each wavelength of the table, then integrate; the environment's RGB becomes smooth spectra. Otherwise shade RGB
+    #[arg(long)]
+    pub spectral: bool,
+    /// What is seen past the body: environment, transparent, or linear R,G,B such as 0.2,0.2,0.2
+    #[arg(long, value_name = "WHAT", default_value = "environment")]
+    pub background: BackgroundArg,
+    /// PNG: brighter by this many stops; EXR stays scene-linear
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// PNG: how bright light is brought into the range of a screen
+    #[arg(long, value_enum, default_value_t = ToneMap::None)]
+    pub tonemap: ToneMap,
+    /// Worker threads [default: as many as the machine has]; the picture does not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress and no remarks on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Where the camera stands.
+#[derive(Debug, Clone, Args)]
+pub struct ViewArgs {
+    /// Around the vertical from +x, in degrees
+    #[arg(long, default_value_t = View::default().azimuth_deg, allow_negative_numbers = true)]
+    pub azimuth: f64,
+    /// Above the horizon, in degrees
+    #[arg(long, default_value_t = View::default().elevation_deg, allow_negative_numbers = true)]
+    pub elevation: f64,
+    /// Field of view of the picture's shorter side, in degrees
+    #[arg(long, default_value_t = View::default().field_of_view_deg)]
+    pub fov: f64,
+    /// From the middle of the mesh, in radii of a sphere around it [default: the sphere fits into the picture]
+    #[arg(long)]
+    pub distance: Option<f64>,
+    /// Width and height in pixels: 1024, or 1280x720
+    #[arg(long, default_value = "1024")]
+    pub size: SizeArg,
+}
+
+impl ViewArgs {
+    /// As the camera wants it.
+    #[must_use]
+    pub fn view(&self) -> View {
+        View {
+            azimuth_deg: self.azimuth,
+            elevation_deg: self.elevation,
+            field_of_view_deg: self.fov,
+            distance: self.distance,
+            size: self.size.0,
+        }
+    }
+}
+
+/// `--size`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SizeArg(pub [u32; 2]);
+
+impl FromStr for SizeArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (width, height) = text.split_once('x').unwrap_or((text, text));
+        match (width.parse(), height.parse()) {
+            (Ok(width), Ok(height)) => Ok(Self([width, height])),
+            _ => Err("expected a number of pixels such as 1024, or width and height such as 1280x720".into()),
+        }
+    }
+}
+
+/// `--background`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BackgroundArg(pub Background);
+
+impl FromStr for BackgroundArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "environment" => return Ok(Self(Background::Environment)),
+            "transparent" => return Ok(Self(Background::Transparent)),
+            _ => {}
+        }
+        let numbers: Result<Vec<f32>, _> = text.split(',').map(str::parse).collect();
+        match numbers.map(<[f32; 3]>::try_from) {
+            Ok(Ok(rgb)) if rgb.iter().all(|c| c.is_finite()) => Ok(Self(Background::Colour(rgb))),
+            _ => Err("expected environment, transparent, or three numbers such as 0.2,0.2,0.2".into()),
+        }
+    }
+}

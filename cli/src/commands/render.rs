@@ -1,0 +1,137 @@
+//! `goniochrome render`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::args::RenderArgs;
+use crate::error::{Error, Result};
+use crate::output;
+use crate::parallel;
+use crate::progress::{bar, remark};
+use crate::render::body::{Body, Memory, Shape};
+use crate::render::camera::Camera;
+use crate::render::environment::{Environment, Light, decode};
+use crate::render::mesh::Mesh;
+use crate::render::surface::Surface;
+use crate::render::{Quality, Stage, render};
+use crate::table_file;
+
+/// A bigger file is no mesh or environment that this program could hold: 1 GiB.
+const MAX_BYTES: u64 = 1 << 30;
+
+pub fn run(args: &RenderArgs) -> Result<()> {
+    let format = Format::of(&args.output)?;
+    let inputs: Vec<PathBuf> =
+        [Some(args.table.clone()), file_of(&args.env), file_of(&args.mesh)].into_iter().flatten().collect();
+    output::check_destination(&args.output, &inputs)?;
+    for (option, value) in [("--env-turn", args.env_turn), ("--exposure", args.exposure)] {
+        if !value.is_finite() || value.abs() > 1e4 {
+            return Err(Error::usage(format_args!("{option} {value}: must be finite and at most 10000")));
+        }
+    }
+    let view = args.view.view();
+    // Bad options are told before files are read.
+    Camera::new(&view, glam::DVec3::ZERO, 1.0)?;
+
+    let table = table_file::read(&args.table)?;
+    let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
+    let surface = Surface::new(&table, args.spectral).map_err(name)?;
+    surface.check_not_black().map_err(name)?;
+    let environment = Environment::new(light(&args.env, args.quiet)?, args.env_turn);
+    let shape = shape(&args.mesh, args.level, args.quiet)?;
+    let mut memory = Memory::default();
+    let body = Body::new(&shape, &mut memory)?;
+    let (centre, radius) = body.bounds();
+    let camera = Camera::new(&view, centre, radius)?;
+
+    let stage = Stage {
+        body: &body,
+        surface: &surface,
+        environment: &environment,
+        camera: &camera,
+        background: args.background.0,
+    };
+    let threads = args.threads.map_or_else(parallel::available, usize::from);
+    let quality = Quality { samples: args.samples, reflections: args.reflections, threads };
+    let progress = bar(table.name(), view.size[1] as usize, args.quiet);
+    let film = render(&stage, &quality, &|| progress.inc(1))?;
+    progress.finish_and_clear();
+    if !film.shows_body {
+        remark(args.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
+    }
+    let bytes = match format {
+        Format::Png => film.png(args.exposure, args.tonemap),
+        Format::Exr => film.exr(&format!("{} on {} in {} light", table.name(), args.mesh, args.env))?,
+    };
+    output::write_file(&args.output, &bytes)
+}
+
+#[derive(Clone, Copy)]
+enum Format {
+    Exr,
+    Png,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self> {
+        match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
+            Some("exr") => Ok(Self::Exr),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Error::usage(format_args!(
+                "{}: a rendered picture is written as .exr or .png; choose one of these extensions",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// The file that an option names, where it is no built-in.
+fn file_of(word: &str) -> Option<PathBuf> {
+    (!["white", "studio", "teapot", "sphere", "plane"].contains(&word)).then(|| PathBuf::from(word))
+}
+
+fn light(word: &str, quiet: bool) -> Result<Light> {
+    match word {
+        "white" => Ok(Light::White),
+        "studio" => Ok(Light::Studio(Box::default())),
+        file => {
+            let (image, mended) =
+                decode(file, &read(file, "an environment is white, studio, or a .exr or .hdr file")?)?;
+            mended.says().into_iter().for_each(|said| remark(quiet, format_args!("{file}: {said}")));
+            Ok(Light::Image(image))
+        }
+    }
+}
+
+fn shape(word: &str, level: u32, quiet: bool) -> Result<Shape> {
+    match word {
+        "teapot" => Ok(Shape::Mesh(Mesh::teapot(level))),
+        "sphere" => Ok(Shape::Sphere),
+        "plane" => Ok(Shape::Mesh(Mesh::plane())),
+        file => {
+            let bytes = read(file, "a mesh is teapot, sphere, plane, or an .obj file")?;
+            let text = String::from_utf8(bytes).map_err(|_| {
+                Error::failed(format_args!("{file}: not UTF-8 text, so no OBJ; export the mesh as OBJ"))
+            })?;
+            let (mesh, repairs) = Mesh::from_obj(file, &text)?;
+            if repairs.without_normals > 0 {
+                let count = repairs.without_normals;
+                remark(quiet, format_args!("{file}: {count} triangles have no normals; they were computed"));
+            }
+            if repairs.without_area > 0 {
+                let count = repairs.without_area;
+                remark(quiet, format_args!("{file}: {count} triangles have no area; they were left out"));
+            }
+            Ok(Shape::Mesh(mesh))
+        }
+    }
+}
+
+fn read(file: &str, remedy: &str) -> Result<Vec<u8>> {
+    let failed = |error: std::io::Error| Error::failed(format_args!("cannot read {file}: {error}; {remedy}"));
+    let size = fs::metadata(file).map_err(failed)?.len();
+    if size > MAX_BYTES {
+        return Err(Error::failed(format_args!("{file}: longer than {} MiB, the limit", MAX_BYTES >> 20)));
+    }
+    fs::read(file).map_err(failed)
+}

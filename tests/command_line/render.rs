@@ -1,0 +1,329 @@
+//! `render`: pictures against what the light and the table say, and what cannot be rendered.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::io::Cursor;
+
+use exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, WritableImage};
+use glam::{DVec3, Vec3};
+use goniochrome::bins::DirectionBins;
+use goniochrome::table::ScatterLayout;
+use goniochrome_cli::scatter_table::{Energy, ScatterTable};
+use goniochrome_cli::table::MirrorTable;
+use goniochrome_cli::table_file::{self, Table};
+
+use crate::user::User;
+
+/// Largest difference of a pixel; single precision and a table of 90 angles leave 1e-6.
+const PIXEL: f32 = 1e-3;
+/// Noise of some ten thousand samples of a smooth lobe is a third of this.
+const ALBEDO: f64 = 0.01;
+
+struct Picture {
+    width: usize,
+    rgba: Vec<[f32; 4]>,
+}
+
+fn picture(user: &User, name: &str) -> Picture {
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |size, _| (size.0, vec![[0.0f32; 4]; size.0 * size.1]),
+            |image: &mut (usize, Vec<[f32; 4]>), at, (r, g, b, a): (f32, f32, f32, f32)| {
+                image.1[at.1 * image.0 + at.0] = [r, g, b, a];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(user.at(name))
+        .expect("a rendered EXR");
+    let (width, rgba) = image.layer_data.channel_data.pixels;
+    Picture { width, rgba }
+}
+
+fn environment(user: &User, name: &str, [width, height]: [usize; 2], of: impl Fn(usize, usize) -> [f32; 3] + Sync) {
+    let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
+        let [r, g, b] = of(at.0, at.1);
+        (r, g, b)
+    });
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_channels((width, height), channels).write().non_parallel().to_buffered(&mut bytes).unwrap();
+    user.write(name, bytes.into_inner());
+}
+
+/// ρ = 1 at every angle and wavelength.
+fn white(user: &User) {
+    let wavelength_nm: Vec<f64> = (0..=40).map(|i| 380.0 + 10.0 * f64::from(i)).collect();
+    let table = MirrorTable {
+        theta_deg: vec![0.0, 45.0, 89.0],
+        reflectance_s: vec![1.0; 3 * wavelength_nm.len()],
+        reflectance_p: vec![1.0; 3 * wavelength_nm.len()],
+        rgb: vec![[1.0; 3]; 3],
+        wavelength_nm,
+        ..MirrorTable::default()
+    };
+    table_file::write(&user.at("white.exr"), &table.into()).unwrap();
+}
+
+/// Directions of the pixels' middles from the eye, for the default field of view of 30 degrees.
+fn rays(azimuth_deg: f64, elevation_deg: f64, size: usize) -> (DVec3, Vec<DVec3>) {
+    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+    let back = DVec3::new(elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin());
+    let right = DVec3::Z.cross(back).normalize();
+    let up = back.cross(right);
+    let half = 15f64.to_radians();
+    let at = |i: usize| (2.0 * (i as f64 + 0.5) / size as f64 - 1.0) * half.tan();
+    let direction = |i: usize| (at(i % size) * right - at(i / size) * up - back).normalize();
+    (1.02 / half.sin() * back, (0..size * size).map(direction).collect())
+}
+
+/// The normal where a ray meets the unit sphere.
+fn on_sphere(eye: DVec3, direction: DVec3) -> Option<DVec3> {
+    let b = eye.dot(direction);
+    let root = (b * b - eye.length_squared() + 1.0).sqrt();
+    (!root.is_nan()).then(|| eye + (-b - root) * direction)
+}
+
+#[test]
+fn a_perfect_mirror_in_white_light_is_white() {
+    let user = User::new();
+    white(&user);
+    for (mesh, more) in [
+        ("teapot", "--samples 4"),
+        ("teapot", "--samples 4 --reflections 4 --spectral"),
+        ("sphere", "--samples 4"),
+        ("plane", "--samples 1"),
+    ] {
+        user.ok(&format!(
+            "render white.exr -o a.exr --env white --mesh {mesh} --size 160 --background transparent {more}"
+        ));
+        let covered: Vec<[f32; 4]> = picture(&user, "a.exr").rgba.into_iter().filter(|p| p[3] > 0.0).collect();
+        assert!(covered.len() > 160 * 160 / 10, "{mesh}: {}", covered.len());
+        for [r, g, b, a] in covered {
+            assert!([r, g, b].iter().all(|c| (c / a - 1.0).abs() <= PIXEL), "{mesh} {more}: {r} {g} {b} {a}");
+        }
+    }
+}
+
+#[test]
+fn a_mirror_sphere_shows_the_environment_that_its_directions_say() {
+    let user = User::new();
+    white(&user);
+    let size = [64, 32];
+    let texel = |x: usize, y: usize| {
+        [
+            0.5 + 0.5 * (TAU * x as f32 as f64 / 64.0).sin() as f32,
+            y as f32 / 16.0,
+            if (x, y) == (40, 9) { 20.0 } else { 0.1 },
+        ]
+    };
+    environment(&user, "e.exr", size, texel);
+    user.ok("render white.exr -o a.exr --env e.exr --mesh sphere --size 200 --samples 1 --background transparent --azimuth 25 --elevation 10");
+    let (eye, rays) = rays(25.0, 10.0, 200);
+    let found = picture(&user, "a.exr");
+    assert_eq!(found.width, 200);
+    let (mut sum, mut count) = (0.0, 0);
+    for (ray, pixel) in rays.into_iter().zip(found.rgba) {
+        let normal = on_sphere(eye, ray);
+        assert_eq!(normal.is_some(), pixel[3] > 0.0);
+        let Some(normal) = normal else { continue };
+        let wi = ray - 2.0 * ray.dot(normal) * normal;
+        let (u, v) = (0.5 - wi.y.atan2(wi.x) / TAU, wi.z.clamp(-1.0, 1.0).acos() / PI);
+        let (x, y) = (64.0 * u - 0.5, (32.0 * v - 0.5).clamp(0.0, 31.0));
+        for c in 0..3 {
+            let at = |i: f64, j: f64| f64::from(texel(i.rem_euclid(64.0) as usize, (j as usize).min(31))[c]);
+            let (i, j) = (x.floor(), y.floor());
+            let row = |j| at(i, j) + (x - i) * (at(i + 1.0, j) - at(i, j));
+            sum += (row(j) + (y - j) * (row(j + 1.0) - row(j)) - f64::from(pixel[c])).abs();
+            count += 1;
+        }
+    }
+    assert!(count > 3 * 20_000);
+    println!("mean absolute error {:.1e}", sum / f64::from(count));
+    assert!(sum / f64::from(count) <= f64::from(PIXEL));
+}
+
+#[test]
+fn a_sphere_in_white_light_has_the_tables_colours_also_by_wavelengths() {
+    let user = User::new();
+    for preset in ["paper-fig4", "soap-bubble"] {
+        user.ok(&format!("estimate {preset} -o t.exr --quiet"));
+        let Table::Mirror(table) = table_file::read(&user.at("t.exr")).unwrap() else { panic!("planar") };
+        let (eye, rays) = rays(-60.0, 24.0, 200);
+        for more in ["", "--spectral"] {
+            user.ok(&format!(
+                "render t.exr -o a.exr --env white --mesh sphere --size 200 --samples 1 --background transparent {more}"
+            ));
+            let mut worst = 0f32;
+            for (ray, pixel) in rays.iter().zip(picture(&user, "a.exr").rgba) {
+                let Some(normal) = on_sphere(eye, *ray) else { continue };
+                let expected = table.rgb_at((-ray.dot(normal)).clamp(0.0, 1.0).acos().to_degrees());
+                worst = (0..3).fold(worst, |worst, c| worst.max((expected[c] - pixel[c]).abs()));
+            }
+            println!("{preset} {more}: {worst:.1e}");
+            assert!(worst <= PIXEL, "{preset} {more}: {worst}");
+        }
+    }
+}
+
+/// A broad lobe around the mirror direction that reddens, f in 1/sr; not reciprocal, so that roles cannot be swapped unseen.
+fn lobes() -> ScatterTable {
+    let layout = ScatterLayout::new(6, 4, DirectionBins { cos: 8, phi: 16 }).unwrap();
+    let bins = layout.bins().count();
+    let rgb: Vec<[f32; 3]> = (0..layout.count())
+        .map(|pair| {
+            let ([theta, phi], [cos, turn]) = (layout.incident(pair / bins), layout.outgoing(pair % bins));
+            let lobe = (2.0 * (theta.cos() - cos)).powi(2) + (turn - PI).cos().mul_add(-0.6, 0.6);
+            let f = (0.05 + 0.5 * (-lobe).exp() * (1.0 + 0.3 * (phi + 0.4).sin())) as f32;
+            [f, 0.5 * f, 0.1 + 0.1 * theta as f32]
+        })
+        .collect();
+    ScatterTable {
+        wavelength_nm: vec![550.0],
+        brdf: rgb.iter().map(|rgb| rgb[1]).collect(),
+        luminance_error: vec![0.0; layout.count()],
+        energy: vec![Energy::default(); layout.incident_count()],
+        metadata: Default::default(),
+        layout,
+        rgb,
+    }
+}
+
+#[test]
+fn a_scattering_plane_reflects_what_its_table_integrates_to() {
+    let user = User::new();
+    let table = lobes();
+    table_file::write(&user.at("lobes.exr"), &table.clone().into()).unwrap();
+    environment(&user, "one.exr", [16, 8], |_, _| [1.0; 3]);
+    // Brighter on one side, so that the light's own sampling counts.
+    environment(&user, "side.exr", [16, 8], |x, y| [if (x, y) == (5, 2) { 30.0 } else { 0.5 }; 3]);
+    let values: Vec<f32> = table.rgb.iter().flatten().copied().collect();
+    let core = goniochrome::table::ScatterTable::new(&values, table.layout, 3).unwrap();
+    for elevation in [75.0, 30.0] {
+        let (sin, cos) = f64::to_radians(elevation).sin_cos();
+        let wo = Vec3::new(cos as f32, 0.0, sin as f32);
+        let (rows, columns) = (400, 800);
+        let mut albedo = [0.0; 3];
+        for i in 0..rows * columns {
+            let theta = ((i / columns) as f64 + 0.5) / rows as f64 * FRAC_PI_2;
+            let phi = ((i % columns) as f64 + 0.5) / columns as f64 * TAU;
+            let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+            let f = core.rgb(wi.as_vec3(), wo);
+            let share = theta.cos() * theta.sin() * (FRAC_PI_2 / rows as f64) * (TAU / columns as f64);
+            (0..3).for_each(|c| albedo[c] += share * f64::from(f[c]));
+        }
+        let mean = |env: &str, samples: u32| {
+            user.ok(&format!(
+                "render lobes.exr -o a.exr --env {env} --mesh plane --size 12 --fov 0.1 --distance 100 --samples {samples} --azimuth 0 --elevation {elevation}"
+            ));
+            let pixels = picture(&user, "a.exr").rgba;
+            let sum = |c: usize| pixels.iter().map(|p| f64::from(p[c])).sum::<f64>();
+            [0, 1, 2].map(|c| sum(c) / pixels.len() as f64)
+        };
+        for env in ["white", "one.exr"] {
+            let found = mean(env, 128);
+            let error = (0..3).map(|c| (found[c] / albedo[c] - 1.0).abs()).fold(0.0, f64::max);
+            println!("{elevation} {env}: {error:.1e}");
+            assert!(error <= ALBEDO, "{elevation} {env}: {found:?} {albedo:?}");
+        }
+        // Few and many samples have one mean: what the joined strategies leave out, or count twice, does not vanish.
+        let (few, many) = (mean("side.exr", 128), mean("side.exr", 1024));
+        assert!((0..3).all(|c| (few[c] / many[c] - 1.0).abs() <= ALBEDO), "{few:?} {many:?}");
+    }
+}
+
+#[test]
+fn pictures_do_not_depend_on_threads() {
+    let user = User::new();
+    table_file::write(&user.at("lobes.exr"), &lobes().into()).unwrap();
+    for name in ["a.exr", "a.png"] {
+        let drawn = |threads: u32| {
+            user.ok(&format!("render lobes.exr -o {name} --size 40x30 --samples 3 --reflections 2 --threads {threads} --tonemap filmic"));
+            user.read(name)
+        };
+        assert_eq!(drawn(1), drawn(3), "{name}");
+    }
+    assert!(user.read("a.png").starts_with(b"\x89PNG"));
+}
+
+const TRIANGLES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n";
+
+#[test]
+fn what_can_be_mended_is_mended_and_said() {
+    let user = User::new();
+    white(&user);
+    user.write("bare.obj", format!("{TRIANGLES}f 1 2 3\nf 1 2 4\n"));
+    let ran = user.ok("render white.exr -o a.png --mesh bare.obj --size 32 --samples 1");
+    assert_eq!(ran.stderr, "bare.obj: 2 triangles have no normals; they were computed\n");
+    user.write("flat.obj", format!("{TRIANGLES}f 1//1 2//1 3//1\nf 1//1 2//1 2//1\nf 1//1 1//1 1//1\n"));
+    let ran = user.ok("render white.exr -o a.png --mesh flat.obj --size 32 --samples 1");
+    assert_eq!(ran.stderr, "flat.obj: 2 triangles have no area; they were left out\n");
+    environment(&user, "odd.exr", [4, 2], |x, _| [[1.0, -1.0, f32::NAN, f32::INFINITY][x], 1.0, 1.0]);
+    let ran = user.ok("render white.exr -o a.png --env odd.exr --size 32 --samples 1");
+    assert_eq!(
+        ran.stderr,
+        "odd.exr: components of the environment: 2 negative, now 0; 2 not numbers, now 0; 2 infinite, now 65504\n"
+    );
+    let ran = user.ok("render white.exr -o a.png --size 32 --distance 0.01 --mesh plane --samples 1 --elevation 0");
+    assert!(ran.stderr.contains("the body is not in the picture"), "{}", ran.stderr);
+}
+
+#[test]
+fn what_cannot_be_rendered_is_refused() {
+    let user = User::new();
+    white(&user);
+    environment(&user, "night.exr", [4, 2], |_, _| [0.0; 3]);
+    environment(&user, "square.exr", [4, 4], |_, _| [1.0; 3]);
+    environment(&user, "good.exr", [32, 16], |x, _| [x as f32; 3]);
+    let good = user.read("good.exr");
+    user.write("cut.exr", &good[..good.len() / 2]);
+    user.write("text.hdr", "no light");
+    user.write("cut.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n");
+    user.write("empty.obj", "v 0 0 0\n");
+    user.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    user.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    user.write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    user.write("back.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/-9/-9 2/1/1 3/1/1\n");
+    user.write("word.obj", "v 0 0 0\nv 1 0 x\n");
+    for (options, code, says) in [
+        ("-o a.jpg", 2, ".exr or .png"),
+        ("-o a.png --size 0", 2, "--size 0x0"),
+        ("-o a.png --size 0x9", 2, "--size 0x9"),
+        ("-o a.png --size 16384x16384", 2, "more than"),
+        ("-o a.png --size big", 2, "expected a number of pixels"),
+        ("-o a.png --fov 180", 2, "--fov 180"),
+        ("-o a.png --exposure inf", 2, "--exposure inf"),
+        ("-o a.png --background pink", 2, "expected environment"),
+        ("-o nowhere/a.png", 1, "does not exist"),
+        ("-o white.exr", 2, "would overwrite the input"),
+        ("-o good.exr --env good.exr", 2, "would overwrite the input"),
+        ("-o a.png --env none.exr", 1, "cannot read none.exr"),
+        ("-o a.png --env night.exr", 1, "night.exr: every texel of the environment is black"),
+        ("-o a.png --env square.exr", 1, "square.exr: 4 × 4 texels are no lat-long image"),
+        ("-o a.png --env cut.exr", 1, "cut.exr: not a readable EXR file"),
+        ("-o a.png --env text.hdr", 1, "neither OpenEXR nor Radiance HDR"),
+        ("-o a.png --env cut.hdr", 1, "not a readable Radiance HDR file"),
+        ("-o a.png --env white.exr", 1, "a BRDF table, where an environment is expected"),
+        ("-o a.png --mesh none.obj", 1, "cannot read none.obj"),
+        ("-o a.png --mesh empty.obj", 1, "empty.obj: the mesh has no faces"),
+        ("-o a.png --mesh line.obj", 1, "line.obj: no triangle of the mesh has an area"),
+        ("-o a.png --mesh nan.obj", 1, "nan.obj: a vertex has a coordinate that is not finite"),
+        ("-o a.png --mesh far.obj", 1, "far.obj: face vertex index out of bounds"),
+        ("-o a.png --mesh back.obj", 1, "back.obj: face texcoord index out of bounds"),
+        ("-o a.png --mesh word.obj", 1, "at or before line 2"),
+    ] {
+        user.refused(&format!("render white.exr {options}"), code, &[says]);
+    }
+    user.refused("render good.exr -o a.png", 1, &["good.exr", "not a goniochrome table"]);
+    let black = MirrorTable {
+        theta_deg: vec![0.0, 80.0],
+        wavelength_nm: vec![500.0],
+        reflectance_s: vec![0.0; 2],
+        reflectance_p: vec![0.0; 2],
+        rgb: vec![[0.0; 3]; 2],
+        ..MirrorTable::default()
+    };
+    table_file::write(&user.at("black.exr"), &black.into()).unwrap();
+    user.refused("render black.exr -o a.png", 1, &["black.exr: the table reflects nothing"]);
+    user.refused("render black.exr -o a.png --spectral", 1, &["black.exr: 1 wavelengths cannot tell"]);
+}
