@@ -199,8 +199,8 @@ class Renderer {
     const { gl, programs } = this;
     const [width, height] = this.size;
     const seen = camera.at(width, height);
-    // Roberts' R2 sequence; the first point is the middle of the pixel.
-    const within = [0.7548776662466927, 0.5698402909980532].map((step) => (0.5 + this.drawn * step) % 1);
+    // The first two numbers of Roberts' R4 sequence; the shader takes the others. The first point is the middle of the pixel.
+    const within = [0.8566748838545029, 0.733891856627126].map((step) => (0.5 + this.drawn * step) % 1);
     const jitter = [(1 - 2 * within[0]) / width, (1 - 2 * within[1]) / height];
     gl.viewport(0, 0, width, height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[0].buffer);

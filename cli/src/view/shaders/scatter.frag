@@ -19,10 +19,11 @@ uvec2 hashed(uvec2 v) { // PCG 2D (Jarzynski and Olano, JCGT 2020)
     return v ^ (v >> 16u);
 }
 
-// A point of Roberts' R2 sequence, shifted by a number of the pixel's own.
-vec2 uniformly(uint n, uint pair) {
-    uvec2 shift = hashed(uvec2(gl_FragCoord.xy) + pair * uvec2(0x9e37u, 0x79b9u));
-    return vec2(shift + n * uvec2(3242174889u, 2447445413u)) / 4294967296.0;
+// The last two of the four numbers of Roberts' R4 sequence, of which the first two place the ray in its pixel, shifted by
+// numbers of the pixel's own.
+vec2 uniformly(uint n) {
+    uvec2 shift = hashed(uvec2(gl_FragCoord.xy));
+    return vec2(shift + n * uvec2(2700274805u, 2313257605u)) / 4294967296.0;
 }
 
 float polar(vec3 w) { return atan(length(w.xy), w.z); }
@@ -139,9 +140,12 @@ void main() {
     vec3 sum = vec3(0.0);
     for (int draw = 0; draw < draws; ++draw) {
         uint number = sampleIndex * uint(draws) + uint(draw);
-        vec2 u = uniformly(number, 1u);
+        vec2 u = uniformly(number);
         vec3 wi;
-        if (uniformly(number, 2u).x < BY_COSINE) {
+        // The first number chooses, and what is left of it is uniform again.
+        bool byCosine = u.x < BY_COSINE;
+        u.x = byCosine ? u.x / BY_COSINE : (u.x - BY_COSINE) / (1.0 - BY_COSINE);
+        if (byCosine) {
             wi = vec3(sqrt(u.x) * vec2(cos(TAU * u.y), sin(TAU * u.y)), sqrt(max(1.0 - u.x, 1e-12)));
         } else {
             wi = fromTable(wo, mixture, u);
