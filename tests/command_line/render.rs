@@ -264,7 +264,7 @@ fn what_can_be_mended_is_mended_and_said() {
         ran.stderr,
         "odd.exr: components of the environment: 2 negative, now 0; 2 not numbers, now 0; 2 infinite, now 65504\n"
     );
-    let ran = user.ok("render white.exr -o a.png --size 32 --distance 0.01 --mesh plane --samples 1 --elevation 0");
+    let ran = user.ok("render white.exr -o a.png --size 32 --distance 5 --mesh plane --samples 1 --elevation 0");
     assert!(ran.stderr.contains("the body is not in the picture"), "{}", ran.stderr);
 }
 
