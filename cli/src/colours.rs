@@ -1,7 +1,12 @@
 //! Spectra to colours.
 
+use std::collections::BTreeMap;
+
+use clap::ValueEnum;
+use glam::{DMat3, DVec3};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM, xyz, xyz_weights};
 
+use crate::args::SpaceArg;
 use crate::error::{Error, Result};
 use crate::estimate::Spectra;
 
@@ -42,6 +47,38 @@ pub fn colours(
         Colour { xyz, rgb: space.from_xyz(xyz) }
     };
     Ok((0..spectra.theta_deg.len()).map(colour).collect())
+}
+
+/// The light that a table's colours were made for.
+#[must_use]
+pub fn illuminant_of(metadata: &BTreeMap<String, String>) -> Illuminant {
+    match metadata.get("illuminant").map(String::as_str) {
+        Some("E") => Illuminant::E,
+        _ => Illuminant::D65,
+    }
+}
+
+/// The space in which a screen takes a table's colours: linear sRGB, except that the paper's matrix is its own display.
+#[must_use]
+pub fn screen_space(metadata: &BTreeMap<String, String>) -> RgbSpace {
+    if space_of(metadata) == RgbSpace::Paper { RgbSpace::Paper } else { RgbSpace::Srgb }
+}
+
+/// A table's colours as a screen takes them.
+#[must_use]
+pub fn screen_rgb(metadata: &BTreeMap<String, String>, rgb: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let (from, to) = (space_of(metadata), screen_space(metadata));
+    if from == to {
+        return rgb.to_vec();
+    }
+    let matrix = |space: RgbSpace| DMat3::from_cols_array_2d(&space.matrix()).transpose();
+    let convert = matrix(to) * matrix(from).inverse();
+    rgb.iter().map(|&rgb| (convert * DVec3::from_array(rgb.map(f64::from))).to_array().map(|c| c as f32)).collect()
+}
+
+fn space_of(metadata: &BTreeMap<String, String>) -> RgbSpace {
+    let named = metadata.get("colour_space").map_or("", String::as_str);
+    SpaceArg::from_str(named, true).map_or(RgbSpace::Srgb, RgbSpace::from)
 }
 
 /// Weights of XYZ for each wavelength.

@@ -25,3 +25,4 @@ pub mod scatter_table;
 pub mod scene;
 pub mod table;
 pub mod table_file;
+pub mod view;

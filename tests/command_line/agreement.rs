@@ -62,7 +62,7 @@ fn compare_finds_no_difference() {
     let user = User::new();
     for scene in SCENES.into_iter().chain(["paper-fig3", "paper-fig6-3000"]) {
         for method in ["trace", "hits"] {
-            let ran = user.ok(&format!("compare {scene} --theta 0:85:5 --method {method} -o compare.svg"));
+            let ran = user.ok(&format!("compare {scene} --theta 0:85:5 --method {method} --plot compare.svg"));
             let [closed, traced] = ["R_closed_form", "R_ray_tracing"].map(|name| column(&ran.stdout, name));
             assert!(largest_difference(&closed, &traced) <= COMPARED, "{scene}");
             let said = ran.stderr.trim().rsplit(' ').next().and_then(|number| number.parse::<f64>().ok());

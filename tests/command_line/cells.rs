@@ -97,6 +97,30 @@ fn light_takes_both_ways_alike() {
 }
 
 #[test]
+fn every_kind_of_picture_shows_a_cell() {
+    let user = user();
+    user.ok("estimate bumps.toml -o t.exr --incident 2x2 --bins 4x8 --rays 64 --wavelengths 450:650:50 -q");
+    for (kind, says) in [
+        ("disc", ["light from θ = 30°, φ = 0°", "angle from the normal θ"]),
+        ("lobes --theta 20", ["light at 20°", "Luminance of f cos θ (1/sr)"]),
+        ("spectrum --theta 20 --phi 30", ["θ 20° → 20°", "light from φ = 30° towards φ = 210°"]),
+        ("spectrum --theta 20 --theta-out 5 --phi-out 90", ["θ 20° → 5°", "BRDF f (1/sr)"]),
+        ("map --phi 30", ["Angle of incidence (°)", "light at φ = 30°"]),
+        ("chromaticity --theta 0,70", ["CIE 1931 x", "70°"]),
+    ] {
+        user.ok(&format!("plot t.exr --kind {kind} -o a.svg"));
+        let svg = String::from_utf8(user.read("a.svg")).expect("text");
+        for text in says {
+            assert!(svg.contains(text), "{kind}: {text} is missing");
+        }
+    }
+    user.refused("plot t.exr --kind spectrum --theta-out 90 -o b.svg", 2, &["--theta-out 90", "[0, 90)"]);
+    user.refused("plot t.exr --kind disc --theta-out 9 -o b.svg", 2, &["--theta-out", "leave them out"]);
+    user.ok("estimate bumps.toml -o one.exr --incident 2x2 --bins 4x8 --rays 64 --wavelengths 550 -q");
+    user.refused("plot one.exr --kind map -o b.svg", 2, &["--kind map", "one wavelength"]);
+}
+
+#[test]
 fn options_that_do_not_apply_are_refused() {
     let user = user();
     for (line, says) in [

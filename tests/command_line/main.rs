@@ -13,3 +13,4 @@ mod scenes;
 mod tables;
 mod usage;
 mod user;
+mod view;

@@ -125,7 +125,7 @@ fn tables_become_pictures() {
     let user = User::new();
     for name in names() {
         user.ok(&format!("estimate {name} -o t.exr --quiet"));
-        let drawn = ["disc -o disc.png", "map -o map.png", "spectrum -o spectrum.svg"];
+        let drawn = ["disc -o disc.png", "map -o map.png", "chromaticity -o path.png", "spectrum -o spectrum.svg"];
         for line in drawn {
             let ran = user.ok(&format!("plot t.exr --kind {line}"));
             assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""), "{name} {line}");

@@ -23,10 +23,18 @@ fn what_is_no_table_is_refused_with_the_remedy() {
         ("empty.exr", "not a readable EXR file"),
         ("photo.exr", "not a goniochrome table"),
     ] {
-        for kind in ["disc", "spectrum", "map"] {
+        for kind in ["disc", "spectrum", "map", "chromaticity"] {
             user.refused(&format!("plot {table} --kind {kind} -o a.png"), 1, &[table, says, REMEDY]);
         }
     }
+}
+
+#[test]
+fn pictures_of_cells_are_refused_for_planes() {
+    let user = User::new();
+    user.ok("estimate paper-fig4 -o t.exr --angles 8 --wavelengths 400:700:20 --quiet");
+    user.refused("plot t.exr --kind lobes -o a.png", 2, &["t.exr", "no lobes", "chromaticity"]);
+    user.refused("plot t.exr --kind spectrum --phi-out 3 -o a.png", 2, &["t.exr", "--phi-out", "leave them out"]);
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn wrong_extensions_are_refused_before_anything_is_read() {
 fn help_and_version_are_no_errors() {
     let user = User::new();
     let help = user.ok("--help");
-    for command in ["presets", "spectrum", "colour", "estimate", "compare", "sampling", "plot", "figures"] {
+    for command in ["presets", "spectrum", "colour", "estimate", "compare", "sampling", "plot", "view", "figures"] {
         assert!(help.stdout.contains(command), "{command}");
         assert!(user.ok(&format!("{command} --help")).stdout.contains("Usage: goniochrome"));
     }

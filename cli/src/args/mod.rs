@@ -1,6 +1,8 @@
 //! The command line.
 
+mod plot;
 mod render;
+mod view;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -16,7 +18,9 @@ use crate::grid::{Angles, Wavelengths};
 use crate::parallel;
 use crate::scatter::Coherence;
 
+pub use plot::{PlotArgs, PlotKind};
 pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
+pub use view::PageArgs;
 
 /// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
 #[derive(Debug, Parser)]
@@ -55,10 +59,12 @@ pub enum Command {
     Compare(CompareArgs),
     /// Colour error against the number of wavelengths (the paper's figure 6)
     Sampling(SamplingArgs),
-    /// A picture of a table: BRDF disc, spectra, map
+    /// A picture of a table: BRDF disc, lobes, spectra, map, path of the colour
     Plot(PlotArgs),
     /// A lit body with the table as its surface: teapot, sphere, plane or any OBJ
     Render(Box<RenderArgs>),
+    /// A page that turns a surface in light: teapot, sphere or plane, with spectra under the pointer
+    View(PageArgs),
     /// Every figure of the paper, with a page that explains them
     Figures(FiguresArgs),
 }
@@ -316,7 +322,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub csv: PathBuf,
     /// A picture of both and their difference (.png or .svg)
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, visible_alias = "plot", value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// How to compute; the method is that of the ray tracer
     #[command(flatten)]
@@ -355,26 +361,6 @@ pub struct SamplingArgs {
     pub computing: Computing,
 }
 
-/// Arguments of `plot`.
-#[derive(Debug, Args)]
-pub struct PlotArgs {
-    /// A table made by `estimate`
-    pub table: PathBuf,
-    /// The picture (.png or .svg)
-    #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
-    /// What to draw
-    #[arg(long, value_enum, default_value_t = PlotKind::Disc)]
-    pub kind: PlotKind,
-    /// Angles of incidence: of spectra, the nearest of the table's [default: 0,45,75]; of lobes [default: 15,45,75]; of the
-    /// disc of a cell, one [default: 30]
-    #[arg(long, allow_hyphen_values = true)]
-    pub theta: Option<Angles>,
-    /// Cells: azimuth of the light in degrees
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    pub phi: f64,
-}
-
 /// Arguments of `figures`.
 #[derive(Debug, Args)]
 pub struct FiguresArgs {
@@ -387,19 +373,6 @@ pub struct FiguresArgs {
     /// No progress and no remarks on standard error
     #[arg(long, short)]
     pub quiet: bool,
-}
-
-/// What `plot` draws.
-#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
-pub enum PlotKind {
-    /// The BRDF disc of figures 3 and 4: radius θ, angle φ; of cells, where the light of one direction goes
-    Disc,
-    /// Cells: f cos θ in the plane of incidence
-    Lobes,
-    /// Reflectance against wavelength at chosen angles: s, p, mean
-    Spectrum,
-    /// Mean reflectance over angle and wavelength
-    Map,
 }
 
 /// `--model`.

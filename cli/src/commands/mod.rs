@@ -1,5 +1,6 @@
 //! One file per command: arguments in, files out.
 
+mod cell_plots;
 mod colour;
 mod compare;
 mod estimate;
@@ -13,6 +14,7 @@ mod sampling;
 mod scatter;
 mod spectrum;
 mod teapots;
+mod view;
 
 use std::path::Path;
 
@@ -44,6 +46,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),
         Command::Render(args) => render::run(args),
+        Command::View(args) => view::run(args),
         Command::Figures(args) => figures::run(args),
     }
 }

@@ -1,6 +1,7 @@
 //! Pictures: every chart is written once as SVG, and its PNG is drawn from that SVG with the bundled font.
 
 mod axis;
+mod chromaticity;
 mod compare;
 mod disc;
 mod encode;
@@ -20,6 +21,7 @@ use resvg::usvg::{Options, Tree, fontdb};
 use crate::error::{Error, Result};
 use svg::Canvas;
 
+pub use chromaticity::{ColourAt, chromaticity, xy};
 pub use compare::{Profile, side_by_side};
 pub use disc::{Disc, Mark, disc, disc_grid, marked_disc};
 pub use encode::{grey, hex, srgb8, wavelength_colour};

@@ -125,6 +125,12 @@ impl Canvas {
         ));
     }
 
+    /// A filled circle.
+    pub(super) fn dot(&mut self, centre: (f64, f64), radius: f64, fill: &str) {
+        let [x, y, radius] = [centre.0, centre.1, radius].map(number);
+        self.element(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{}\"/>", escape(fill)));
+    }
+
     /// A filled box with square corners.
     pub(super) fn block(&mut self, place: Place, fill: &str) {
         self.element(format_args!("<rect {place} fill=\"{}\"/>", escape(fill)));

@@ -1,0 +1,94 @@
+//! Spectra of tables of scattering cells: between two directions, and of all reflected light together.
+
+use goniochrome::colour::{Quadrature, xyz};
+
+use crate::args::PlotArgs;
+use crate::colours::{illuminant_of, visible_weights};
+use crate::error::{Error, Result};
+use crate::picture::{ColourAt, HeatAxis, LineOptions, PALETTE, Picture, Series, chromaticity, heat_map, line_chart};
+use crate::scatter_table::ScatterTable;
+
+/// Steps of θ that maps and paths are drawn with; tables hold a dozen rows, linear in between.
+const STEPS: u32 = 90;
+
+/// f against the wavelength, one curve for each angle of the light.
+pub fn spectra(table: &ScatterTable, name: &str, theta_deg: &[f64], args: &PlotArgs) -> Result<Picture> {
+    let (phi, phi_out) = (args.phi, args.phi_out.unwrap_or(args.phi + 180.0));
+    if !phi_out.is_finite() {
+        return Err(Error::usage(format_args!("--phi-out {phi_out}: the azimuth must be finite")));
+    }
+    if let Some(theta) = args.theta_out.filter(|theta| !(0.0..90.0).contains(theta)) {
+        return Err(Error::usage(format_args!("--theta-out {theta}: the angle must lie in [0, 90) degrees")));
+    }
+    let series: Vec<Series> = theta_deg
+        .iter()
+        .zip(PALETTE.iter().cycle())
+        .map(|(&theta, colour)| {
+            let theta_out = args.theta_out.unwrap_or(theta);
+            let f = between(table, [theta, phi], [theta_out, phi_out]);
+            Series {
+                label: format!("θ {theta}° → {theta_out}°"),
+                colour: (*colour).to_owned(),
+                points: table.wavelength_nm.iter().copied().zip(f).collect(),
+                dashed: false,
+            }
+        })
+        .collect();
+    let title = format!("{name}: light from φ = {phi}° towards φ = {}°", phi_out.rem_euclid(360.0));
+    Ok(line_chart(&title, "Wavelength (nm)", "BRDF f (1/sr)", &series, LineOptions::default()))
+}
+
+/// f at each wavelength between two directions, (θ, φ) in degrees, interpolated as the core does.
+fn between(table: &ScatterTable, light: [f64; 2], viewer: [f64; 2]) -> Vec<f64> {
+    let [theta, phi, theta_out, phi_out] =
+        [light[0], light[1], viewer[0], viewer[1]].map(|degrees| degrees.to_radians() as f32);
+    let incident = table.layout.incident_nodes(theta, phi);
+    let outgoing = table.layout.outgoing_nodes(theta_out.cos(), phi_out - phi);
+    (0..table.wavelength_nm.len())
+        .map(|w| {
+            let share = |i: usize| -> f32 { outgoing.iter().map(|o| o.weight * table.row(i, w)[o.index]).sum() };
+            f64::from(incident.iter().map(|i| i.weight * share(i.index)).sum::<f32>())
+        })
+        .collect()
+}
+
+/// The share of the light from (θ, φ) that is reflected in all directions together, at each wavelength.
+fn reflected(table: &ScatterTable, theta_deg: f64, phi_deg: f64) -> Vec<f64> {
+    let bins = table.layout.bins();
+    let nodes = table.layout.incident_nodes(theta_deg.to_radians() as f32, phi_deg.to_radians() as f32);
+    let sum = |incident: usize, w: usize| -> f64 {
+        let row = table.row(incident, w).iter().enumerate();
+        row.map(|(bin, &f)| f64::from(f) * bins.projected_solid_angle(bin)).sum()
+    };
+    (0..table.wavelength_nm.len())
+        .map(|w| nodes.iter().filter(|n| n.weight > 0.0).map(|n| f64::from(n.weight) * sum(n.index, w)).sum())
+        .collect()
+}
+
+/// What is reflected in all directions together, over angle and wavelength.
+pub fn map(table: &ScatterTable, name: &str, phi_deg: f64) -> Result<Picture> {
+    if table.wavelength_nm.len() < 2 {
+        return Err(Error::usage("--kind map: the table has one wavelength; a map needs two or more"));
+    }
+    let theta: Vec<f64> = (0..=STEPS).map(f64::from).collect();
+    let values: Vec<f64> = theta.iter().flat_map(|&theta| reflected(table, theta, phi_deg)).collect();
+    Ok(heat_map(
+        &format!("{name}: reflected in all directions, light at φ = {phi_deg}°"),
+        HeatAxis { label: "Wavelength (nm)", coordinates: &table.wavelength_nm },
+        HeatAxis { label: "Angle of incidence (°)", coordinates: &theta },
+        &values,
+        "Albedo",
+        None,
+    ))
+}
+
+/// The path of the colour of all reflected light together.
+pub fn path(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
+    let light = illuminant_of(&table.metadata);
+    let weights = visible_weights(&table.wavelength_nm, light, Quadrature::Interpolated)?;
+    let at = |theta_deg: f64| ColourAt { theta_deg, xyz: xyz(&weights, reflected(table, theta_deg, phi_deg)) };
+    let path: Vec<_> = (0..STEPS).map(|theta| at(f64::from(theta))).collect();
+    let marked: Vec<_> = theta_deg.iter().map(|&theta| at(theta)).collect();
+    let title = format!("{name}: colour of all reflected light over the angle of incidence, φ = {phi_deg}°");
+    Ok(chromaticity(&title, light, &path, &marked))
+}

@@ -1,0 +1,145 @@
+//! The page that turns a surface in light: one file, nothing from the network.
+//!
+//! `page/` holds what a browser runs, in plain HTML, CSS and JavaScript, `shaders/` what its GPU runs; this module puts them
+//! together with a table, meshes and lights. The page follows `render`: the same meshes, camera, lights, frames and gamut.
+
+mod pack;
+mod shape;
+mod table;
+
+use serde_json::{Value, json};
+
+use crate::error::{Error, Result};
+use crate::picture::escape;
+use crate::render::camera::View;
+use crate::render::studio::{CEILING, FLOOR, HORIZON, SOFT_BOXES};
+use crate::table_file::Table;
+
+/// Bytes of a page: beyond, phones give up.
+pub const MOST_BYTES: usize = 48 << 20;
+
+/// The page's program, in the order in which its parts need each other.
+const SCRIPTS: [&str; 10] = [
+    include_str!("page/basics.js"),
+    include_str!("page/colour.js"),
+    include_str!("page/table.js"),
+    include_str!("page/shape.js"),
+    include_str!("page/camera.js"),
+    include_str!("page/exr.js"),
+    include_str!("page/images.js"),
+    include_str!("page/renderer.js"),
+    include_str!("page/charts.js"),
+    include_str!("page/main.js"),
+];
+
+/// What the GPU runs; `common` stands before each of the fragment shaders.
+const SHADERS: [(&str, &str); 10] = [
+    ("surface", include_str!("shaders/surface.vert")),
+    ("screen", include_str!("shaders/screen.vert")),
+    ("common", include_str!("shaders/common.glsl")),
+    ("light", include_str!("shaders/light.glsl")),
+    ("frame", include_str!("shaders/frame.glsl")),
+    ("mirror", include_str!("shaders/mirror.frag")),
+    ("scatter", include_str!("shaders/scatter.frag")),
+    ("background", include_str!("shaders/background.frag")),
+    ("add", include_str!("shaders/add.frag")),
+    ("display", include_str!("shaders/display.frag")),
+];
+
+/// The page for a table.
+///
+/// # Errors
+/// If the table is damaged, or too large for a page.
+pub fn page(table: &Table) -> Result<String> {
+    table.check()?;
+    let scatters = matches!(table, Table::Scatter(_));
+    let shaders: serde_json::Map<String, Value> =
+        SHADERS.into_iter().map(|(name, text)| (name.to_owned(), text.into())).collect();
+    let data = json!({
+        "table": table::packed(table)?,
+        "shapes": shape::packed(scatters),
+        "studio": studio(),
+        "view": view(),
+        "shaders": shaders,
+    });
+    let html = include_str!("page/page.html")
+        .replace("{{name}}", &escape(table.name()))
+        .replace("{{version}}", env!("CARGO_PKG_VERSION"))
+        .replace("{{style}}", include_str!("page/style.css"))
+        // No text of a table can end the script that holds it.
+        .replace("{{data}}", &data.to_string().replace('<', "\\u003c"))
+        .replace("{{script}}", &SCRIPTS.concat());
+    if html.len() > MOST_BYTES {
+        return Err(Error::failed(format_args!(
+            "the page would have {} MB, more than the {} that browsers open with ease; estimate a table of fewer directions or \
+             wavelengths",
+            html.len() >> 20,
+            MOST_BYTES >> 20
+        )));
+    }
+    Ok(html)
+}
+
+/// The numbers of [`crate::render::studio`].
+fn studio() -> Value {
+    let lamps: Vec<Value> = SOFT_BOXES
+        .iter()
+        .map(|lamp| {
+            let [towards, right, up] = lamp.axes().map(|axis| axis.to_array());
+            json!({
+                "towards": towards, "right": right, "up": up,
+                "halfExtent": lamp.half_extent, "softness": lamp.softness, "radiance": lamp.radiance,
+            })
+        })
+        .collect();
+    json!({ "ceiling": CEILING, "horizon": HORIZON, "floor": FLOOR, "lamps": lamps })
+}
+
+/// Where the camera begins.
+fn view() -> Value {
+    let View { azimuth_deg, elevation_deg, field_of_view_deg, .. } = View::default();
+    json!({ "azimuth": azimuth_deg, "elevation": elevation_deg, "fieldOfView": field_of_view_deg })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A page of a 2D table is small enough to send by mail.
+    const MOST_BYTES_2D: usize = 2_000_000;
+
+    fn mirror() -> Table {
+        let mut table = crate::table::tests::sample();
+        table.metadata.insert("scene".into(), "</script><b>\"films\" & {{data}}".into());
+        table.into()
+    }
+
+    #[test]
+    fn a_page_is_one_small_file_that_needs_no_network() {
+        for table in [mirror(), crate::scatter_table::tests::sample().into()] {
+            let html = page(&table).unwrap();
+            assert!(html.len() < MOST_BYTES_2D, "{}", html.len());
+            // A place in the page itself is no address.
+            let html = html.replace("url(#", "");
+            for part in ["http:", "https:", "src=\"", "@import", "url(", "{{name}}", "{{style}}", "{{script}}"] {
+                assert!(!html.contains(part), "{part}");
+            }
+            assert!(html.contains("default-src 'none'"));
+            assert_eq!(html.matches("<script").count(), html.matches("</script>").count());
+        }
+    }
+
+    #[test]
+    fn names_of_scenes_stay_text() {
+        let html = page(&mirror()).unwrap();
+        assert!(html.contains("<title>&lt;/script&gt;&lt;b&gt;"));
+        assert!(!html.contains("</script><b>"));
+    }
+
+    #[test]
+    fn damaged_tables_are_refused() {
+        let mut table = crate::table::tests::sample();
+        table.rgb[0][0] = f32::NAN;
+        assert!(page(&table.into()).unwrap_err().to_string().contains("is not finite"));
+    }
+}

@@ -1,0 +1,55 @@
+// A camera in orbit around the unit sphere, as `render` has it: azimuth around z, elevation above the horizon.
+
+const MARGIN = 1.02;
+
+class Camera {
+  constructor(view) {
+    this.start = view;
+    this.fieldOfView = view.fieldOfView;
+    this.reset();
+  }
+
+  reset() {
+    [this.azimuth, this.elevation, this.zoom] = [this.start.azimuth, this.start.elevation, 1];
+  }
+
+  orbit(right, up) {
+    this.azimuth = ((((this.azimuth - right + 180) % 360) + 360) % 360) - 180;
+    this.elevation = clamp(this.elevation - up, -89.9, 89.9);
+  }
+
+  /** The distance that fits the body into the picture, divided by `zoom`. */
+  zoomBy(factor) {
+    this.zoom = clamp(this.zoom * factor, 0.4, 4);
+  }
+
+  /** Eye and axes for a picture of a size. */
+  at(width, height) {
+    const [azimuth, elevation] = [radians(this.azimuth), radians(this.elevation)];
+    const backward = [
+      Math.cos(elevation) * Math.cos(azimuth),
+      Math.cos(elevation) * Math.sin(azimuth),
+      Math.sin(elevation),
+    ];
+    const right = [-Math.sin(azimuth), Math.cos(azimuth), 0];
+    const half = radians(this.fieldOfView) / 2;
+    const distance = Math.max(MARGIN / Math.sin(half) / this.zoom, 1.05);
+    const scale = Math.min(width, height) / Math.tan(half);
+    return {
+      eye: times(backward, distance),
+      right,
+      up: cross(backward, right),
+      backward,
+      distance,
+      /** Pixels from the middle, of a direction one unit aside for one forward, over half the picture. */
+      scale: [scale / width, scale / height],
+    };
+  }
+
+  /** Origin and direction of the ray through a place of the picture, from −1 to 1 to the right and up. */
+  ray(x, y, width, height) {
+    const { eye, right, up, backward, scale } = this.at(width, height);
+    const aside = plus(times(right, x / scale[0]), up, y / scale[1]);
+    return { origin: eye, direction: unit(plus(aside, backward, -1)) };
+  }
+}

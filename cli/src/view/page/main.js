@@ -1,0 +1,344 @@
+// The page: what the visitor does, and what follows.
+
+const $ = (id) => document.getElementById(id);
+const data = JSON.parse($("data").textContent);
+const table = data.table.kind === "mirror" ? new MirrorTable(data.table) : new ScatterTable(data.table);
+data.shapes = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, new Shape(shape)]));
+const camera = new Camera(data.view);
+const stage = $("stage");
+const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false };
+/** What is read: a place of the stage, from −1 to 1, or a direction of the disc. */
+let pointed = { x: 0, y: 0 };
+let reading = { theta: 0, phi: 0 };
+let renderer = null;
+let waiting = false;
+
+const chart = new SpectrumChart($("spectrum"), table);
+const disc = new Disc($("disc"), $("disc-marks"), table);
+
+// ---- drawing
+
+/** While the visitor turns the body, pictures are small enough to follow the hand; at rest they have every pixel. */
+const AT_REST = 600;
+const hand = { moved: -Infinity, scale: 1, timer: 0, frame: 0 };
+
+function size(scale = 1) {
+  const dense = Math.min(window.devicePixelRatio || 1, 2) * scale;
+  return [Math.max(1, Math.round(stage.clientWidth * dense)), Math.max(1, Math.round(stage.clientHeight * dense))];
+}
+
+/** Milliseconds from one picture to the next tell how large pictures may be. */
+function adapt(took) {
+  if (took > 90) hand.scale = Math.max(0.2, 0.75 * hand.scale);
+  else if (took < 30) hand.scale = Math.min(1, 1.1 * hand.scale);
+}
+
+function redraw(anew = true) {
+  if (!renderer) return;
+  if (anew) renderer.restart();
+  if (!waiting) {
+    waiting = true;
+    requestAnimationFrame(frame);
+  }
+}
+
+function frame(now) {
+  waiting = false;
+  if (!renderer || renderer.gl.isContextLost()) return;
+  const moving = now - hand.moved < AT_REST;
+  if (moving && now - hand.frame < 2000) adapt(now - hand.frame);
+  hand.frame = now;
+  renderer.resize(...size(moving ? hand.scale : 1));
+  const more = renderer.advance(state, camera);
+  stage.dataset.drawn = renderer.drawn;
+  if (more) redraw(false);
+}
+
+function changed() {
+  hand.moved = performance.now();
+  clearTimeout(hand.timer);
+  hand.timer = setTimeout(() => redraw(false), AT_REST + 50);
+  redraw();
+  read();
+  keepAddress();
+}
+
+function start() {
+  try {
+    renderer = new Renderer(stage, data, table);
+    if (image) renderer.setImage(image);
+    $("missing").hidden = true;
+    stage.hidden = false;
+  } catch (error) {
+    renderer = null;
+    stage.hidden = true;
+    $("missing").hidden = false;
+    $("reason").textContent = `${error.message}.`;
+    for (const control of document.querySelectorAll(".needs-stage")) control.disabled = true;
+  }
+}
+
+stage.addEventListener("webglcontextlost", (event) => event.preventDefault());
+stage.addEventListener("webglcontextrestored", () => { start(); redraw(); });
+new ResizeObserver(() => { redraw(); read(); }).observe(stage);
+
+// ---- reading the surface
+
+function read() {
+  if (pointed.theta !== undefined) {
+    $("crosshair").hidden = true;
+    reading = { theta: pointed.theta, phi: pointed.phi };
+  } else {
+    const [width, height] = [stage.clientWidth || 1, stage.clientHeight || 1];
+    const { origin, direction } = camera.ray(pointed.x, pointed.y, width, height);
+    const contact = data.shapes[state.shape].meet(origin, direction);
+    $("crosshair").style.left = `${50 + 50 * pointed.x}%`;
+    $("crosshair").style.top = `${50 - 50 * pointed.y}%`;
+    $("crosshair").hidden = !renderer;
+    // Beside the body the last reading stays.
+    if (contact) reading = anglesOf(contact, unit(plus(origin, contact.point, -1)));
+  }
+  showReading();
+}
+
+function showReading() {
+  const { theta, phi } = reading;
+  const rgb = table.rgb(theta, phi);
+  const curves = table.curves(theta, phi);
+  chart.draw(curves, theta);
+  disc.draw(theta, phi);
+  const colour = hex(rgb);
+  $("swatch").style.background = colour;
+  $("angle").textContent = `${theta.toFixed(1)}°`;
+  $("azimuth").textContent = `${phi.toFixed(0)}°`;
+  $("code").textContent = colour;
+  $("share").textContent = `${(100 * luminance(rgb)).toFixed(1)} %`;
+}
+
+let announcing;
+/** Screen readers hear where the pointer has come to rest. */
+function announce() {
+  clearTimeout(announcing);
+  announcing = setTimeout(() => {
+    $("announcement").textContent =
+      `${reading.theta.toFixed(0)} degrees from the normal: colour ${$("code").textContent}, reflects ${$("share").textContent}`;
+  }, 600);
+}
+
+// ---- mouse, touch, keyboard on the stage
+
+const pointers = new Map();
+let pinch = 0;
+
+function placeOf(event) {
+  const box = stage.getBoundingClientRect();
+  return { x: (2 * (event.clientX - box.left)) / box.width - 1, y: 1 - (2 * (event.clientY - box.top)) / box.height };
+}
+
+function spread() {
+  const [a, b] = [...pointers.values()];
+  return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+}
+
+stage.addEventListener("pointerdown", (event) => {
+  stage.setPointerCapture(event.pointerId);
+  pointers.set(event.pointerId, event);
+  if (pointers.size === 2) pinch = spread();
+  pointed = placeOf(event);
+  read();
+  announce();
+});
+
+stage.addEventListener("pointermove", (event) => {
+  const before = pointers.get(event.pointerId);
+  if (!before) {
+    pointed = placeOf(event);
+    read();
+    announce();
+    return;
+  }
+  pointers.set(event.pointerId, event);
+  if (pointers.size === 1) {
+    const perPixel = 240 / Math.max(200, Math.min(stage.clientWidth, stage.clientHeight));
+    camera.orbit((event.clientX - before.clientX) * perPixel, (before.clientY - event.clientY) * perPixel);
+  } else if (pointers.size === 2) {
+    const now = spread();
+    camera.zoomBy(now / Math.max(1, pinch));
+    pinch = now;
+  }
+  changed();
+});
+
+for (const end of ["pointerup", "pointercancel"]) stage.addEventListener(end, (event) => pointers.delete(event.pointerId));
+
+stage.addEventListener("wheel", (event) => {
+  event.preventDefault();
+  camera.zoomBy(Math.exp(-0.0015 * event.deltaY));
+  changed();
+}, { passive: false });
+
+stage.addEventListener("dblclick", () => { camera.reset(); changed(); });
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+stage.addEventListener("keydown", (event) => {
+  const arrow = ARROWS[event.key];
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (arrow && event.shiftKey) {
+    const from = pointed.theta === undefined ? pointed : { x: 0, y: 0 };
+    pointed = { x: clamp(from.x + 0.04 * arrow[0], -1, 1), y: clamp(from.y + 0.04 * arrow[1], -1, 1) };
+  } else if (arrow) camera.orbit(6 * arrow[0], 6 * arrow[1]);
+  else if (event.key === "+" || event.key === "=") camera.zoomBy(1.1);
+  else if (event.key === "-") camera.zoomBy(1 / 1.1);
+  else if (event.key === "Home" || event.key === "0") camera.reset();
+  else return;
+  event.preventDefault();
+  changed();
+  announce();
+});
+
+// ---- the disc
+
+$("disc-field").addEventListener("pointerdown", (event) => pointAtDisc(event));
+$("disc-field").addEventListener("pointermove", (event) => pointAtDisc(event));
+$("disc-field").addEventListener("keydown", (event) => {
+  const arrow = ARROWS[event.key];
+  if (!arrow) return;
+  event.preventDefault();
+  const theta = clamp(reading.theta + 2 * arrow[1], 0, 89.9);
+  pointed = { theta, phi: (reading.phi - 5 * arrow[0] + 360) % 360 };
+  read();
+  announce();
+});
+
+function pointAtDisc(event) {
+  const direction = disc.at(event);
+  if (!direction) return;
+  pointed = direction;
+  read();
+  announce();
+}
+
+// ---- controls
+
+function setLabels() {
+  $("exposure-value").textContent = `${state.exposure > 0 ? "+" : ""}${state.exposure.toFixed(1)} EV`;
+  $("turn-value").textContent = `${state.turn.toFixed(0)}°`;
+}
+
+function showState() {
+  for (const name of ["shape", "light"]) {
+    for (const radio of document.querySelectorAll(`input[name=${name}]`)) radio.checked = radio.value === state[name];
+  }
+  [$("exposure").value, $("turn").value, $("surroundings").checked] = [state.exposure, state.turn, state.surroundings];
+  setLabels();
+}
+
+for (const name of ["shape", "light"]) {
+  for (const radio of document.querySelectorAll(`input[name=${name}]`)) {
+    radio.addEventListener("change", () => {
+      state[name] = radio.value;
+      changed();
+    });
+  }
+}
+for (const name of ["exposure", "turn"]) {
+  $(name).addEventListener("input", () => {
+    state[name] = Number($(name).value);
+    setLabels();
+    if (name === "turn") changed();
+    else { redraw(false); keepAddress(); }
+  });
+}
+$("surroundings").addEventListener("change", () => { state.surroundings = $("surroundings").checked; changed(); });
+$("reset").addEventListener("click", () => {
+  camera.reset();
+  Object.assign(state, { exposure: 0, turn: 0 });
+  pointed = { x: 0, y: 0 };
+  showState();
+  changed();
+});
+$("save").addEventListener("click", () => {
+  const link = document.createElement("a");
+  link.download = "view.png";
+  link.href = renderer.picture(state, camera, ...size());
+  link.click();
+  redraw();
+});
+
+let image = null;
+
+async function open(file) {
+  if (!file) return;
+  const status = $("status");
+  status.textContent = `Reading ${file.name} …`;
+  try {
+    const opened = await decodeImage(file);
+    image = opened;
+    renderer?.setImage(opened);
+    $("light-image").disabled = false;
+    state.light = "image";
+    showState();
+    changed();
+    const mended = opened.mended ? `; ${opened.mended} components that were no radiance are mended` : "";
+    status.textContent = `${file.name}: ${opened.width} × ${opened.height}${mended}`;
+  } catch (error) {
+    status.textContent = `${file.name}: ${error.message}.`;
+  }
+}
+
+$("file").addEventListener("change", () => { open($("file").files[0]); $("file").value = ""; });
+document.addEventListener("dragover", (event) => event.preventDefault());
+document.addEventListener("drop", (event) => { event.preventDefault(); open(event.dataTransfer.files[0]); });
+
+// ---- the address keeps the view
+
+const KEPT = ["azimuth", "elevation", "zoom"];
+let keeping;
+
+function keepAddress() {
+  clearTimeout(keeping);
+  keeping = setTimeout(() => {
+    const kept = new URLSearchParams({ shape: state.shape, light: state.light === "image" ? "studio" : state.light });
+    for (const name of KEPT) kept.set(name, Number(camera[name].toFixed(3)));
+    for (const name of ["exposure", "turn"]) if (state[name]) kept.set(name, state[name]);
+    if (state.surroundings) kept.set("surroundings", "1");
+    history.replaceState(null, "", `#${kept}`);
+  }, 300);
+}
+
+function followAddress() {
+  const kept = new URLSearchParams(location.hash.slice(1));
+  const number = (name, low, high) => {
+    const value = Number(kept.get(name));
+    return kept.has(name) && Number.isFinite(value) ? clamp(value, low, high) : undefined;
+  };
+  if (kept.get("shape") in data.shapes) state.shape = kept.get("shape");
+  if (["white", "studio"].includes(kept.get("light"))) state.light = kept.get("light");
+  camera.azimuth = number("azimuth", -360, 360) ?? camera.azimuth;
+  camera.elevation = number("elevation", -89.9, 89.9) ?? camera.elevation;
+  camera.zoom = number("zoom", 0.4, 4) ?? camera.zoom;
+  state.exposure = number("exposure", -6, 6) ?? state.exposure;
+  state.turn = number("turn", -180, 180) ?? state.turn;
+  if (kept.has("surroundings")) state.surroundings = kept.get("surroundings") === "1";
+}
+
+window.addEventListener("hashchange", () => { followAddress(); showState(); redraw(); read(); });
+
+// ---- begin
+
+const { facts } = data.table;
+const grid = table.scatters
+  ? `scatters; ${table.incident.join(" × ")} directions × ${table.bins.join(" × ")} bins × ${table.wavelength.length} wavelengths`
+  : `mirror-like; ${table.theta.length} angles × ${table.wavelength.length} wavelengths`;
+$("grid").textContent = `${grid}; ${facts.model || "physical"} model, light ${facts.illuminant || "D65"}`;
+$("spectrum-title").textContent = table.scatters ? "All light from there together" : "Spectrum there";
+$("legend").hidden = table.scatters;
+$("disc-title").textContent = table.scatters ? "Where light from the viewer’s direction goes" : "Every direction";
+followAddress();
+showState();
+start();
+redraw();
+read();
+/** For tests, and for the curious. */
+window.goniochrome = { state, camera, table, get renderer() { return renderer; }, get reading() { return reading; } };

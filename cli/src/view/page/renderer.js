@@ -1,0 +1,290 @@
+// Draws the body by WebGL2: pictures a part of a pixel apart are summed in floats until the mean is smooth.
+
+const LIGHTS = { white: 0, studio: 1, image: 2 };
+const ATTRIBUTES = ["position", "normal", "tangent"];
+/** Texels of a line of a long list; the shaders know it too. */
+const LINE = 2048;
+
+class Renderer {
+  /** Throws, in words, where the canvas cannot draw. */
+  constructor(canvas, data, table) {
+    this.canvas = canvas;
+    const options = { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true };
+    this.gl = canvas.getContext("webgl2", options);
+    if (!this.gl) throw new Error("WebGL2 is missing or switched off in this browser");
+    const { gl } = this;
+    if (gl.getExtension("EXT_color_buffer_float")) this.format = gl.RGBA32F;
+    else if (gl.getExtension("EXT_color_buffer_half_float")) this.format = gl.RGBA16F;
+    else throw new Error("this graphics processor cannot draw into floats, which the page needs");
+    this.scatters = table.scatters;
+    /** After so many pictures the mean is left as it is. */
+    this.enough = this.scatters ? 512 : 32;
+    this.draws = 1;
+    this.prepare(data, table);
+    this.restart();
+  }
+
+  prepare(data, table) {
+    const { gl } = this;
+    const { common, light, frame, surface, screen, ...shaders } = data.shaders;
+    const body = this.scatters ? shaders.scatter : shaders.mirror;
+    this.programs = {
+      surface: this.program(surface, common + light + frame + body),
+      background: this.program(screen, common + light + shaders.background),
+      add: this.program(screen, common + shaders.add),
+      display: this.program(screen, common + shaders.display),
+    };
+    this.studio = data.studio;
+    this.surroundings = this.texture(gl.RGBA16F, 1, 1, new Float32Array([1, 1, 1, 1]), true);
+    if (this.scatters) {
+      [this.incident, this.bins] = [table.incident, table.bins];
+      this.tables = { atlas: this.list(table.packed(), 4), cumulative: this.list(table.cumulative, 1) };
+    } else {
+      this.tables = { table: this.texture(gl.RGB32F, table.lookup.length / 3, 1, table.lookup) };
+    }
+    this.bodies = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, this.body(shape)]));
+    this.nothing = gl.createVertexArray();
+    this.size = [0, 0];
+  }
+
+  shader(type, text) {
+    const { gl } = this;
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
+      throw new Error(`the graphics driver refuses a shader: ${gl.getShaderInfoLog(shader)}`);
+    }
+    return shader;
+  }
+
+  program(vertex, fragment) {
+    const { gl } = this;
+    const program = gl.createProgram();
+    gl.attachShader(program, this.shader(gl.VERTEX_SHADER, vertex));
+    gl.attachShader(program, this.shader(gl.FRAGMENT_SHADER, fragment));
+    ATTRIBUTES.forEach((name, i) => gl.bindAttribLocation(program, i, name));
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+      throw new Error(`the graphics driver refuses a program: ${gl.getProgramInfoLog(program)}`);
+    }
+    const places = new Map();
+    return {
+      program,
+      at: (name) => {
+        if (!places.has(name)) places.set(name, gl.getUniformLocation(program, name));
+        return places.get(name);
+      },
+    };
+  }
+
+  texture(format, width, height, values, filtered = false) {
+    const { gl } = this;
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    const outer = { [gl.RGB32F]: gl.RGB, [gl.R32F]: gl.RED }[format] ?? gl.RGBA;
+    gl.texImage2D(gl.TEXTURE_2D, 0, format, width, height, 0, outer, gl.FLOAT, values);
+    const filter = filtered ? gl.LINEAR : gl.NEAREST;
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, filtered ? gl.REPEAT : gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  /** A long list of one or four floats each, in lines. */
+  list(values, channels) {
+    const { gl } = this;
+    const lines = Math.ceil(values.length / channels / LINE);
+    const padded = new Float32Array(lines * LINE * channels);
+    padded.set(values);
+    return this.texture(channels === 4 ? gl.RGBA32F : gl.R32F, LINE, lines, padded);
+  }
+
+  body(shape) {
+    const { gl } = this;
+    const array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    [shape.positions, shape.normals, shape.tangents].forEach((values, i) => {
+      if (!values) return;
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(i);
+      gl.vertexAttribPointer(i, 3, gl.SHORT, true, 0, 0);
+    });
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, shape.triangles, gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    return { array, count: shape.triangles.length };
+  }
+
+  /** A lat-long image as the light; too large ones are averaged down. */
+  setImage({ width, height, rgb }) {
+    const { gl } = this;
+    const most = Math.min(gl.getParameter(gl.MAX_TEXTURE_SIZE), 4096);
+    const step = Math.ceil(Math.max(width, height) / most);
+    const [across, down] = [Math.ceil(width / step), Math.ceil(height / step)];
+    const values = new Float32Array(4 * across * down);
+    for (let y = 0; y < down; y += 1) {
+      for (let x = 0; x < across; x += 1) {
+        const to = 4 * (y * across + x);
+        let count = 0;
+        for (let j = y * step; j < Math.min(height, (y + 1) * step); j += 1) {
+          for (let i = x * step; i < Math.min(width, (x + 1) * step); i += 1) {
+            for (let c = 0; c < 3; c += 1) values[to + c] += rgb[3 * (j * width + i) + c];
+            count += 1;
+          }
+        }
+        for (let c = 0; c < 3; c += 1) values[to + c] /= count;
+        values[to + 3] = 1;
+      }
+    }
+    gl.deleteTexture(this.surroundings);
+    this.surroundings = this.texture(gl.RGBA16F, across, down, values, true);
+    this.restart();
+  }
+
+  /** What was drawn so far no longer holds. */
+  restart() {
+    this.drawn = 0;
+  }
+
+  resize(width, height) {
+    if (this.size[0] === width && this.size[1] === height) return;
+    const { gl } = this;
+    [this.canvas.width, this.canvas.height] = [width, height];
+    this.size = [width, height];
+    for (const target of this.targets ?? []) {
+      gl.deleteTexture(target.texture);
+      gl.deleteFramebuffer(target.buffer);
+    }
+    if (this.depth) gl.deleteRenderbuffer(this.depth);
+    this.depth = gl.createRenderbuffer();
+    gl.bindRenderbuffer(gl.RENDERBUFFER, this.depth);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+    this.targets = [0, 1, 2].map((i) => {
+      const texture = this.texture(this.format, width, height, null);
+      const buffer = gl.createFramebuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+      if (i === 0) gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.depth);
+      return { texture, buffer };
+    });
+    this.restart();
+  }
+
+  bind(unit, texture, location) {
+    const { gl } = this;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.uniform1i(location, unit);
+  }
+
+  lighten({ at }, state) {
+    const { gl, studio } = this;
+    gl.uniform1i(at("light"), LIGHTS[state.light]);
+    gl.uniform2f(at("turn"), Math.sin(radians(state.turn)), Math.cos(radians(state.turn)));
+    gl.uniform3f(at("room"), studio.ceiling, studio.horizon, studio.floor);
+    studio.lamps.forEach((lamp, i) => {
+      for (const axis of ["towards", "right", "up"]) gl.uniform3fv(at(`lamps[${i}].${axis}`), lamp[axis]);
+      gl.uniform2fv(at(`lamps[${i}].halfExtent`), lamp.halfExtent);
+      gl.uniform1f(at(`lamps[${i}].softness`), lamp.softness);
+      gl.uniform1f(at(`lamps[${i}].radiance`), lamp.radiance);
+    });
+    this.bind(3, this.surroundings, at("surroundings"));
+  }
+
+  /** One more picture of the scene into the sum. */
+  add(state, camera) {
+    const { gl, programs } = this;
+    const [width, height] = this.size;
+    const seen = camera.at(width, height);
+    // The first two numbers of Roberts' R4 sequence; the shader takes the others. The first point is the middle of the pixel.
+    const within = [0.8566748838545029, 0.733891856627126].map((step) => (0.5 + this.drawn * step) % 1);
+    const jitter = [(1 - 2 * within[0]) / width, (1 - 2 * within[1]) / height];
+    gl.viewport(0, 0, width, height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[0].buffer);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const aim = ({ at }) => {
+      for (const axis of ["right", "up", "backward"]) gl.uniform3fv(at(axis), seen[axis]);
+      gl.uniform2fv(at("scale"), seen.scale);
+      gl.uniform2fv(at("jitter"), jitter);
+    };
+    if (state.surroundings) {
+      gl.disable(gl.DEPTH_TEST);
+      gl.useProgram(programs.background.program);
+      this.lighten(programs.background, state);
+      aim(programs.background);
+      this.screen();
+    }
+    gl.enable(gl.DEPTH_TEST);
+    const { at } = programs.surface;
+    gl.useProgram(programs.surface.program);
+    this.lighten(programs.surface, state);
+    aim(programs.surface);
+    gl.uniform3fv(at("eye"), seen.eye);
+    gl.uniform2f(at("depths"), Math.max(seen.distance - 1.05, 0.02), seen.distance + 1.05);
+    Object.entries(this.tables).forEach(([name, texture], i) => this.bind(i, texture, at(name)));
+    if (this.scatters) {
+      gl.uniform2iv(at("incident"), this.incident);
+      gl.uniform2iv(at("bins"), this.bins);
+      gl.uniform1ui(at("sampleIndex"), this.drawn);
+      gl.uniform1i(at("draws"), this.draws);
+    }
+    const body = this.bodies[state.shape];
+    gl.bindVertexArray(body.array);
+    gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_SHORT, 0);
+
+    gl.disable(gl.DEPTH_TEST);
+    const [from, to] = this.drawn % 2 === 0 ? [1, 2] : [2, 1];
+    if (this.drawn === 0) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[from].buffer);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[to].buffer);
+    gl.useProgram(programs.add.program);
+    this.bind(0, this.targets[from].texture, programs.add.at("sum"));
+    this.bind(1, this.targets[0].texture, programs.add.at("latest"));
+    this.screen();
+    this.drawn += 1;
+    this.sum = this.targets[to].texture;
+  }
+
+  show(state) {
+    const { gl } = this;
+    const { program, at } = this.programs.display;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.useProgram(program);
+    this.bind(0, this.sum, at("sum"));
+    gl.uniform1f(at("factor"), 2 ** state.exposure);
+    gl.uniform1f(at("samples"), this.drawn);
+    this.screen();
+  }
+
+  screen() {
+    const { gl } = this;
+    gl.bindVertexArray(this.nothing);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  /** Draws one more picture if the mean is not smooth yet; whether there is more to do. */
+  advance(state, camera) {
+    if (this.drawn < this.enough) this.add(state, camera);
+    this.show(state);
+    return this.drawn < this.enough;
+  }
+
+  /** A PNG of any size as a data URL. */
+  picture(state, camera, width, height, count = this.enough) {
+    const before = this.size;
+    this.resize(width, height);
+    this.restart();
+    for (let i = 0; i < count; i += 1) this.add(state, camera);
+    this.show(state);
+    const url = this.canvas.toDataURL("image/png");
+    this.resize(...before);
+    this.restart();
+    return url;
+  }
+}

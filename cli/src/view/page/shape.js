@@ -1,0 +1,49 @@
+// A mesh in the unit sphere, and where a ray meets it.
+
+/** A ray along the edge of two triangles meets one of them, whatever the rounding. */
+const EDGE = 1e-9;
+
+class Shape {
+  constructor(data) {
+    this.positions = signed(data.positions);
+    this.normals = signed(data.normals);
+    this.tangents = data.tangents ? signed(data.tangents) : null;
+    this.triangles = indices(data.triangles);
+  }
+
+  /** The first contact of a ray: its frame, turned to the viewer; `null` if it misses. */
+  meet(origin, direction) {
+    const vertex = (list, i) => [list[3 * i] / 32767, list[3 * i + 1] / 32767, list[3 * i + 2] / 32767];
+    let [nearest, found] = [Infinity, null];
+    for (let k = 0; k < this.triangles.length; k += 3) {
+      const [i, j, l] = [this.triangles[k], this.triangles[k + 1], this.triangles[k + 2]];
+      const a = vertex(this.positions, i);
+      const [ab, ac] = [plus(vertex(this.positions, j), a, -1), plus(vertex(this.positions, l), a, -1)];
+      const p = cross(direction, ac);
+      const determinant = dot(ab, p);
+      if (determinant === 0) continue;
+      const from = plus(origin, a, -1);
+      const u = dot(from, p) / determinant;
+      if (u < -EDGE || u > 1 + EDGE) continue;
+      const q = cross(from, ab);
+      const v = dot(direction, q) / determinant;
+      const t = dot(ac, q) / determinant;
+      if (v < -EDGE || u + v > 1 + EDGE || t <= 0 || t >= nearest) continue;
+      [nearest, found] = [t, { corners: [i, j, l], shares: [1 - u - v, u, v], front: determinant > 0 }];
+    }
+    if (!found) return null;
+    const mean = (list) => found.corners.reduce((sum, c, n) => plus(sum, vertex(list, c), found.shares[n]), [0, 0, 0]);
+    const side = found.front ? 1 : -1;
+    const normal = times(unit(mean(this.normals)), side);
+    const wanted = this.tangents ? mean(this.tangents) : cross([0, 0, 1], normal);
+    const across = plus(wanted, normal, -dot(wanted, normal));
+    const tangent = Math.hypot(...across) > 1e-9 ? unit(across) : [1, 0, 0];
+    return { point: plus(origin, direction, nearest), normal, tangent, binormal: cross(normal, tangent) };
+  }
+}
+
+/** θ and φ of the viewer in the frame of a contact, in degrees. */
+function anglesOf(contact, towardsViewer) {
+  const [x, y, z] = [contact.tangent, contact.binormal, contact.normal].map((axis) => dot(axis, towardsViewer));
+  return { theta: degrees(Math.atan2(Math.hypot(x, y), Math.max(z, 0))), phi: (degrees(Math.atan2(y, x)) + 360) % 360 };
+}

@@ -1,0 +1,8 @@
+// The sum of the pictures so far and the latest.
+uniform sampler2D sum, latest;
+out vec4 colour;
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    colour = texelFetch(sum, at, 0) + texelFetch(latest, at, 0);
+}

@@ -1,0 +1,6 @@
+#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+const float PI = 3.14159265358979;
+const float TAU = 6.28318530717959;

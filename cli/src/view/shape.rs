@@ -1,0 +1,37 @@
+//! Meshes for a page.
+
+use serde_json::{Value, json};
+
+use super::pack;
+use crate::render::mesh::Mesh;
+
+/// Segments along each edge of a patch of the teapot: no silhouette is off by a third of a pixel at 1024 pixels.
+const TEAPOT_LEVEL: u32 = 18;
+
+/// A fourth of the segments around the sphere: facets lie less than a tenth of a pixel below it at 1024 pixels.
+const SPHERE_LEVEL: u32 = 32;
+
+/// Every mesh that a page offers; tangents only where the surface needs them.
+pub(super) fn packed(tangents: bool) -> Value {
+    json!({
+        "teapot": mesh(&Mesh::teapot(TEAPOT_LEVEL), tangents),
+        "sphere": mesh(&Mesh::sphere(SPHERE_LEVEL), tangents),
+        "plane": mesh(&Mesh::plane(), tangents),
+    })
+}
+
+/// Positions relative to the bounding sphere's centre, in its radii.
+fn mesh(mesh: &Mesh, tangents: bool) -> Value {
+    let (centre, radius) = mesh.bounding_sphere();
+    let numbers = |list: &[glam::DVec3]| pack::signed(list.iter().flat_map(|v| v.to_array()));
+    let index = |i: &u32| u16::try_from(*i).expect("the meshes of a page have less than 65536 vertices");
+    let mut packed = json!({
+        "positions": pack::signed(mesh.positions.iter().flat_map(|p| ((*p - centre) / radius).to_array())),
+        "normals": numbers(&mesh.normals),
+        "triangles": pack::indices(mesh.triangles.iter().flatten().map(index)),
+    });
+    if tangents {
+        packed["tangents"] = numbers(&mesh.tangents);
+    }
+    packed
+}

@@ -1,0 +1,84 @@
+//! Tables for a page.
+
+use goniochrome::colour::{Quadrature, RgbSpace};
+use goniochrome::table::{ScatterSampler, ScatterTable as Lookup};
+use serde_json::{Value, json};
+
+use super::pack;
+use crate::colours::{illuminant_of, screen_rgb, screen_space, visible_weights};
+use crate::error::{Error, Result};
+use crate::scatter_table::ScatterTable;
+use crate::table::MirrorTable;
+use crate::table_file::Table;
+
+/// Steps of θ from 0° to 90°: whole tenths of a degree, so that tables of whole degrees lose nothing.
+const STEPS: u32 = 900;
+
+pub(super) fn packed(table: &Table) -> Result<Value> {
+    match table {
+        Table::Mirror(mirror) => mirror_like(mirror, &facts(table)),
+        Table::Scatter(scatter) => scattering(scatter, &facts(table)),
+    }
+}
+
+/// What every table says of itself.
+fn facts(table: &Table) -> Value {
+    let metadata = match table {
+        Table::Mirror(table) => &table.metadata,
+        Table::Scatter(table) => &table.metadata,
+    };
+    let known = |key: &str| metadata.get(key).map_or("", String::as_str);
+    json!({
+        "name": table.name(),
+        "model": known("model"),
+        "illuminant": known("illuminant"),
+        "papersColours": screen_space(metadata) == RgbSpace::Paper,
+    })
+}
+
+fn mirror_like(table: &MirrorTable, facts: &Value) -> Result<Value> {
+    let rgb = screen_rgb(&table.metadata, &table.rgb);
+    let shown = MirrorTable { theta_deg: table.theta_deg.clone(), rgb, ..MirrorTable::default() };
+    let lookup = (0..=STEPS).flat_map(|step| shown.rgb_at(90.0 * f64::from(step) / f64::from(STEPS)));
+    Ok(json!({
+        "kind": "mirror",
+        "facts": facts,
+        "theta": table.theta_deg,
+        "wavelength": table.wavelength_nm,
+        "s": pack::floats(table.reflectance_s.iter().copied()),
+        "p": pack::floats(table.reflectance_p.iter().copied()),
+        "lookup": pack::floats(lookup),
+    }))
+}
+
+fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
+    let rgb = screen_rgb(&table.metadata, &table.rgb);
+    let values = rgb.as_flattened();
+    let lookup = Lookup::new(values, table.layout, 3).map_err(Error::failed)?;
+    let mut cumulative = vec![0.0; ScatterSampler::required_len(&table.layout)];
+    ScatterSampler::new(&lookup, &mut cumulative).map_err(Error::failed)?;
+    // Halves end at 65504; most of their precision is near 1.
+    let largest = values.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    let scale = if largest > 0.0 { largest } else { 1.0 };
+    let bins = table.layout.bins();
+    let albedo = (0..table.layout.incident_count()).flat_map(|incident| {
+        (0..table.wavelength_nm.len()).map(move |w| {
+            let row = table.row(incident, w).iter().enumerate();
+            row.map(|(bin, &f)| f64::from(f) * bins.projected_solid_angle(bin)).sum::<f64>() as f32
+        })
+    });
+    let weights = visible_weights(&table.wavelength_nm, illuminant_of(&table.metadata), Quadrature::Interpolated)?;
+    let space = screen_space(&table.metadata);
+    Ok(json!({
+        "kind": "scatter",
+        "facts": facts,
+        "incident": [table.layout.theta(), table.layout.phi()],
+        "bins": [bins.cos, bins.phi],
+        "wavelength": table.wavelength_nm,
+        "rgbWeights": pack::floats(weights.iter().flat_map(|&xyz| space.from_xyz(xyz)).map(|w| w as f32)),
+        "albedo": pack::floats(albedo),
+        "scale": scale,
+        "atlas": pack::halves(values.iter().map(|x| x / scale)),
+        "cumulative": pack::floats(cumulative.iter().copied()),
+    }))
+}

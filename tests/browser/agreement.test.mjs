@@ -1,0 +1,48 @@
+// The page shows what `render` draws: same camera, light and table.
+
+import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { at, difference, fileUrl, launch, picture, run, skyHdr, visit } from "./browser.mjs";
+
+/** Mean difference of 8-bit values that the page may have on the body. */
+const MEAN = 2;
+/** Pixels of a side, and pictures summed: mirrors only smooth their edges; scattering draws one direction in each. */
+const SIZE = { beetle: [256, 32], bumps: [64, 512] };
+
+let browser;
+before(async () => { browser = await launch(); });
+after(() => browser.close());
+
+async function compare(table, shape, light, view = {}) {
+  const { page, complaints } = await visit(browser, `${table}.html`);
+  let environment = light;
+  if (light === "image") {
+    environment = "sky.hdr";
+    writeFileSync(at(environment), skyHdr());
+    await page.setInputFiles("#file", at(environment));
+    await page.waitForFunction(() => window.goniochrome.state.light === "image");
+  }
+  const [side, count] = SIZE[table];
+  const body = await picture(page, { shape, light, surroundings: false, ...view }, side, 1);
+  const shown = await picture(page, { surroundings: true }, side, count);
+  const words = Object.entries(view).map(([name, value]) => `--${name}=${value}`);
+  run("render", `${table}.exr`, "-o", "offline.png", "--mesh", shape, "--env", environment, "--size", `${side}x${side}`,
+    "--samples", String(count), "--quiet", ...words);
+  const { mean, largest, lit, covered } = await difference(browser, shown, fileUrl("offline.png"), body);
+  const parts = `covered ${covered.toFixed(2)}, of it lit ${lit.toFixed(2)}`;
+  console.log(`${table} ${shape} ${light}: mean ${mean.toFixed(3)}, largest ${largest}; ${parts}`);
+  assert.deepEqual(complaints, []);
+  assert.ok(covered > 0.1 && lit > 0.3, "the picture shows something");
+  assert.ok(mean <= MEAN, `${table} ${shape} ${light}: ${mean}`);
+  await page.context().close();
+}
+
+for (const light of ["white", "studio", "image"]) {
+  test(`mirror-like, teapot, ${light}`, () => compare("beetle", "teapot", light));
+}
+test("mirror-like, sphere, studio", () => compare("beetle", "sphere", "studio", { azimuth: 20, elevation: 50 }));
+test("mirror-like, plane, studio, from below", () => compare("beetle", "plane", "studio", { azimuth: 100, elevation: -40 }));
+for (const light of ["white", "studio"]) {
+  test(`scattering, teapot, ${light}`, () => compare("bumps", "teapot", light));
+}

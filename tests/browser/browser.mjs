@@ -1,0 +1,95 @@
+// A browser with software GL, pages in it, and pictures compared.
+
+import { execFileSync } from "node:child_process";
+import { readFileSync, statSync } from "node:fs";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+export const work = process.env.WORK;
+const ARGUMENTS = [
+  "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+  "--disable-sync",
+];
+const SOFTWARE_GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
+export const at = (name) => join(work, name);
+export const bytesOf = (name) => statSync(at(name)).size;
+
+/** What the program writes to standard output. */
+export const run = (...words) => execFileSync(process.env.GONIOCHROME, words, { cwd: work, encoding: "utf8" });
+
+export const launch = (gl = SOFTWARE_GL) =>
+  chromium.launch({ executablePath: "/usr/bin/chromium", args: [...ARGUMENTS, ...gl] });
+
+/** A page, and everything that the console said and the network was asked for. */
+export async function visit(browser, name, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 900, height: 640 }, ...options });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
+  });
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("request", (request) => {
+    if (!/^(file|data|blob):/.test(request.url())) complaints.push(`asks for ${request.url()}`);
+  });
+  await page.goto(`file://${at(name)}`);
+  return { page, complaints };
+}
+
+/** Sets what is shown, and returns it as a PNG in a data URL. */
+export const picture = (page, wanted, side, count) =>
+  page.evaluate(({ wanted, side, count }) => {
+    const { state, camera, renderer } = window.goniochrome;
+    const { azimuth, elevation, ...rest } = wanted;
+    Object.assign(camera, { azimuth: azimuth ?? camera.azimuth, elevation: elevation ?? camera.elevation });
+    Object.assign(state, rest);
+    return renderer.picture(state, camera, side, side, count);
+  }, { wanted, side, count });
+
+export const fileUrl = (name) => `data:image/png;base64,${readFileSync(at(name)).toString("base64")}`;
+
+/** Mean and largest difference of the 8-bit values of two pictures of one size, where a third is opaque. */
+export async function difference(browser, a, b, mask) {
+  const page = await browser.newPage();
+  const result = await page.evaluate(async (urls) => {
+    const [one, two, opaque] = await Promise.all(urls.map(async (url) => {
+      const image = new Image();
+      image.src = url;
+      await image.decode();
+      const canvas = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height });
+      const context = canvas.getContext("2d");
+      context.drawImage(image, 0, 0);
+      return context.getImageData(0, 0, image.width, image.height);
+    }));
+    if (one.width !== two.width || one.height !== two.height) throw new Error("pictures of two sizes");
+    let [sum, largest, lit, count] = [0, 0, 0, 0];
+    for (let i = 0; i < one.data.length; i += 1) {
+      if (i % 4 === 3 || opaque.data[i | 3] < 128) continue;
+      const apart = Math.abs(one.data[i] - two.data[i]);
+      sum += apart;
+      largest = Math.max(largest, apart);
+      lit += two.data[i] > 16 ? 1 : 0;
+      count += 1;
+    }
+    return { mean: sum / count, largest, lit: lit / count, covered: (4 * count) / (3 * one.data.length) };
+  }, [a, b, mask]);
+  await page.close();
+  return result;
+}
+
+/** A Radiance HDR file of a coloured sky with a lamp in it, 64 × 32, without run lengths. */
+export function skyHdr() {
+  const [width, height] = [64, 32];
+  const pixels = Buffer.alloc(4 * width * height);
+  for (let y = 0; y < height; y += 1) {
+    for (let x = 0; x < width; x += 1) {
+      const lamp = Math.hypot(x - 20, y - 10) < 3 ? 3 : 0;
+      const rgb = [0.2 + lamp + x / 80, 0.3 + lamp, 0.7 - y / 64 + lamp];
+      const exponent = Math.ceil(Math.log2(Math.max(...rgb) * 1.01));
+      rgb.forEach((value, c) => { pixels[4 * (y * width + x) + c] = Math.floor((value * 256) / 2 ** exponent); });
+      pixels[4 * (y * width + x) + 3] = exponent + 128;
+    }
+  }
+  return Buffer.concat([Buffer.from(`#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`), pixels]);
+}

@@ -1,0 +1,52 @@
+//! `view`: pages of tables of both kinds, and what is refused. `tests/browser/run` drives the page itself.
+
+use crate::user::User;
+
+/// The page of a 2D table fits into a mail.
+const MOST_BYTES: usize = 2_000_000;
+
+fn text(user: &User, name: &str) -> String {
+    String::from_utf8(user.read(name)).expect("text")
+}
+
+#[test]
+fn a_default_table_becomes_one_small_page() {
+    let user = User::new();
+    user.ok("estimate jewel-beetle -o t.exr --quiet");
+    let ran = user.ok("view t.exr -o view.html");
+    assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
+    let page = text(&user, "view.html");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
+    assert!(page.contains("<title>jewel-beetle · goniochrome</title>"));
+    assert!(page.len() <= MOST_BYTES, "{} bytes", page.len());
+    // Equal tables give equal pages.
+    user.ok("view t.exr -o again.htm");
+    assert!(user.read("again.htm") == user.read("view.html"));
+}
+
+#[test]
+fn a_table_of_a_cell_becomes_a_page() {
+    let user = User::new();
+    user.ok("estimate bumpy-glass -o t.exr --incident 2x2 --bins 4x8 --rays 32 --wavelengths 450:650:50 -q");
+    user.ok("view t.exr -o view.html");
+    assert!(text(&user, "view.html").contains("\"kind\":\"scatter\""));
+}
+
+#[test]
+fn what_gives_no_page_is_refused() {
+    let user = User::with(&[("text.exr", "no table")]);
+    user.ok("estimate paper-fig4 -o t.exr --angles 4 --wavelengths 400:700:100 --quiet");
+    let good = user.read("t.exr");
+    user.write("cut.exr", &good[..good.len() / 2]);
+    user.refused("view t.exr -o view.png", 2, &["view.png", ".html"]);
+    user.refused("view t.exr -o view", 2, &["view", ".html"]);
+    user.refused("view t.exr", 2, &["--output <FILE>"]);
+    user.refused("view t.exr -o nowhere/view.html", 1, &["folder nowhere does not exist", "create it"]);
+    user.refused("view missing.exr -o view.html", 1, &["cannot read missing.exr", "goniochrome estimate"]);
+    user.refused("view text.exr -o view.html", 1, &["text.exr", "not a readable EXR file"]);
+    user.refused("view cut.exr -o view.html", 1, &["cut.exr", "not a readable EXR file"]);
+    std::fs::copy(user.at("t.exr"), user.at("t.html")).unwrap();
+    user.refused("view t.html -o t.html", 2, &["would overwrite the input", "t.html"]);
+    std::fs::create_dir(user.at("there.html")).unwrap();
+    user.refused("view t.exr -o there.html", 1, &["there.html is a folder", "name a file in it"]);
+}
