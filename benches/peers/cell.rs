@@ -1,0 +1,102 @@
+//! `cell mesh SCENE` prints the mesh of a cell as JSON, for other tracers to read; `cell scatter SCENE …` reads tasks, one
+//! JSON object a line, from standard input, scatters light from each direction, and prints seconds and histograms.
+
+use std::env;
+use std::error::Error;
+use std::io::{BufRead, stdin};
+use std::time::Instant;
+
+use glam::DVec3;
+use goniochrome::bins::DirectionBins;
+use goniochrome::interface::Below;
+use goniochrome::medium::MediumIndex;
+use goniochrome_cli::bumpy::Bumpy;
+use goniochrome_cli::estimate::Precision;
+use goniochrome_cli::scatter::{Coherence, Estimate, Request, Scattered, scatter};
+use goniochrome_cli::scene::{Scene, Shape, load};
+use serde_json::{Value, json};
+
+/// Mitsuba's dielectrics have one index for all wavelengths; ours lend them theirs at this one, in nanometres.
+const INDEX_WAVELENGTH_NM: f64 = 580.0;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["mesh", scene] => println!("{}", mesh(&load(scene)?)?),
+        ["scatter", scene] => {
+            let scene = load(scene)?;
+            for line in stdin().lock().lines() {
+                println!("{}", task(&scene, &serde_json::from_str(&line?)?)?);
+            }
+        }
+        _ => return Err("usage: cell mesh SCENE | cell scatter SCENE".into()),
+    }
+    Ok(())
+}
+
+/// Vertices, and the triangles and media of each interface.
+fn mesh(scene: &Scene) -> Result<Value, Box<dyn Error>> {
+    let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { return Err("no polygons".into()) };
+    let eta = |medium: MediumIndex| {
+        let eta = scene.media[usize::from(medium)].medium.borrow().eta(INDEX_WAVELENGTH_NM)?;
+        if eta.im == 0.0 { Ok(eta.re) } else { Err::<f64, Box<dyn Error>>("a medium absorbs".into()) }
+    };
+    let sheets = interfaces.iter().enumerate().map(|(index, named)| {
+        let of_sheet = mesh.triangles.iter().filter(|triangle| usize::from(triangle.interface) == index);
+        let triangles: Vec<[u32; 3]> = of_sheet.map(|triangle| triangle.vertices).collect();
+        let Below::Medium(below) = named.interface.below else { return Err("a mirror".into()) };
+        Ok(json!({
+            "name": named.name,
+            "above": eta(named.interface.above)?,
+            "below": eta(below)?,
+            "triangles": triangles,
+        }))
+    });
+    let sheets: Result<Vec<Value>, Box<dyn Error>> = sheets.collect();
+    Ok(json!({ "period_nm": period_nm, "vertices": mesh.vertices, "sheets": sheets? }))
+}
+
+/// One direction of the light.
+fn task(scene: &Scene, task: &Value) -> Result<Value, Box<dyn Error>> {
+    let number = |key: &str| task[key].as_f64().ok_or_else(|| format!("no number {key}"));
+    let whole = |key: &str| number(key).map(|value| value as u32);
+    let coherence = match task["coherence"].as_str() {
+        Some("ray") => Coherence::Ray,
+        Some("none") => Coherence::None,
+        _ => return Err("coherence is ray or none".into()),
+    };
+    let request = Request {
+        coherence,
+        rays: whole("rays")?,
+        seed: whole("seed")?,
+        bins: DirectionBins { cos: whole("cos")?, phi: whole("phi")? },
+        precision: Precision::F32,
+        threads: whole("threads")? as usize,
+    };
+    let (theta, azimuth) = (number("theta_i")?, number("phi_i")?);
+    let wi = DVec3::new(theta.sin() * azimuth.cos(), theta.sin() * azimuth.sin(), theta.cos());
+    let wavelengths: Vec<f64> = serde_json::from_value(task["wavelengths"].clone())?;
+    let bumpy = Bumpy::new(scene)?;
+    let (start, used) = (Instant::now(), processor_seconds());
+    let found = scatter(&bumpy, wi, &wavelengths, &request, &|| ())?;
+    let (seconds, used) = (start.elapsed().as_secs_f64(), processor_seconds() - used);
+    let both = |of: &Estimate| [of.value, of.std_error];
+    let total = |of: fn(&Scattered) -> Estimate| found.iter().map(|found| both(&of(found))).collect::<Vec<_>>();
+    let bins: Vec<Vec<[f64; 2]>> = found.iter().map(|found| found.bins.iter().map(both).collect()).collect();
+    Ok(json!({
+        "seconds": seconds,
+        "processor_seconds": used,
+        "reflected": total(|found| found.reflected),
+        "transmitted": total(|found| found.transmitted),
+        "truncated": total(|found| found.truncated),
+        "bins": bins,
+    }))
+}
+
+/// Of all threads so far, in steps of a hundredth; what else runs on the machine does not count. 0 where Linux does not tell.
+fn processor_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // Fields 14 and 15, user and system; the second is a name in brackets.
+    let fields = stat.rsplit(')').next().into_iter().flat_map(str::split_whitespace).skip(11).take(2);
+    fields.filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
+}
