@@ -5,7 +5,8 @@ use crate::user::User;
 const SCENE: &str = "[cell]\nmesh = \"m.obj\"\nperiod_nm = [1000, 800]\n\
                      [interface.top]\nabove = 1.0\nbelow = 1.5\n[interface.base]\nabove = 1.5\nbelow = 1.3\n";
 
-const ESTIMATE: &str = "estimate s.toml -o t.exr --incident 1x1 --bins 2x4 --rays 32 --wavelengths 550 --coherence none -q";
+const ESTIMATE: &str =
+    "estimate s.toml -o t.exr --incident 1x1 --bins 2x4 --rays 32 --wavelengths 550 --coherence none -q";
 
 /// A roof over the period, its ridge along y; vertices on lines 1 to 6, faces on 8 and 9.
 const ROOF: &str = "v 0 0 0\nv 0 800 0\nv 500 0 300\nv 500 800 300\nv 1000 0 0\nv 1000 800 0\n\
@@ -74,18 +75,28 @@ fn meshes_at_fault_are_named_by_file_and_line() {
         ),
         ("a hole", roof("f 3 5 6 4", "f 3 5 6"), &["m.obj:9:", "has no partner", "fill the hole"]),
         ("no facet", roof("f 1 3 4 2\nf 3 5 6 4\n", ""), &["m.obj:7:", "no faces"]),
-        ("a vertex below the first", roof("f 1 3 4 2", "f -7 3 4 2"), &["m.obj:8:", "vertex -7 does not exist", "6 are"]),
+        (
+            "a vertex below the first",
+            roof("f 1 3 4 2", "f -7 3 4 2"),
+            &["m.obj:8:", "vertex -7 does not exist", "6 are"],
+        ),
         ("a vertex twice", roof("f 1 3 4 2", "f 1 3 3 2"), &["m.obj:8:", "uses a vertex twice"]),
         ("no interface", roof("usemtl top", "usemtl tap"), &["m.obj:7:", "\"tap\"", "nearest is [interface.top]"]),
         (
             "media that differ between two sheets",
-            format!("{ROOF}{}", ROOF.replace("usemtl top", "usemtl top").replace(" 0\n", " -9\n").replace(" 300\n", " 291\n")
-                .replace("f 1 3 4 2\nf 3 5 6 4", "f 7 9 10 8\nf 9 11 12 10")),
+            format!(
+                "{ROOF}{}",
+                ROOF.replace("usemtl top", "usemtl top")
+                    .replace(" 0\n", " -9\n")
+                    .replace(" 300\n", " 291\n")
+                    .replace("f 1 3 4 2\nf 3 5 6 4", "f 7 9 10 8\nf 9 11 12 10")
+            ),
             &["m.obj:17:", "make them equal"],
         ),
         (
             "a body and nothing under it",
-            "v 100 100 0\nv 300 100 0\nv 100 300 0\nv 100 100 200\nusemtl top\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n".to_owned(),
+            "v 100 100 0\nv 300 100 0\nv 100 300 0\nv 100 100 200\nusemtl top\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+                .to_owned(),
             &["m.obj:6:", "no surface spans the period", "add a plane"],
         ),
     ];
