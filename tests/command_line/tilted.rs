@@ -86,8 +86,7 @@ fn meshes_at_fault_are_named_by_file_and_line() {
             "media that differ between two sheets",
             format!(
                 "{ROOF}{}",
-                ROOF.replace("usemtl top", "usemtl top")
-                    .replace(" 0\n", " -9\n")
+                ROOF.replace(" 0\n", " -9\n")
                     .replace(" 300\n", " 291\n")
                     .replace("f 1 3 4 2\nf 3 5 6 4", "f 7 9 10 8\nf 9 11 12 10")
             ),
