@@ -4,4 +4,6 @@ mod coherences;
 mod general_path;
 mod geometric;
 mod gratings;
+mod height_field;
+mod laws;
 mod scene;
