@@ -2,6 +2,7 @@
 
 pub mod args;
 pub mod bumpy;
+pub mod checkpoint;
 pub mod coherent;
 pub mod colours;
 pub mod commands;

@@ -103,7 +103,7 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// A device or a pipe.
-fn is_stream(target: &Path) -> bool {
+pub(crate) fn is_stream(target: &Path) -> bool {
     target.exists() && !target.is_file()
 }
 
@@ -119,9 +119,11 @@ fn staged(target: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
     Ok(temporary)
 }
 
-/// Gives the file its name.
+/// Gives the file its name, for good: a name is on disk when its folder is.
 fn named(file: NamedTempFile, target: &Path) -> io::Result<()> {
-    file.persist(target).map(drop).map_err(|error| error.error)
+    file.persist(target).map(drop).map_err(|error| error.error)?;
+    // Not every system lets a folder be opened; the file itself is on disk.
+    File::open(folder_of(target)).and_then(|folder| folder.sync_all()).or(Ok(()))
 }
 
 fn filled<W: Write>(file: W, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<W> {
@@ -133,6 +135,21 @@ fn filled<W: Write>(file: W, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>
 fn same_file(a: &Path, b: &Path) -> bool {
     let (Ok(a), Ok(b)) = (fs::canonicalize(a), fs::canonicalize(b)) else { return false };
     a == b || same_inode(&a, &b)
+}
+
+/// Whether the path leads to this open file, and not to one that took its name. Taken for granted where files have no number.
+pub(crate) fn is_still_at(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let number = |metadata: &fs::Metadata| (metadata.dev(), metadata.ino());
+        matches!((file.metadata(), fs::metadata(path)), (Ok(a), Ok(b)) if number(&a) == number(&b))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = (file, path);
+        true
+    }
 }
 
 #[cfg(unix)]
@@ -149,7 +166,8 @@ fn same_inode(_: &Path, _: &Path) -> bool {
     false
 }
 
-fn explain(path: &Path, error: &io::Error) -> Error {
+/// What went wrong in writing `path`, and the remedy.
+pub(crate) fn explain(path: &Path, error: &io::Error) -> Error {
     let path = path.display();
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {

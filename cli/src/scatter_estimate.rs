@@ -1,5 +1,7 @@
 //! BRDFs of cells of tilted facets: every incident direction traced, its light counted in bins.
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 use goniochrome::colour::RgbSpace;
 use goniochrome::lanes::{F32, F64, Lanes};
@@ -7,12 +9,14 @@ use goniochrome::mesh::MeshCell;
 use goniochrome::table::ScatterLayout;
 
 use crate::bumpy::Bumpy;
+use crate::checkpoint::{Checkpoint, Identity};
 use crate::error::Result;
 use crate::estimate::Precision;
 use crate::groups::{Group, Groups};
 use crate::parallel;
 use crate::scatter::{BATCHES, Estimate, Request, Tally, Workspace, trace_batch};
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
+use crate::scene::{Scene, Shape};
 
 /// Starting rays of one incident direction beyond which `target_error` asks for no more.
 pub const MOST_RAYS: u32 = 1 << 22;
@@ -34,24 +38,46 @@ pub struct TableRequest<'r> {
     pub reciprocal: bool,
 }
 
-/// The table of a cell, without metadata. `progress` is told of each finished incident direction.
+impl TableRequest<'_> {
+    /// What decides the numbers that a checkpoint holds: everything but the number of threads and what is done to the finished
+    /// table.
+    #[must_use]
+    pub fn identity(&self, scene: &Scene, wavelength_nm: &[f64]) -> Identity {
+        let Self { layout, tracing, target_error, weights, .. } = self;
+        let Request { coherence, rays, seed, bins, precision, threads: _ } = tracing;
+        let options = (layout, coherence, rays, seed, bins, precision, target_error);
+        let identity = Identity::of_program();
+        let identity = match &scene.shape {
+            Shape::Stack { .. } => identity.and("scene", &(&scene.media, &scene.shape)),
+            Shape::Cell { mesh, period_nm, interfaces } => identity
+                .and("scene", &(&scene.media, period_nm, interfaces))
+                .and("mesh", &(&mesh.vertices, &mesh.triangles)),
+        };
+        identity.and("options", &options).and("wavelengths and illuminant", &(wavelength_nm, weights))
+    }
+}
+
+/// The table of a cell, without metadata. `progress` is told of each finished incident direction. Directions that the
+/// checkpoint holds are taken from it, the others are added to it.
 ///
 /// Every direction has its rays in 32 independently scrambled batches; the error is that over batches. With one incident
 /// azimuth (an isotropic table) the batches come from as many azimuths around the normal, and the error holds the spread
 /// between them.
 ///
 /// # Errors
-/// A table that is too large, a mesh that the core refuses, a medium without data at a wavelength.
+/// A table that is too large, a mesh that the core refuses, a medium without data at a wavelength, a checkpoint that cannot be
+/// read or written.
 pub fn estimate(
     bumpy: &Bumpy<'_>,
     wavelength_nm: &[f64],
     request: &TableRequest<'_>,
+    checkpoint: Option<&Checkpoint>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<ScatterTable> {
     check_scatter_size(&request.layout, wavelength_nm.len())?;
     let mut table = match request.tracing.precision {
-        Precision::F32 => run::<F32>(bumpy, wavelength_nm, request, progress),
-        Precision::F64 => run::<F64>(bumpy, wavelength_nm, request, progress),
+        Precision::F32 => run::<F32>(bumpy, wavelength_nm, request, checkpoint, progress),
+        Precision::F64 => run::<F64>(bumpy, wavelength_nm, request, checkpoint, progress),
     }?;
     if request.reciprocal {
         reciprocal(&mut table);
@@ -64,6 +90,7 @@ fn run<V: Lanes>(
     bumpy: &Bumpy<'_>,
     wavelength_nm: &[f64],
     request: &TableRequest<'_>,
+    checkpoint: Option<&Checkpoint>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<ScatterTable> {
     let mut buffer = bumpy.buffer();
@@ -82,17 +109,80 @@ fn run<V: Lanes>(
         energy: vec![Energy::default(); layout.incident_count()],
         metadata: std::collections::BTreeMap::default(),
     };
-    let rows = table.brdf.chunks_mut(bins * wavelength_nm.len()).zip(table.luminance_error.chunks_mut(bins));
+    let brdfs = table.brdf.chunks_mut(bins * wavelength_nm.len());
+    let rows = brdfs.zip(table.luminance_error.chunks_mut(bins)).zip(&mut table.energy);
+    let mut rows: Vec<_> = rows.map(|((brdf, error), energy)| Some(Direction { brdf, error, energy })).collect();
+    if let Some(checkpoint) = checkpoint {
+        checkpoint.restore(
+            Direction::bytes(bins, wavelength_nm.len()),
+            layout.incident_count(),
+            |incident, part| {
+                if let Some(mut direction) = rows[incident].take() {
+                    direction.read(part);
+                    progress();
+                }
+            },
+        )?;
+    }
+    let lost = OnceLock::new();
     parallel::for_each(
         request.tracing.threads,
-        rows.zip(&mut table.energy).enumerate(),
+        rows.into_iter().enumerate().filter_map(|(incident, row)| Some((incident, row?))),
         || Worker(Workspace::<V>::new(bumpy)),
-        |worker, (incident, ((brdf, error), energy))| {
-            *energy = worker.direction(cell, &groups, request, incident, brdf, error);
+        |worker, (incident, row)| {
+            if lost.get().is_some() {
+                return; // what nobody can keep is not worth computing
+            }
+            *row.energy = worker.direction(cell, &groups, request, incident, row.brdf, row.error);
+            if let Some(Err(error)) = checkpoint.map(|checkpoint| checkpoint.keep(incident, &row.write())) {
+                let _ = lost.set(error);
+            }
             progress();
         },
     );
-    Ok(table)
+    lost.into_inner().map_or(Ok(table), Err)
+}
+
+/// The part of a table that one incident direction has.
+struct Direction<'t> {
+    brdf: &'t mut [f32],
+    error: &'t mut [f32],
+    energy: &'t mut Energy,
+}
+
+impl Direction<'_> {
+    /// Of what [`Direction::write`] makes.
+    fn bytes(bins: usize, wavelengths: usize) -> usize {
+        bins * (wavelengths + 1) * size_of::<f32>() + 5 * size_of::<f64>() + size_of::<u64>()
+    }
+
+    /// Its numbers for a checkpoint, little endian: energy, f, errors.
+    fn write(&self) -> Vec<u8> {
+        let Energy { reflected: Estimate { value, std_error }, transmitted, absorbed, truncated, rays } = *self.energy;
+        let energy = [value, std_error, transmitted, absorbed, truncated].map(f64::to_le_bytes);
+        let mut bytes = Vec::with_capacity(Self::bytes(self.error.len(), self.brdf.len() / self.error.len()));
+        bytes.extend(energy.as_flattened());
+        bytes.extend(rays.to_le_bytes());
+        bytes.extend(self.brdf.iter().chain(&*self.error).flat_map(|x| x.to_le_bytes()));
+        bytes
+    }
+
+    /// Takes them back.
+    fn read(&mut self, bytes: &[u8]) {
+        let (energy, floats) = bytes.split_at(6 * size_of::<u64>());
+        let (words, _) = energy.as_chunks();
+        let number = |i: usize| f64::from_le_bytes(words[i]);
+        *self.energy = Energy {
+            reflected: Estimate { value: number(0), std_error: number(1) },
+            transmitted: number(2),
+            absorbed: number(3),
+            truncated: number(4),
+            rays: u64::from_le_bytes(words[5]),
+        };
+        let (floats, _) = floats.as_chunks();
+        let numbers = self.brdf.iter_mut().chain(&mut *self.error);
+        numbers.zip(floats).for_each(|(number, bytes)| *number = f32::from_le_bytes(*bytes));
+    }
 }
 
 /// A thread, with its memory for the tracer.

@@ -184,8 +184,9 @@ impl<'a, V: Lanes> Polygons<'a, V> {
             leaving.field = leaving.field.zip(scale, |e, by| e.scale(ComplexLanes::real(by)));
             leaving.power = power;
         };
-        // What cannot pass is reflected whole; from an absorbing medium |r| may differ from 1 then.
-        let total = refracted.as_ref().is_some_and(|refracted| is_evanescent(&refracted.wavevector, self.hero));
+        // What cannot pass is reflected whole; from an absorbing medium |r| may differ from 1 then, and the field have a part
+        // along its way, which neither s nor p holds. A bare mirror lets nothing pass.
+        let total = refracted.as_ref().map_or(bare, |refracted| is_evanescent(&refracted.wavevector, self.hero));
         let back = if total { arrived } else { reflected.power.zip(arrived, least) };
         limit(reflected, back);
         let Some(refracted) = refracted else { return };
@@ -357,9 +358,15 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         let q = state.wavevector;
         let q_n = -q.dot_real(normal);
         let tangential = q.add_scaled(normal, q_n);
-        let tangential_squared = tangential.dot(tangential);
         let near_eta = self.eta(near);
-        let near_wave = Wave::<V>::with_normal(near_eta, q_n);
+        // A wave followed by itself decays along its way, so q_t is complex in an absorbing medium. Snell's law takes its real
+        // part, as for planes of equal phase and amplitude that are parallel to the facet: by the complex one no wave beyond
+        // could travel in a lossless medium, and the faintest absorption would keep all light inside.
+        let alone = !self.merging && near_eta.im.any_above(0.0);
+        let across_facet = if alone { real(&tangential) } else { tangential };
+        let tangential_squared = across_facet.dot(across_facet);
+        let normal_part = if alone { (near_eta * near_eta - tangential_squared).sqrt_upper() } else { q_n };
+        let near_wave = Wave::<V>::with_normal(near_eta, normal_part);
 
         let s = across(normal, &q);
         let s_hat = VectorLanes::<V>::narrow(s);
@@ -394,7 +401,7 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         };
         let refracted = far_wave.map(|(far, wave)| {
             let far_eta = self.eta(far);
-            let wavevector = tangential.add_scaled(normal, -wave.normal);
+            let wavevector = across_facet.add_scaled(normal, -wave.normal);
             let p_through = p_of(wavevector, far_eta);
             // t_p is of magnetic fields; electric ones change by η_near/η_far besides.
             let (t_s, t_p) = (t.s, t.p * ComplexLanes::<V>::narrow(near_eta.div_or_zero(far_eta)));
@@ -430,6 +437,12 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         }
         [self.send(state, reflected), refracted.and_then(|refracted| self.send(state, refracted))]
     }
+}
+
+/// The real part of each component.
+fn real<V: Lanes>(vector: &VectorLanes<V>) -> VectorLanes<V> {
+    let [x, y, z] = [vector.x, vector.y, vector.z].map(|component| ComplexLanes::real(component.re));
+    VectorLanes { x, y, z }
 }
 
 /// Whether the hero lane's wave decays faster along the normal than it travels: a total reflection's far side. In an

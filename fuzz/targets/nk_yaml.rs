@@ -1,21 +1,7 @@
 //! Any text as a refractive index file. What is read is passive wherever it can be evaluated.
 #![no_main]
 
-use goniochrome_cli::scene;
-use libfuzzer_sys::fuzz_target;
+#[path = "../checks/mod.rs"]
+mod checks;
 
-fuzz_target!(|text: &str| {
-    match scene::parse_nk("fuzz.yml", text) {
-        Err(error) => assert!(!error.to_string().contains('\n')),
-        Ok(owned) => {
-            let medium = owned.borrow();
-            let [from, to] = medium.range_nm();
-            assert!(from <= to);
-            for nm in [from, to, 380.0, 555.5, 780.0] {
-                if let Ok(eta) = medium.eta(nm) {
-                    assert!(eta.re > 0.0 && eta.im >= 0.0 && eta.is_finite());
-                }
-            }
-        }
-    }
-});
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| checks::nk_yaml::check(bytes));

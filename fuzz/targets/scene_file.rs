@@ -1,19 +1,7 @@
 //! Any text as a scene file. A scene that is read can be laid out and traced.
 #![no_main]
 
-use goniochrome_cli::planar::Planar;
-use goniochrome_cli::scene;
-use libfuzzer_sys::fuzz_target;
+#[path = "../checks/mod.rs"]
+mod checks;
 
-fuzz_target!(|text: &str| {
-    match scene::parse("fuzz.toml", text) {
-        Err(error) => assert!(!error.to_string().contains('\n')),
-        Ok(scene) => {
-            assert!(scene.files.is_empty());
-            let planar = Planar::new(&scene).expect("a stack is planar");
-            let mut buffer = planar.buffer();
-            planar.stack(&mut buffer).expect("the buffer is that of the scene");
-            let _ = planar.longest_optical_path_nm([380.0, 780.0]);
-        }
-    }
-});
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| checks::scene_file::check(bytes));

@@ -4,5 +4,7 @@ mod coherences;
 mod general_path;
 mod geometric;
 mod gratings;
+mod height_field;
+mod laws;
 mod reciprocity;
 mod scene;

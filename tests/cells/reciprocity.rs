@@ -52,7 +52,9 @@ fn sent(bumpy: &Bumpy<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2]> {
         }
     }
     let count = f64::from(DIRECTIONS);
-    sums.into_iter().map(|[sum, squares]| [sum / count, (squares - sum * sum / count) / (count - 1.0) / count]).collect()
+    sums.into_iter()
+        .map(|[sum, squares]| [sum / count, (squares - sum * sum / count) / (count - 1.0) / count])
+        .collect()
 }
 
 fn holds(coherence: Coherence) {

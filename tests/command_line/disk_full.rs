@@ -47,14 +47,12 @@ fn a_full_standard_output_is_reported_and_a_closed_one_is_not() {
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
-/// Runs the program on a file system of 64 KiB that nobody else sees; `None` where mounting is not permitted.
-fn on_a_tiny_disk(user: &User, arguments: &str) -> Option<(String, String)> {
+/// Runs a shell script, to which `$0` is the program, beside `tiny`, a file system of 64 KiB that nobody else sees; `None` where
+/// mounting is not permitted.
+fn beside_a_tiny_disk(user: &User, script: &str) -> Option<(String, String)> {
     const NOT_MOUNTED: i32 = 99;
-    let script = format!(
-        "mkdir -p tiny && mount -t tmpfs -o size=64k tmpfs tiny 2>/dev/null || exit {NOT_MOUNTED}; \
-         echo kept > tiny/old.csv; echo kept > tiny/old.exr; \
-         \"$0\" {arguments}; echo \"code $?\"; ls -A tiny; cat tiny/old.csv tiny/old.exr"
-    );
+    let script =
+        format!("mkdir -p tiny && mount -t tmpfs -o size=64k tmpfs tiny 2>/dev/null || exit {NOT_MOUNTED}; {script}");
     let output = Command::new("unshare")
         .args(["--mount", "--map-root-user", "sh", "-c", &script, env!("CARGO_BIN_EXE_goniochrome")])
         .current_dir(user.at(""))
@@ -63,6 +61,13 @@ fn on_a_tiny_disk(user: &User, arguments: &str) -> Option<(String, String)> {
         .filter(|output| output.status.code() == Some(0));
     let text = |bytes| String::from_utf8(bytes).unwrap();
     output.map(|output| (text(output.stdout), text(output.stderr)))
+}
+
+/// Runs the program there, where two files are.
+fn on_a_tiny_disk(user: &User, arguments: &str) -> Option<(String, String)> {
+    let script = "echo kept > tiny/old.csv; echo kept > tiny/old.exr; \
+                  \"$0\" ARGUMENTS; echo \"code $?\"; ls -A tiny; cat tiny/old.csv tiny/old.exr";
+    beside_a_tiny_disk(user, &script.replace("ARGUMENTS", arguments))
 }
 
 #[test]
@@ -83,4 +88,22 @@ fn a_full_file_system_keeps_what_it_had() {
         assert!(stderr.starts_with("goniochrome: no space left to write tiny/"), "{stderr}");
         assert_eq!(stderr.lines().count(), 1, "{stderr}");
     }
+}
+
+#[test]
+fn a_full_file_system_keeps_the_directions_that_are_finished() {
+    let user = User::new();
+    let table = "silicon-pyramids --incident 4x8 --bins 16x32 --rays 32 --wavelengths 450,550 --coherence none -q";
+    let script = "\"$0\" estimate TABLE -o tiny/t.exr; echo \"code $?\"; ls -A tiny; mount -o remount,size=4m tiny; \
+                  \"$0\" estimate TABLE -o tiny/t.exr; echo \"code $?\"; ls -A tiny; cp tiny/t.exr resumed.exr";
+    let Some((stdout, stderr)) = beside_a_tiny_disk(&user, &script.replace("TABLE", table)) else {
+        println!("skipped: this machine does not permit mounting a file system");
+        return;
+    };
+    assert_eq!(stdout, "code 1\nt.exr.checkpoint\ncode 0\nt.exr\n", "{stderr}");
+    assert!(stderr.starts_with("goniochrome: no space left to write tiny/t.exr.checkpoint; free some"), "{stderr}");
+    assert!(stderr.ends_with("what is finished is kept, and the same command goes on from there\n"), "{stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    user.ok(&format!("estimate {table} -o t.exr"));
+    assert!(user.read("resumed.exr") == user.read("t.exr"));
 }

@@ -1,16 +1,19 @@
 //! The program as its users meet it: files and arguments in; files, one line of error and an exit code out.
 
 mod agreement;
+mod bounds;
 mod cells;
 mod colours;
 mod destinations;
 mod disk_full;
 mod figures;
+mod kills;
 mod meshes;
 mod presets;
 mod render;
 mod scenes;
 mod tables;
+mod tilted;
 mod usage;
 mod user;
 mod view;

@@ -8,6 +8,7 @@ use goniochrome::table::ScatterLayout;
 
 use crate::args::{EstimateArgs, ModelArg, spelled};
 use crate::bumpy::{Bumpy, has_tilted_facets};
+use crate::checkpoint::Checkpoint;
 use crate::colours::{colours, visible_weights};
 use crate::commands::compute;
 use crate::commands::plot::disc_of;
@@ -39,11 +40,16 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         Format::of(plot)?;
         output::refuse_same_output(&args.output, plot)?;
     }
-    let (table, said) = if has_tilted_facets(&scene) { scattering(args, &scene)? } else { mirror_like(args, &scene)? };
+    let (table, said, checkpoint) = match has_tilted_facets(&scene) {
+        true => scattering(args, &scene)?,
+        false => mirror_like(args, &scene).map(|(table, said)| (table, said, None))?,
+    };
     table_file::write(&args.output, &table)?;
     if let Some(path) = &args.plot {
         disc_of(&table, None, 0.0)?.save(path)?;
     }
+    // Not before all is written: on a full disk, say, the work is kept.
+    checkpoint.map_or(Ok(()), Checkpoint::remove)?;
     remark(args.computing.quiet, format_args!("{}: {said}", args.output.display()));
     Ok(())
 }
@@ -98,7 +104,7 @@ fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
 }
 
 /// The 4D table of tilted facets.
-fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
+fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String, Option<Checkpoint>)> {
     let refuse =
         |option: &str, why: &str| Error::usage(format_args!("{option}: {} has tilted facets; {why}", scene.name));
     if args.angles.is_some() {
@@ -136,9 +142,14 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
     let bumpy = Bumpy::new(scene)?;
+    let checkpoint = Checkpoint::open(&args.output, &request.identity(scene, &wavelength_nm))?;
     let progress = bar(&scene.name, layout.incident_count(), args.computing.quiet);
-    let mut table = estimate(&bumpy, &wavelength_nm, &request, &|| progress.inc(1))?;
+    let mut table = estimate(&bumpy, &wavelength_nm, &request, checkpoint.as_ref(), &|| progress.inc(1))?;
     progress.finish_and_clear();
+    if let Err(error) = table.check() {
+        checkpoint.map_or(Ok(()), Checkpoint::remove)?;
+        return Err(error);
+    }
     table.metadata = scatter_metadata(args, scene, &request.tracing);
     let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);
     let said = format!(
@@ -147,7 +158,7 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
         wavelength_nm.len(),
         table.worst_error(),
     );
-    Ok((table.into(), said))
+    Ok((table.into(), said, checkpoint))
 }
 
 /// The same for a cell.

@@ -1,0 +1,15 @@
+//! Any bytes as a table. What is read is a sound table, and survives being written and read again.
+
+use goniochrome_cli::table_file::{decode, encode};
+
+/// Holds for any bytes.
+pub fn check(bytes: &[u8]) {
+    match decode(bytes) {
+        Err(error) => assert!(!error.to_string().contains('\n')),
+        Ok(table) => {
+            table.check().expect("decode checks");
+            let again = encode(&table).expect("what was read can be written");
+            assert_eq!(decode(&again).expect("what was written can be read"), table);
+        }
+    }
+}

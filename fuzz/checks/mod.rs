@@ -1,0 +1,13 @@
+//! What must hold for any input: the bodies of the fuzz targets, which the normal tests run on every seed.
+#![allow(dead_code, reason = "each fuzz target uses one")]
+
+pub mod exr_table;
+#[path = "../../tests/cells/height_field.rs"]
+mod height_field;
+pub mod nk_yaml;
+pub mod obj;
+#[path = "../../tests/scalar.rs"]
+mod scalar;
+pub mod scene_file;
+pub mod trace_cell;
+pub mod trace_stack;

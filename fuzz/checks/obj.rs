@@ -1,0 +1,27 @@
+//! Any text as a mesh, and then as a cell of horizontal planes.
+
+use goniochrome::interface::{Below, Interface};
+use goniochrome_cli::scene::{self, NamedInterface, NamedMedium, OwnedMedium};
+
+/// Holds for any bytes; those that are no text are no input.
+pub fn check(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let mesh = match scene::parse_mesh("fuzz.obj", text, &["top", "mirror"]) {
+        Err(error) => return assert!(!error.to_string().contains('\n')),
+        Ok(mesh) => mesh,
+    };
+    let count = mesh.vertices.len();
+    assert!(!mesh.triangles.is_empty());
+    assert!(mesh.triangles.iter().all(|t| t.interface < 2 && t.vertices.iter().all(|&v| (v as usize) < count)));
+    let medium = |n: f64| NamedMedium { name: n.to_string(), medium: OwnedMedium::constant(n, 0.0).expect("passive") };
+    let interface = |name: &str, above, below| NamedInterface {
+        name: name.to_owned(),
+        interface: Interface { above, below },
+        coating: Vec::new(),
+    };
+    let interfaces = [interface("top", 0, Below::Medium(1)), interface("mirror", 1, Below::Mirror)];
+    match scene::planes(&mesh, [9.0, 9.0], &interfaces, &[medium(1.0), medium(1.5)]) {
+        Err(error) => assert!(!error.to_string().contains('\n')),
+        Ok(planes) => assert!(planes.windows(2).all(|pair| pair[0].z_nm >= pair[1].z_nm)),
+    }
+}

@@ -1,0 +1,103 @@
+//! Any cell of one to three bumpy sheets: closed by its own check, followed to a ledger that closes; where it is flat, merged rays
+//! are the closed form.
+
+use arbitrary::{Arbitrary, Result, Unstructured};
+use glam::DVec3;
+use goniochrome::bins::DirectionBins;
+use goniochrome::interface::Model;
+use goniochrome_cli::bumpy::Bumpy;
+use goniochrome_cli::estimate::{Method, Precision, Request as StackRequest, spectra};
+use goniochrome_cli::planar::Planar;
+use goniochrome_cli::scatter::{Coherence, Request, scatter};
+use goniochrome_cli::scene::{Scene, Shape, check_closed};
+
+use super::height_field::{HeightField, Start, follow};
+
+/// As in the laws of `tests/cells`, of which these cells are stranger examples.
+const LOSSLESS: f64 = 1e-9;
+const ABSORBING: f64 = 1e-2;
+/// Waves are dropped below 1e-13 of the light: 2√1e-13 in reflectance for each of some that ring.
+const DROPPED: f64 = 2e-5;
+
+#[derive(Debug)]
+struct Cell {
+    field: HeightField,
+    wavelength_nm: f64,
+    states: usize,
+    start: Start,
+}
+
+/// A round number, from which degenerate cells are made, or any in the range.
+fn number(u: &mut Unstructured<'_>, low: f64, high: f64) -> Result<f64> {
+    let code: u8 = u.arbitrary()?;
+    let steps = f64::from(code >> 1) / 100.0;
+    let fraction = if code & 1 == 0 { steps } else { f64::from(u.arbitrary::<u32>()?) / f64::from(u32::MAX) };
+    Ok(low + (high - low) * fraction.min(1.0))
+}
+
+impl<'a> Arbitrary<'a> for Cell {
+    fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
+        let period_nm = [number(u, 100.0, 1e4)?, number(u, 100.0, 1e4)?];
+        let squares = [u.int_in_range(1..=3)?, u.int_in_range(1..=3)?];
+        let height = if u.ratio(1, 4)? { 0.0 } else { number(u, 0.0, 5e3)? };
+        let heights_nm = (0..squares[0] * squares[1]).map(|_| number(u, 0.0, height)).collect::<Result<_>>()?;
+        let depths_nm: Vec<f64> = (0..u.int_in_range(0..=2)?).map(|_| number(u, 1.0, 5e3)).collect::<Result<_>>()?;
+        let mut media = vec![[number(u, 1.0, 3.0)?, 0.0]];
+        for _ in 0..depths_nm.len() + usize::from(u.ratio(3, 4)?) {
+            let k = if u.ratio(1, 3)? { number(u, 0.0, 8.0)? } else { 0.0 };
+            media.push([number(u, 0.05, 5.0)?, k]);
+        }
+        let (sin, phi) = (number(u, 0.0, 1.0)?.min(0.9999), number(u, 0.0, std::f64::consts::TAU)?);
+        let wi = DVec3::new(sin * phi.cos(), sin * phi.sin(), (1.0 - sin * sin).sqrt());
+        let start = Start { wi, u: number(u, 0.0, 0.9999)?, v: number(u, 0.0, 0.9999)?, seed: u.arbitrary()? };
+        let states = u.int_in_range(1..=64)?;
+        let field = HeightField { period_nm, squares, heights_nm, depths_nm, media };
+        Ok(Self { field, wavelength_nm: number(u, 100.0, 3000.0)?, states, start })
+    }
+}
+
+/// Holds for any bytes from which a cell can be made.
+pub fn check(bytes: &[u8]) {
+    let Ok(cell) = Cell::arbitrary_take_rest(Unstructured::new(bytes)) else { return };
+    let scene = cell.field.scene();
+    let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { return };
+    if let Err(error) = check_closed(mesh, *period_nm, interfaces, &scene.media) {
+        panic!("a height field is closed: {error}");
+    }
+    ledger_closes(&cell, &scene);
+    if cell.field.heights_nm.iter().all(|z| *z == cell.field.heights_nm[0]) {
+        flat_is_closed_form(&cell, &scene);
+    }
+}
+
+fn ledger_closes(cell: &Cell, scene: &Scene) {
+    let absorbs = cell.field.media.iter().any(|[_, k]| *k > 0.0);
+    let bound = if absorbs { ABSORBING } else { LOSSLESS };
+    for outcome in follow(scene, cell.wavelength_nm, cell.states, &[cell.start]) {
+        let (total, reflected) = (outcome.total(), outcome.reflected());
+        assert!((total - 1.0).abs() <= bound, "total {total}: {outcome:?}");
+        for part in [reflected, outcome.transmitted, outcome.absorbed, outcome.truncated] {
+            assert!((-bound..=1.0 + bound).contains(&part), "{outcome:?}");
+        }
+        assert!(outcome.up.iter().all(|(direction, power)| direction.z > 0.0 && *power >= 0.0), "{outcome:?}");
+    }
+}
+
+fn flat_is_closed_form(cell: &Cell, scene: &Scene) {
+    // Absorbing and evanescent waves may gain in a loop, and their sum by hits then has no end.
+    let q_t = cell.field.media[0][0] * cell.start.wi.z.acos().sin();
+    if cell.field.media.iter().any(|[n, k]| *k > 0.0 || *n <= 1.05 * q_t) {
+        return;
+    }
+    let (precision, wavelengths) = (Precision::F64, [cell.wavelength_nm]);
+    let bins = DirectionBins { cos: 1, phi: 1 };
+    let request = Request { coherence: Coherence::Ray, rays: 32, seed: 0, bins, precision, threads: 1 };
+    let bumpy = Bumpy::new(scene).expect("a good mesh");
+    let Ok(traced) = scatter(&bumpy, cell.start.wi, &wavelengths, &request, &|| ()) else { return };
+    let planar = Planar::new(scene).expect("horizontal planes");
+    let request = StackRequest { model: Model::Physical, method: Method::Stack, precision, threads: 1 };
+    let theta_deg = cell.start.wi.z.acos().to_degrees();
+    let closed = spectra(&planar, &[theta_deg], &wavelengths, &request, &|| ()).expect("a good stack").samples[0];
+    let error = (traced[0].reflected.value - closed.mean_reflectance()).abs();
+    assert!(error <= DROPPED + 2.0 * traced[0].truncated.value.sqrt(), "off by {error:e}: {traced:?}");
+}

@@ -1,0 +1,7 @@
+//! Any cell of one to three bumpy sheets: laws of physics hold.
+#![no_main]
+
+#[path = "../checks/mod.rs"]
+mod checks;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| checks::trace_cell::check(bytes));

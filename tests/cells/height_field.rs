@@ -1,0 +1,149 @@
+//! Random cells: a height field over a small grid, and copies of it further down, with any media between them. Such sheets are
+//! closed and never cross, so every one is a good scene.
+
+use glam::DVec3;
+use goniochrome::coherence::Side;
+use goniochrome::interface::{Below, Interface};
+use goniochrome::lanes::{F64, Lanes};
+use goniochrome::polygons::{Departure, Field, Incident, Polygons, State, free_slot};
+use goniochrome::sampling::Random;
+use goniochrome::trace::{Limits, Sink, Slot, follow_paths};
+use goniochrome_cli::bumpy::Bumpy;
+use goniochrome_cli::groups::Groups;
+use goniochrome_cli::scene::{Mesh, NamedInterface, NamedMedium, OwnedMedium, Scene, Shape, Triangle};
+
+/// Lengths in nanometres.
+#[derive(Clone, Debug)]
+pub struct HeightField {
+    pub period_nm: [f64; 2],
+    /// Squares along x and y.
+    pub squares: [usize; 2],
+    /// One for each corner, row by row along x; the far borders repeat the near ones.
+    pub heights_nm: Vec<f64>,
+    /// Of each sheet below the one before it.
+    pub depths_nm: Vec<f64>,
+    /// n and k, from the top; one more than there are sheets, or as many over a mirror.
+    pub media: Vec<[f64; 2]>,
+}
+
+impl HeightField {
+    pub fn sheets(&self) -> usize {
+        1 + self.depths_nm.len()
+    }
+
+    pub fn scene(&self) -> Scene {
+        let [nx, ny] = self.squares;
+        let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: "random.obj".into() };
+        let mut depth = 0.0;
+        for sheet in 0..self.sheets() {
+            let first = mesh.vertices.len();
+            depth += sheet.checked_sub(1).map_or(0.0, |above| self.depths_nm[above]);
+            for (j, i) in (0..=ny).flat_map(|j| (0..=nx).map(move |i| (j, i))) {
+                let along = |axis: usize, k: usize| self.period_nm[axis] * k as f64 / self.squares[axis] as f64;
+                mesh.vertices.push([along(0, i), along(1, j), self.heights_nm[(j % ny) * nx + i % nx] - depth]);
+            }
+            for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
+                let corner = |di: usize, dj: usize| (first + (j + dj) * (nx + 1) + i + di) as u32;
+                for vertices in [[corner(0, 0), corner(1, 0), corner(1, 1)], [corner(0, 0), corner(1, 1), corner(0, 1)]]
+                {
+                    mesh.triangles.push(Triangle { vertices, interface: sheet as u16, line: 1 });
+                }
+            }
+        }
+        let below = |sheet: usize| match sheet + 1 < self.media.len() {
+            true => Below::Medium(sheet as u16 + 1),
+            false => Below::Mirror,
+        };
+        let interface = |sheet: usize| NamedInterface {
+            name: format!("sheet {sheet}"),
+            interface: Interface { above: sheet as u16, below: below(sheet) },
+            coating: Vec::new(),
+        };
+        let medium = |&[n, k]: &[f64; 2]| NamedMedium {
+            name: format!("{n}+{k}i"),
+            medium: OwnedMedium::constant(n, k).expect("passive"),
+        };
+        Scene {
+            name: "random".to_owned(),
+            toml: String::new(),
+            media: self.media.iter().map(medium).collect(),
+            shape: Shape::Cell {
+                mesh,
+                period_nm: self.period_nm,
+                interfaces: (0..self.sheets()).map(interface).collect(),
+            },
+            files: Vec::new(),
+        }
+    }
+}
+
+/// Where the light of one starting ray went, unpolarised; coherence `none`.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Unit directions through the top and the power in each.
+    pub up: Vec<(DVec3, f64)>,
+    pub transmitted: f64,
+    pub absorbed: f64,
+    pub truncated: f64,
+}
+
+impl Outcome {
+    pub fn reflected(&self) -> f64 {
+        self.up.iter().map(|(_, power)| power).sum()
+    }
+
+    pub fn total(&self) -> f64 {
+        self.reflected() + self.transmitted + self.absorbed + self.truncated
+    }
+}
+
+impl Sink<Departure<F64>, Field<F64>> for Outcome {
+    fn exit(&mut self, exit: Departure<F64>, _: Field<F64>) {
+        let power = 0.5 * (exit.power.s.lane(0) + exit.power.p.lane(0));
+        match exit.side {
+            Side::Above => self.up.push((exit.wavevector.direction(0).normalize(), power)),
+            Side::Below => self.transmitted += power,
+        }
+    }
+}
+
+/// A starting ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Unit, towards the light.
+    pub wi: DVec3,
+    /// Over the period.
+    pub u: f64,
+    pub v: f64,
+    /// Of the draws among weak branches.
+    pub seed: u32,
+}
+
+/// Paths by themselves, one outcome for each start, in a workspace of so many states.
+pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]) -> Vec<Outcome> {
+    /// Paths below this power are no longer split. Light that a layer traps is counted as truncated in the end.
+    const LIMITS: Limits = Limits { in_flight: 0.02, generations: 200 };
+    let bumpy = Bumpy::new(scene).expect("a good mesh");
+    let mut buffer = bumpy.buffer();
+    let cell = bumpy.cell(&mut buffer).expect("a good mesh");
+    let media = bumpy.media();
+    let wavelengths = [wavelength_nm];
+    let mut groups = Groups::<F64>::new(media.len(), &wavelengths);
+    let groups = groups.evaluate(&media, &wavelengths).expect("constant media");
+    let mut slots: Vec<Slot<State<F64>, Field<F64>>> = vec![free_slot(); states];
+    let one = |start: &Start| {
+        let eta = groups[0].0.eta()[usize::from(cell.above())];
+        let mut polygons = Polygons::new(cell, groups[0].0, Incident::new(start.wi, eta), false);
+        let mut outcome = Outcome::default();
+        let Some((state, field)) = polygons.start(start.u, start.v) else {
+            return Outcome { truncated: 1.0, ..outcome };
+        };
+        let mut random = Random::new(start.seed, 0);
+        let done = follow_paths(&mut polygons, state, field, &mut slots, LIMITS, &mut random, &mut outcome);
+        outcome.truncated += done.truncated.lane(0) + polygons.lost().lane(0);
+        let absorbed = polygons.absorbed();
+        outcome.absorbed += 0.5 * (absorbed.s.lane(0) + absorbed.p.lane(0));
+        outcome
+    };
+    starts.iter().map(one).collect()
+}

@@ -1,0 +1,305 @@
+//! Laws of cells of tilted facets, on many random ones: no reference but physics itself.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use goniochrome::bins::DirectionBins;
+use goniochrome::interface::Model;
+use goniochrome_cli::bumpy::Bumpy;
+use goniochrome_cli::estimate::{Method, Precision, Request as StackRequest, spectra};
+use goniochrome_cli::planar::Planar;
+use goniochrome_cli::scatter::{Coherence, Request, scatter};
+use goniochrome_cli::scene::{Scene, Shape, check_closed};
+
+use crate::height_field::{HeightField, Outcome, Start, follow};
+
+const SCENES: u64 = 10_000;
+const RAYS: u32 = 4;
+/// More states than the paths of a starting ray ever wait in.
+const STATES: usize = 64;
+/// A power is a product of some hundred factors, each rounded to 1e-16, and the sum of a thousand.
+const ROUNDING: f64 = 1e-11;
+
+/// SplitMix64.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn height_field(&mut self, absorbs: bool) -> HeightField {
+        let period_nm = [self.between(500.0, 5000.0), self.between(500.0, 5000.0)];
+        let squares = [1 + self.below(3) as usize, 1 + self.below(3) as usize];
+        let steepness = self.between(0.0, 1.0);
+        let height = steepness * (period_nm[0] / squares[0] as f64).min(period_nm[1] / squares[1] as f64);
+        let heights_nm = (0..squares[0] * squares[1]).map(|_| self.between(0.0, height)).collect();
+        let depths_nm: Vec<f64> = (0..self.below(3)).map(|_| self.between(1.0, 2000.0)).collect();
+        let mut media = vec![[self.between(1.0, 2.0), 0.0]];
+        for _ in 0..depths_nm.len() + usize::from(self.below(4) > 0) {
+            let k = if absorbs && self.below(3) == 0 { 10f64.powf(self.between(-5.0, 0.5)) } else { 0.0 };
+            media.push([self.between(1.0, 3.0), k]);
+        }
+        HeightField { period_nm, squares, heights_nm, depths_nm, media }
+    }
+
+    /// A direction as likely as light from it is on a horizontal plane: ∝ cos θ dω.
+    fn direction(&mut self) -> DVec3 {
+        let (sin2, phi) = (self.between(0.0, 0.999), self.between(0.0, TAU));
+        DVec3::new(sin2.sqrt() * phi.cos(), sin2.sqrt() * phi.sin(), (1.0 - sin2).sqrt())
+    }
+
+    fn starts(&mut self, count: u32) -> Vec<Start> {
+        let mut start =
+            |seed| Start { wi: self.direction(), u: self.between(0.0, 1.0), v: self.between(0.0, 1.0), seed };
+        (0..count).map(&mut start).collect()
+    }
+}
+
+/// Calls `check` with each of the random scenes.
+fn each(seed: u64, absorbs: bool, mut check: impl FnMut(&mut Numbers, &HeightField, &Scene)) {
+    let mut numbers = Numbers(seed);
+    for _ in 0..SCENES {
+        let field = numbers.height_field(absorbs);
+        let scene = field.scene();
+        check(&mut numbers, &field, &scene);
+    }
+}
+
+/// The larger difference of what two outcomes reflect, as power times direction, and transmit.
+fn difference(a: &Outcome, b: &Outcome, turned: impl Fn(DVec3) -> DVec3) -> f64 {
+    let moment = |outcome: &Outcome| outcome.up.iter().map(|(direction, power)| *direction * *power).sum::<DVec3>();
+    let reflected = (a.reflected() - b.reflected()).abs().max((turned(moment(a)) - moment(b)).length());
+    reflected.max((a.transmitted - b.transmitted).abs())
+}
+
+/// Counts rays for which two descriptions of one thing differ: one that passes an edge on the other side goes another way.
+#[derive(Default)]
+struct Agreement {
+    rays: u32,
+    strayed: u32,
+    worst: f64,
+}
+
+impl Agreement {
+    fn see(&mut self, difference: f64, tolerance: f64) {
+        assert!(difference.is_finite());
+        self.rays += 1;
+        if difference <= tolerance {
+            self.worst = self.worst.max(difference);
+        } else {
+            self.strayed += 1;
+        }
+    }
+
+    fn report(self, law: &str) {
+        /// Rays that pass an edge within rounding, or draw another branch because of it.
+        const STRAYED: f64 = 1e-4;
+        println!(
+            "{law}: {} of {} rays went another way, the others differ by {:.1e}",
+            self.strayed, self.rays, self.worst
+        );
+        assert!(f64::from(self.strayed) <= STRAYED * f64::from(self.rays), "{law}: {} rays", self.strayed);
+    }
+}
+
+#[test]
+fn power_is_conserved_in_any_workspace() {
+    /// A refracted field is not quite across its way in an absorbing medium; at most this much of it is lost at later facets.
+    const ABSORBING: f64 = 1e-3;
+    let (mut worst, mut least) = ([0.0f64; 2], 1.0f64);
+    each(1, true, |numbers, field, scene| {
+        let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { panic!("a cell") };
+        check_closed(mesh, *period_nm, interfaces, &scene.media).expect("a height field is closed");
+        let states = if numbers.below(2) == 0 { STATES } else { 1 + numbers.below(8) as usize };
+        let absorbs = field.media.iter().any(|[_, k]| *k > 0.0);
+        for outcome in follow(scene, 550.0, states, &numbers.starts(RAYS)) {
+            assert!(outcome.total().is_finite(), "{field:?}");
+            let worst = &mut worst[usize::from(absorbs)];
+            *worst = worst.max((outcome.total() - 1.0).abs());
+            for part in [outcome.transmitted, outcome.absorbed, outcome.truncated] {
+                least = least.min(part);
+            }
+            assert!(outcome.up.iter().all(|(direction, power)| direction.z > 0.0 && *power >= 0.0));
+        }
+    });
+    let [lossless, absorbing] = worst;
+    println!(
+        "energy: lossless cells off by {lossless:.1e}, absorbing ones by {absorbing:.1e}; no part below {least:.1e}"
+    );
+    assert!(lossless <= ROUNDING && absorbing <= ABSORBING && least >= -ROUNDING);
+}
+
+#[test]
+fn lengths_and_wavelengths_together_change_nothing() {
+    let mut agreement = Agreement::default();
+    each(2, true, |numbers, _, scene| {
+        let scale = 10f64.powf(numbers.between(-1.0, 2.0));
+        let mut scaled = scene.clone();
+        let Shape::Cell { mesh, period_nm, .. } = &mut scaled.shape else { panic!("a cell") };
+        mesh.vertices.iter_mut().flatten().chain(period_nm).for_each(|x| *x *= scale);
+        let starts = numbers.starts(RAYS);
+        let both =
+            follow(scene, 550.0, STATES, &starts).into_iter().zip(follow(&scaled, 550.0 * scale, STATES, &starts));
+        both.for_each(|(a, b)| agreement.see(difference(&a, &b, |x| x), 1e-9));
+    });
+    agreement.report("scaling");
+}
+
+#[test]
+fn a_turned_cell_turns_its_brdf() {
+    let mut agreement = Agreement::default();
+    let turn = |x: DVec3| DVec3::new(-x.y, x.x, x.z);
+    each(3, true, |numbers, _, scene| {
+        let mut turned = scene.clone();
+        let Shape::Cell { mesh, period_nm, .. } = &mut turned.shape else { panic!("a cell") };
+        let [width, depth] = *period_nm;
+        mesh.vertices.iter_mut().for_each(|[x, y, _]| (*x, *y) = (depth - *y, *x));
+        *period_nm = [depth, width];
+        let starts = numbers.starts(RAYS);
+        let turned_starts: Vec<Start> =
+            starts.iter().map(|start| Start { wi: turn(start.wi), u: 1.0 - start.v, v: start.u, ..*start }).collect();
+        let both =
+            follow(scene, 550.0, STATES, &starts).into_iter().zip(follow(&turned, 550.0, STATES, &turned_starts));
+        both.for_each(|(a, b)| agreement.see(difference(&a, &b, turn), 1e-9));
+    });
+    agreement.report("turning");
+}
+
+#[test]
+fn faint_absorption_tends_to_none() {
+    /// 4π k L/λ for paths of a millimetre: 200 hits, each after a period at most.
+    const K: f64 = 1e-12;
+    const LOST: f64 = 2.0 * TAU * K * 1e6 / 550.0;
+    /// Standard errors.
+    const FAR: f64 = 5.0;
+    let (mut most, mut sum, mut variance, mut equal, mut rays) = (0.0f64, 0.0, 0.0, 0u32, 0u32);
+    each(4, false, |numbers, field, scene| {
+        let mut faint = field.clone();
+        faint.media.iter_mut().skip(1).for_each(|[_, k]| *k = K);
+        let starts = numbers.starts(RAYS);
+        let both =
+            follow(scene, 550.0, STATES, &starts).into_iter().zip(follow(&faint.scene(), 550.0, STATES, &starts));
+        for (a, b) in both {
+            assert!(a.absorbed.abs() <= ROUNDING);
+            most = most.max(b.absorbed);
+            // A total reflection draws nothing in the lossless cell and once in the other, where the wave beyond it has some
+            // power: weak paths then go different ways, which are alike on average.
+            let apart = a.reflected() - b.reflected();
+            equal += u32::from(apart.abs() <= LOST + 1e-9);
+            rays += 1;
+            sum += apart;
+            variance += apart * apart;
+        }
+    });
+    println!(
+        "k = {K:e}: {most:.1e} absorbed; {equal} of {rays} rays alike, R off by {:.1} standard errors",
+        sum / variance.sqrt()
+    );
+    assert!(most <= LOST);
+    assert!(f64::from(equal) >= 0.9 * f64::from(rays) && sum.abs() <= FAR * variance.sqrt());
+}
+
+#[test]
+fn sheets_between_equal_media_are_not_there() {
+    let mut worst = 0.0f64;
+    each(5, false, |numbers, field, _| {
+        let n = field.media[0];
+        let matched = HeightField { media: vec![n; field.sheets() + 1], ..field.clone() };
+        for outcome in follow(&matched.scene(), 550.0, STATES, &numbers.starts(RAYS)) {
+            worst = worst.max(outcome.reflected()).max((outcome.transmitted - 1.0).abs());
+        }
+    });
+    println!("index-matched: {worst:.1e}");
+    assert!(worst <= ROUNDING);
+}
+
+/// Light from directions in A that leaves into B, and the other way round, over the whole hemisphere of `n_in² cos θ dω`.
+#[test]
+fn the_way_back_is_as_good_as_the_way_there() {
+    /// Rays of each scene: the error of a scene's mean is that over its rays.
+    const RAYS: u32 = 8;
+    /// Standard errors. One in a million sums of this many scenes lies further out.
+    const FAR: f64 = 5.0;
+    let splits: [(&str, fn(DVec3) -> bool); 3] = [
+        ("near the normal and near the horizon", |w| w.z > std::f64::consts::FRAC_1_SQRT_2),
+        ("left and right", |w| w.x > 0.0),
+        ("two sectors and the rest", |w| w.x * w.y > 0.0),
+    ];
+    let mut sums = [[0.0; 3]; 3];
+    let mut wrong = [0.0; 2];
+    each(6, true, |numbers, _, scene| {
+        let starts = numbers.starts(RAYS);
+        let outcomes = follow(scene, 550.0, STATES, &starts);
+        for ((_, inside), [sum, variance, crossed]) in splits.iter().zip(&mut sums) {
+            for (start, outcome) in starts.iter().zip(&outcomes) {
+                let other = outcome.up.iter().filter(|(wo, _)| inside(*wo) != inside(start.wi));
+                let power: f64 = other.map(|(_, power)| power).sum();
+                *sum += if inside(start.wi) { power } else { -power };
+                *variance += power * power;
+                *crossed += power;
+            }
+        }
+        // The test can fail: f(wi, wo) without its cosines is not symmetric.
+        for (start, outcome) in starts.iter().zip(&outcomes) {
+            let inside = splits[0].1;
+            let power: f64 = outcome.up.iter().filter(|(wo, _)| inside(*wo) != inside(start.wi)).map(|(_, p)| p).sum();
+            let without = power / start.wi.z;
+            wrong[0] += if inside(start.wi) { without } else { -without };
+            wrong[1] += without * without;
+        }
+    });
+    for ((name, _), [sum, variance, crossed]) in splits.iter().zip(sums) {
+        let error = variance.sqrt();
+        println!("{name}: {:.2} standard errors, which are {:.1e} of what crosses", sum / error, error / crossed);
+        assert!(sum.abs() <= FAR * error, "{name}: {sum} with a standard error of {error}");
+        assert!(error <= 0.02 * crossed, "{name}: too few rays to tell anything");
+    }
+    assert!(wrong[0].abs() > FAR * wrong[1].sqrt());
+}
+
+#[test]
+fn flat_sheets_are_the_stack_in_closed_form() {
+    /// Waves are dropped below 1e-13 of the light: 2√1e-13 in reflectance for each of a few that ring.
+    const DROPPED: f64 = 5e-6;
+    let (mut worst, mut seen) = (0.0f64, 0);
+    each(7, false, |numbers, field, _| {
+        let flat = HeightField { heights_nm: vec![0.0; field.heights_nm.len()], ..field.clone() };
+        let theta_deg = numbers.between(0.0, 80.0);
+        // Evanescent waves may gain in a loop, and their sum by hits then has no end.
+        let q_t = flat.media[0][0] * theta_deg.to_radians().sin();
+        if flat.media.iter().any(|[n, _]| *n <= 1.05 * q_t) {
+            return;
+        }
+        let scene = flat.scene();
+        let bumpy = Bumpy::new(&scene).expect("a good mesh");
+        let bins = DirectionBins { cos: 1, phi: 1 };
+        let precision = Precision::F64;
+        let request = Request { coherence: Coherence::Ray, rays: 32, seed: 0, bins, precision, threads: 1 };
+        let (sin, cos) = theta_deg.to_radians().sin_cos();
+        let wi = DVec3::new(0.6 * sin, 0.8 * sin, cos);
+        let traced = &scatter(&bumpy, wi, &[550.0], &request, &|| ()).expect("a good mesh")[0];
+        let planar = Planar::new(&scene).expect("horizontal planes");
+        let request = StackRequest { model: Model::Physical, method: Method::Stack, precision, threads: 1 };
+        let closed = spectra(&planar, &[theta_deg], &[550.0], &request, &|| ()).expect("a good stack").samples[0];
+        let transmitted = 0.5 * (closed.transmittance.s + closed.transmittance.p);
+        let error = (traced.reflected.value - closed.mean_reflectance()).abs();
+        let error = error.max((traced.transmitted.value - transmitted).abs());
+        assert!(error <= DROPPED, "{error:e} at {theta_deg} degrees: {flat:?}");
+        worst = worst.max(error);
+        seen += 1;
+    });
+    println!("flat sheets: {seen} stacks, off by {worst:.1e}");
+    assert!(seen > SCENES / 2);
+}

@@ -1,0 +1,98 @@
+//! Inputs that ask for more memory or time than anyone has are refused with a number, in little of either.
+#![cfg(unix)]
+
+use crate::user::User;
+
+/// Address space in KiB in which each must be refused: the program itself with its threads, and no more.
+const LITTLE: u32 = 1 << 20;
+
+/// As [`User::refused`], where memory is short.
+fn refused(user: &User, line: &str, code: i32, says: &[&str]) {
+    let program = user.program().get_program().to_string_lossy().into_owned();
+    let script = format!("ulimit -v {LITTLE}; exec '{program}' {line}");
+    let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(user.at("")).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{line}: {message}");
+    assert_eq!(message.lines().count(), 1, "{line}: {message}");
+    for part in says {
+        assert!(message.contains(part), "{line}: {part:?} is missing from {message:?}");
+    }
+    user.refused(line, code, says);
+}
+
+#[test]
+fn repeat_within_repeat_is_counted_before_it_is_written_out() {
+    let nested = |levels: usize, times: u32| {
+        let inner = "{ material = 1.5, thickness_nm = 100.0 }".to_owned();
+        let layers = (0..levels).fold(inner, |layers, _| format!("{{ repeat = {times}, layers = [{layers}] }}"));
+        let scene = format!("[stack]\nambient = 1.0\nlayers = [{layers}]\nsubstrate = 1.0\n");
+        User::with(&[("s.toml", &scene)])
+    };
+    refused(&nested(3, 1000), "spectrum s.toml", 1, &["s.toml:3:", "1000000000 layers", "at most 10000"]);
+    refused(&nested(16, 10_000), "spectrum s.toml", 1, &["s.toml:3:", "at most 10000"]);
+    refused(&nested(17, 1), "spectrum s.toml", 1, &["s.toml:3:", "repeat within repeat, more than 16 deep"]);
+    refused(&nested(2000, 2), "spectrum s.toml", 1, &["s.toml:3:"]);
+}
+
+#[test]
+fn grids_are_counted_before_they_are_made() {
+    let user = User::new();
+    let many = ["1000000 wavelengths are more than the 8192 allowed"];
+    refused(&user, "spectrum paper-fig3 --wavelengths 1:1000000:1", 2, &many);
+    let steep = ["89000000001 angles are more than the 16384 allowed"];
+    refused(&user, "spectrum paper-fig3 --theta 0:89:1e-9", 2, &steep);
+    let pairs = ["pairs of directions", "are too many", "4194304"];
+    refused(&user, "estimate bumpy-glass -o t.exr --incident 4000x4000 --bins 4000x4000", 2, &["--incident"]);
+    refused(&user, "estimate bumpy-glass -o t.exr --incident 64x128 --bins 64x128", 1, &pairs);
+}
+
+#[test]
+fn bombs_of_toml_and_yaml_are_refused() {
+    let deep =
+        format!("[stack]\nambient = 1.0\nlayers = {}{}\nsubstrate = 1.0\n", "[".repeat(100_000), "]".repeat(100_000));
+    refused(&User::with(&[("s.toml", &deep)]), "spectrum s.toml", 1, &["s.toml:3:"]);
+    let keys = format!("{}x = 1\n", "a.".repeat(100_000));
+    refused(&User::with(&[("s.toml", &keys)]), "spectrum s.toml", 1, &["s.toml:1:"]);
+    refused(&User::with(&[("s.toml", &"#".repeat(5 << 20))]), "spectrum s.toml", 1, &["longer than 4 MiB"]);
+
+    let scene = "[stack]\nambient = 1.0\nsubstrate = \"x\"\n[materials.x]\nfile = \"x.yml\"\n";
+    let mut laughs = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n".to_owned();
+    for level in 1..12 {
+        let aliases = vec![format!("*a{}", level - 1); 10].join(", ");
+        laughs += &format!("a{level}: &a{level} [{aliases}]\n");
+    }
+    refused(&User::with(&[("s.toml", scene), ("x.yml", &laughs)]), "spectrum s.toml", 1, &["x.yml:"]);
+    let deep = format!("DATA: {}{}\n", "[".repeat(50_000), "]".repeat(50_000));
+    refused(
+        &User::with(&[("s.toml", scene), ("x.yml", &deep)]),
+        "spectrum s.toml",
+        1,
+        &["x.yml:1:", "recursion limit"],
+    );
+}
+
+#[test]
+fn an_image_that_claims_two_to_the_31_pixels_is_refused() {
+    let user = User::new();
+    user.ok("estimate paper-fig3 -o t.exr --angles 4 --wavelengths 400:700:100 --quiet");
+    let table = user.read("t.exr");
+    let name = b"dataWindow\0box2i\0\x10\0\0\0";
+    let at = table.windows(name.len()).position(|window| window == name).expect("a header") + name.len();
+    for (width, height) in [(i32::MAX - 1, 1_i32), (1 << 16, 1 << 15), (1 << 25, 1 << 6)] {
+        let mut claim = table.clone();
+        claim[at + 8..at + 12].copy_from_slice(&(width - 1).to_le_bytes());
+        claim[at + 12..at + 16].copy_from_slice(&(height - 1).to_le_bytes());
+        user.write("claim.exr", claim);
+        refused(&user, "plot claim.exr -o disc.png", 1, &["claim.exr"]);
+    }
+}
+
+#[test]
+fn surfaces_of_too_many_triangles_are_refused() {
+    let surface = "kind = \"pyramids\", count = [1000, 1000]";
+    let scene = format!(
+        "[cell]\nperiod_nm = [1000, 1000]\nsurface = {{ {surface} }}\n[interface.pyramids]\nabove = 1\nbelow = 1.5\n"
+    );
+    let says = ["s.toml:3:", "12000000 triangles; at most 1000000"];
+    refused(&User::with(&[("s.toml", &scene)]), "scatter s.toml", 1, &says);
+}

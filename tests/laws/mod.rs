@@ -1,0 +1,204 @@
+//! Laws of planar stacks, on many random ones: no reference but physics itself. Tolerances come from [`crate::scalar`].
+
+#![allow(clippy::needless_range_loop, reason = "one index runs through several arrays")]
+
+mod agreement;
+mod convergence;
+mod energy;
+mod invariance;
+mod limits;
+
+use crate::reference::Layered;
+use crate::scalar::{Problem, Twin};
+use goniochrome::coherence::Ledger;
+use goniochrome::complex::Polarised;
+use goniochrome::interface::Model;
+use goniochrome::lanes::{F32, F64, Lanes};
+use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome::trace::Limits;
+use num_complex::Complex64;
+
+const STACKS: u64 = 10_000;
+const MOST_LAYERS: u64 = 12;
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn dielectric(&mut self) -> Complex64 {
+        self.between(1.0, 3.0).into()
+    }
+
+    /// From faint absorbers to metals.
+    fn absorber(&mut self) -> Complex64 {
+        let k = 10f64.powf(self.between(-4.0, 0.9));
+        Complex64::new(10f64.powf(self.between(-1.3, 0.7)), k)
+    }
+
+    fn medium(&mut self, lossless: bool) -> Complex64 {
+        if lossless || self.below(3) > 0 { self.dielectric() } else { self.absorber() }
+    }
+}
+
+/// A stack and the light on it.
+struct Case {
+    stack: Layered,
+    theta_deg: f64,
+    wavelengths_nm: Vec<f64>,
+}
+
+/// R and T of s and p, in closed form.
+#[derive(Clone, Copy)]
+struct Power {
+    r: Polarised<F64>,
+    t: Polarised<F64>,
+}
+
+impl Case {
+    fn random(random: &mut Random, lossless: bool, mirrors: bool) -> Self {
+        let layers = random.below(MOST_LAYERS + 1) as usize;
+        let mut eta = vec![Complex64::from(random.between(1.0, 2.0))];
+        let mut thickness_nm = Vec::new();
+        for layer in 0..layers {
+            // Every other stack repeats a pair, as mirrors of beetles do.
+            if layer >= 2 && random.0.is_multiple_of(2) {
+                eta.push(eta[layer - 1]);
+                thickness_nm.push(thickness_nm[layer - 2]);
+            } else {
+                eta.push(random.medium(lossless));
+                thickness_nm.push(random.between(0.0, 1000.0));
+            }
+        }
+        if !(mirrors && random.below(4) == 0) {
+            eta.push(random.medium(lossless));
+        }
+        let wavelengths_nm = (0..F64::WIDTH).map(|_| random.between(300.0, 1100.0)).collect();
+        Self { stack: Layered { eta, thickness_nm }, theta_deg: random.between(0.0, 89.9), wavelengths_nm }
+    }
+
+    fn sin_theta(&self) -> f64 {
+        self.theta_deg.to_radians().sin()
+    }
+
+    fn power(&self) -> Power {
+        self.stack.with_optics::<F64, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
+            let response = optics.response();
+            Power { r: optics.reflectance(response.reflection), t: optics.transmittance(response.transmission) }
+        })
+    }
+
+    fn ledger<V: Lanes>(&self, summation: Summation) -> (Ledger<V>, f64) {
+        let mut workspace = Box::new(Workspace::<V, 32>::new());
+        self.stack.with_optics::<V, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
+            let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
+            (traced.ledger, f64::from(traced.trace.generations))
+        })
+    }
+
+    /// For each lane.
+    fn twins(&self) -> Vec<[Twin; 2]> {
+        let solve = |&wavelength_nm: &f64| {
+            let Layered { eta, thickness_nm } = &self.stack;
+            Problem { eta, thickness_nm, sin_theta: self.sin_theta(), wavelength_nm }.solve()
+        };
+        self.wavelengths_nm.iter().map(solve).collect()
+    }
+
+    fn with(&self, eta: Vec<Complex64>, thickness_nm: Vec<f64>) -> Self {
+        let stack = Layered { eta, thickness_nm };
+        Self { stack, theta_deg: self.theta_deg, wavelengths_nm: self.wavelengths_nm.clone() }
+    }
+
+    fn absorbs(&self) -> bool {
+        self.stack.eta.iter().any(|eta| eta.im > 0.0)
+    }
+}
+
+fn lanes<V: Lanes>(x: Polarised<V>, lane: usize) -> [f64; 2] {
+    [x.s.lane(lane), x.p.lane(lane)]
+}
+
+/// The worst error in units of its bound, and in itself.
+struct Worst {
+    law: &'static str,
+    relative: f64,
+    absolute: f64,
+    seen: u64,
+    /// Where the bound says nothing, being above what R and T can differ by.
+    vacuous: u64,
+}
+
+impl Worst {
+    fn of(law: &'static str) -> Self {
+        Self { law, relative: 0.0, absolute: 0.0, seen: 0, vacuous: 0 }
+    }
+
+    fn see(&mut self, error: f64, bound: f64, what: impl FnOnce() -> String) {
+        assert!(error.is_finite(), "{}: not finite: {}", self.law, what());
+        self.seen += 1;
+        if bound > 1.0 {
+            self.vacuous += 1;
+            return;
+        }
+        assert!(error.abs() <= bound, "{}: {error:e} exceeds {bound:e}: {}", self.law, what());
+        self.absolute = self.absolute.max(error.abs());
+        self.relative = self.relative.max(error.abs() / bound);
+    }
+
+    /// A law that mostly says nothing is no law.
+    fn report(self, most_vacuous: f64) {
+        let Self { law, relative, absolute, seen, vacuous } = self;
+        println!("{law}: worst {absolute:.1e}, {relative:.1e} of its bound; {vacuous} of {seen} unbounded");
+        assert!(vacuous as f64 <= most_vacuous * seen as f64, "{law}: {vacuous} of {seen} unbounded");
+    }
+}
+
+/// Two descriptions of one thing: R and T agree. `media` is how far apart, relatively, their indices may be.
+fn equal(worst: &mut Worst, a: &Case, b: &Case, media: f64) {
+    let (pa, pb) = (a.power(), b.power());
+    for (lane, (ta, tb)) in a.twins().iter().zip(b.twins()).enumerate() {
+        for pol in 0..2 {
+            let bound = |of: fn([f64; 2]) -> f64| {
+                of(ta[pol].perturbed(F64::UNIT_ROUNDOFF, media)) + of(tb[pol].perturbed(F64::UNIT_ROUNDOFF, media))
+            };
+            let difference = |x: Polarised<F64>, y: Polarised<F64>| lanes(x, lane)[pol] - lanes(y, lane)[pol];
+            let what = || format!("{:?} and {:?} at {} deg", a.stack.eta, b.stack.eta, a.theta_deg);
+            worst.see(difference(pa.r, pb.r), bound(|[r, _]| r), what);
+            worst.see(difference(pa.t, pb.t), bound(|[_, t]| t), what);
+        }
+    }
+}
+
+fn each(seed: u64, mut check: impl FnMut(&mut Random)) {
+    let mut random = Random(seed);
+    (0..STACKS).for_each(|_| check(&mut random));
+}
+
+impl Case {
+    /// [`Case::power`] in single precision, at the same wavelengths.
+    fn single(&self) -> Power {
+        self.stack.with_optics::<F32, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
+            let response = optics.response();
+            let widen = |x: Polarised<F32>| x.map(|x| <F64 as Lanes>::from_fn(|lane| x.lane(lane)));
+            Power {
+                r: widen(optics.reflectance(response.reflection)),
+                t: widen(optics.transmittance(response.transmission)),
+            }
+        })
+    }
+}
