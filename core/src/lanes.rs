@@ -23,7 +23,7 @@ pub type F64 = width::Double;
 
 /// The instruction set that was compiled in, for `--version` and the C interface.
 #[must_use]
-pub fn simd_level() -> &'static str {
+pub const fn simd_level() -> &'static str {
     if cfg!(target_feature = "avx512f") {
         "avx512"
     } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {

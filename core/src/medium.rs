@@ -254,6 +254,10 @@ pub struct Medium<'a> {
 }
 
 impl<'a> Medium<'a> {
+    /// η = 1.
+    pub const VACUUM: Self =
+        Self { n: Dispersion::Constant(1.0), k: Dispersion::Constant(0.0), extrapolate: Extrapolate::Refuse };
+
     /// A medium of the same η at every wavelength.
     ///
     /// # Errors
