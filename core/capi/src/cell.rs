@@ -293,8 +293,10 @@ pub unsafe extern "C" fn gonio_cell_trace(
         let totals =
             block.take(light.count, |_| Power { reflected: 0.0, transmitted: 0.0, absorbed: 0.0, truncated: 0.0 })?;
         let sums = block.take(all_bins, |_| 0.0)?;
-        let groups = wavelengths.chunks(F32::WIDTH).zip(totals.chunks_mut(F32::WIDTH));
-        for ((wavelengths, totals), sums) in groups.zip(sums.chunks_mut(F32::WIDTH * bin_count)) {
+        for (group, wavelengths) in wavelengths.chunks(F32::WIDTH).enumerate() {
+            let (from, to) = (group * F32::WIDTH, group * F32::WIDTH + wavelengths.len());
+            let totals = totals.get_mut(from..to).ok_or(Status::Memory)?;
+            let sums = sums.get_mut(from * bin_count..to * bin_count).ok_or(Status::Memory)?;
             tracer.group(wavelengths, totals, sums, bin_count)?;
         }
         let finite = |p: &Power| [p.reflected, p.transmitted, p.absorbed, p.truncated].iter().all(|x| x.is_finite());

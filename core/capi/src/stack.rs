@@ -165,7 +165,8 @@ impl StackObject {
         for (group, wavelengths) in wavelengths_nm.chunks(F32::WIDTH).enumerate() {
             let lanes = MediaLanes::<F32>::evaluate(media, wavelengths, eta).map_err(|(_, error)| error)?;
             let mut memory = OpticsArrays::<F32, PLANES>::new();
-            let optics = Optics::new(stack, &lanes, sin_theta, Model::Physical, memory.memory());
+            let optics = Optics::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory())
+                .map_err(|_| Status::TooMany)?;
             let reflectance = optics.reflectance(optics.reflection());
             for lane in 0..wavelengths.len() {
                 put(group * F32::WIDTH + lane, [reflectance.s.lane(lane), reflectance.p.lane(lane)]);
