@@ -151,10 +151,9 @@ impl Builder<'_> {
             waiting -= 1;
             let Some(&Task { range, node, depth }) = tasks.get(waiting) else { break };
             let mut children = [Range::NOTHING; WIDTH];
-            let count = self.split_into_children(range, depth, &mut children);
+            self.split_into_children(range, depth, &mut children);
             let mut filled = Node::EMPTY;
-            // Counted before they are sifted, so that the compiler sees that `i` is below `WIDTH`.
-            for (i, child) in children.iter().enumerate().take(count).filter(|(_, child)| child.count() > 0) {
+            for (i, child) in (0..WIDTH).zip(&children).filter(|(_, child)| child.count() > 0) {
                 self.store_bounds(&child.bounds, i, &mut filled);
                 if child.count() <= LEAF_TRIANGLES {
                     filled.first[i] = child.begin as u32;
@@ -175,7 +174,7 @@ impl Builder<'_> {
 
     /// Splits the child of greatest area until there are `WIDTH` or none can be split. Where the levels left hold no
     /// more than a balanced tree, the child of most triangles is halved instead: each gets a `WIDTH`th, rounded up.
-    fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) -> usize {
+    fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) {
         let levels_below = (MAX_DEPTH - depth - 1) as u32;
         let balanced =
             range.count() as u64 > (WIDTH as u64).saturating_pow(levels_below).saturating_mul(LEAF_TRIANGLES as u64);
@@ -185,14 +184,13 @@ impl Builder<'_> {
             let order = |a: &Range, b: &Range| weight(a).total_cmp(&weight(b)).then(a.count().cmp(&b.count()));
             let (present, coming) = children.split_at_mut(count);
             let candidates = present.iter_mut().filter(|child| child.count() > 1);
-            let Some(child) = candidates.max_by(|a, b| order(a, b)) else { return count };
+            let Some(child) = candidates.max_by(|a, b| order(a, b)) else { return };
             let (left, right) = if balanced { self.halve(child) } else { self.split(child) };
             *child = left;
             if let Some(next) = coming.first_mut() {
                 *next = right;
             }
         }
-        WIDTH
     }
 
     /// Single precision, one step outwards: at least half a step more than the rounding.
