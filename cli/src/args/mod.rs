@@ -1,5 +1,7 @@
 //! The command line.
 
+pub mod export;
+
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::OnceLock;
@@ -55,6 +57,8 @@ pub enum Command {
     Plot(PlotArgs),
     /// Every figure of the paper, with a page that explains them
     Figures(FiguresArgs),
+    /// A table or scene in the format of an engine or a renderer
+    Export(export::ExportArgs),
 }
 
 /// How to compute: shared by all commands that do.

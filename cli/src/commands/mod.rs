@@ -3,6 +3,7 @@
 mod colour;
 mod compare;
 mod estimate;
+mod export;
 mod figures;
 mod lobes;
 mod orders;
@@ -42,6 +43,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Sampling(args) => sampling::run(args),
         Command::Plot(args) => plot::run(args),
         Command::Figures(args) => figures::run(args),
+        Command::Export(args) => export::run(args),
     }
 }
 
