@@ -1,6 +1,7 @@
 //! Library behind the `goniochrome` command: scenes, estimation with threads, files and pictures.
 
 pub mod args;
+pub mod blob;
 pub mod bumpy;
 pub mod coherent;
 pub mod colours;
@@ -9,6 +10,7 @@ pub mod comparison;
 pub mod diffraction;
 pub mod error;
 pub mod estimate;
+
 pub mod grid;
 pub mod groups;
 pub mod html;

@@ -15,6 +15,9 @@ pub struct ExportArgs {
     /// The file to write
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
+    /// Blob: values in half precision
+    #[arg(long)]
+    pub half: bool,
     /// No remarks on standard error
     #[arg(long, short)]
     pub quiet: bool,
@@ -31,4 +34,6 @@ pub enum ExportKind {
     Bsdf,
     /// A material with `KHR_materials_iridescence`, fitted (.gltf)
     Gltf,
+    /// The bytes that the library and its C interface load at run time (.gonio)
+    Blob,
 }
