@@ -14,97 +14,97 @@
 /*
  Bytes of a gonio_cell.
  */
-#define gonio_CELL_SIZE (8 * 384)
+#define GONIO_CELL_SIZE (8 * 384)
 
 /*
  Alignment of a gonio_cell.
  */
-#define gonio_CELL_ALIGN 8
+#define GONIO_CELL_ALIGN 8
 
 /*
  Bytes of a gonio_colour.
  */
-#define gonio_COLOUR_SIZE (8 * 384)
+#define GONIO_COLOUR_SIZE (8 * 384)
 
 /*
  Alignment of a gonio_colour.
  */
-#define gonio_COLOUR_ALIGN 8
+#define GONIO_COLOUR_ALIGN 8
 
 /*
  The light.
  */
-#define gonio_ILLUMINANT_D65 0
+#define GONIO_ILLUMINANT_D65 0
 
 /*
  Light of equal energy at every wavelength.
  */
-#define gonio_ILLUMINANT_E 1
+#define GONIO_ILLUMINANT_E 1
 
 /*
  Linear sRGB, Rec. 709 primaries.
  */
-#define gonio_SPACE_SRGB 1
+#define GONIO_SPACE_SRGB 1
 
 /*
  Linear Rec. 2020.
  */
-#define gonio_SPACE_REC2020 2
+#define GONIO_SPACE_REC2020 2
 
 /*
  ACEScg.
  */
-#define gonio_SPACE_ACESCG 3
+#define GONIO_SPACE_ACESCG 3
 
 /*
  Most media of a stack or a cell.
  */
-#define gonio_MAX_MEDIA 16
+#define GONIO_MAX_MEDIA 16
 
 /*
  Most layers of a stack.
  */
-#define gonio_MAX_LAYERS 31
+#define GONIO_MAX_LAYERS 31
 
 /*
  The index of a perfect mirror, in place of a medium below an interface.
  */
-#define gonio_MIRROR 65535
+#define GONIO_MIRROR 65535
 
 /*
  Bytes of a gonio_stack.
  */
-#define gonio_GONIO_STACK_SIZE (8 * 384)
+#define GONIO_STACK_SIZE (8 * 384)
 
 /*
  Alignment of a gonio_stack.
  */
-#define gonio_STACK_ALIGN 8
+#define GONIO_STACK_ALIGN 8
 
 /*
  Bytes of a gonio_table.
  */
-#define gonio_TABLE_SIZE (8 * 32)
+#define GONIO_TABLE_SIZE (8 * 32)
 
 /*
  Alignment of a gonio_table.
  */
-#define gonio_TABLE_ALIGN 8
+#define GONIO_TABLE_ALIGN 8
 
 /*
  A mirror-like surface: one direction out for one in.
  */
-#define gonio_KIND_MIRROR 1
+#define GONIO_KIND_MIRROR 1
 
 /*
  A surface that reflects everywhere.
  */
-#define gonio_KIND_SCATTER 2
+#define GONIO_KIND_SCATTER 2
 
 /*
- What a call answers; only after GONIO_OK are its results written.
+ What a call answers; only after GONIO_STATUS_OK are its results written.
  */
-enum gonio_Status
+enum gonio_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -112,113 +112,113 @@ enum gonio_Status
     /*
      Done.
      */
-    OK = 0,
+    GONIO_STATUS_OK = 0,
     /*
      A pointer is NULL.
      */
-    NULL_POINTER = 1,
+    GONIO_STATUS_NULL_POINTER = 1,
     /*
      A pointer is not aligned for what it points to.
      */
-    MISALIGNED = 2,
+    GONIO_STATUS_MISALIGNED = 2,
     /*
      The object has not been made, or its making failed.
      */
-    NOT_MADE = 3,
+    GONIO_STATUS_NOT_MADE = 3,
     /*
      The memory handed over is too small.
      */
-    MEMORY = 4,
+    GONIO_STATUS_MEMORY = 4,
     /*
      More elements than the object has room for, or than memory can hold.
      */
-    TOO_MANY = 5,
+    GONIO_STATUS_TOO_MANY = 5,
     /*
      cos theta is not in [0, 1].
      */
-    ANGLE = 6,
+    GONIO_STATUS_ANGLE = 6,
     /*
      A direction is not finite, is zero, or points below the surface where it must not.
      */
-    DIRECTION = 7,
+    GONIO_STATUS_DIRECTION = 7,
     /*
      No wavelengths, or one is not positive and finite.
      */
-    WAVELENGTH = 8,
+    GONIO_STATUS_WAVELENGTH = 8,
     /*
      A medium's data are empty, not finite, not increasing in wavelength, or not passive (n > 0, k >= 0).
      */
-    MEDIUM = 9,
+    GONIO_STATUS_MEDIUM = 9,
     /*
      A medium has no data at a wavelength.
      */
-    NO_DATA = 10,
+    GONIO_STATUS_NO_DATA = 10,
     /*
      An index names a medium, an interface or a vertex that is not there.
      */
-    INDEX = 11,
+    GONIO_STATUS_INDEX = 11,
     /*
      A thickness is negative or not finite.
      */
-    THICKNESS = 12,
+    GONIO_STATUS_THICKNESS = 12,
     /*
      The medium that the light comes from absorbs.
      */
-    AMBIENT = 13,
+    GONIO_STATUS_AMBIENT = 13,
     /*
      The mesh is empty or not finite, or a triangle has no area.
      */
-    MESH = 14,
+    GONIO_STATUS_MESH = 14,
     /*
      The period is not positive, or the mesh leaves it.
      */
-    PERIOD = 15,
+    GONIO_STATUS_PERIOD = 15,
     /*
      A count or an enumerator is out of range.
      */
-    ARGUMENT = 16,
+    GONIO_STATUS_ARGUMENT = 16,
     /*
      Interfering waves do not converge in this cell; trace it without interference.
      */
-    DIVERGED = 17,
+    GONIO_STATUS_DIVERGED = 17,
     /*
      The table is of the other kind.
      */
-    WRONG_KIND = 18,
+    GONIO_STATUS_WRONG_KIND = 18,
     /*
      The bytes do not begin as a table blob does.
      */
-    BLOB_MAGIC = 19,
+    GONIO_STATUS_BLOB_MAGIC = 19,
     /*
      The table blob is of a later version.
      */
-    BLOB_VERSION = 20,
+    GONIO_STATUS_BLOB_VERSION = 20,
     /*
      The table blob is cut short, or followed by other bytes.
      */
-    BLOB_LENGTH = 21,
+    GONIO_STATUS_BLOB_LENGTH = 21,
     /*
      The table blob is damaged: its checksum differs.
      */
-    BLOB_CHECKSUM = 22,
+    GONIO_STATUS_BLOB_CHECKSUM = 22,
     /*
      A field of the table blob's header has no meaning.
      */
-    BLOB_FIELD = 23,
+    GONIO_STATUS_BLOB_FIELD = 23,
     /*
      The table blob's dimensions do not fit its size.
      */
-    BLOB_DIMENSIONS = 24,
+    GONIO_STATUS_BLOB_DIMENSIONS = 24,
     /*
      The table blob's values are not sound.
      */
-    BLOB_VALUES = 25,
+    GONIO_STATUS_BLOB_VALUES = 25,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
-typedef enum gonio_Status gonio_Status;
+typedef enum gonio_status gonio_status;
 #else
-typedef int32_t gonio_Status;
+typedef int32_t gonio_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -258,14 +258,14 @@ typedef struct {
      1: paths of one starting ray that leave in one bin interfere; 0: every path adds as power.
      */
     uint32_t interference;
-} gonio_Light;
+} gonio_light;
 
 /*
  A periodic cell of polygons; made by gonio_cell_make. It may be moved, and shared between threads.
  */
 typedef struct {
     uint64_t opaque[384];
-} gonio_Cell;
+} gonio_cell;
 
 /*
  The media that facets divide.
@@ -279,7 +279,7 @@ typedef struct {
      The medium on the other side, or GONIO_MIRROR.
      */
     uint16_t below;
-} gonio_Interface;
+} gonio_interface;
 
 /*
  n + ik of a medium against vacuum wavelength. The arrays must outlive what is made of them.
@@ -301,7 +301,7 @@ typedef struct {
      Number of wavelengths; 1 for the same n and k at all of them.
      */
     size_t count;
-} gonio_Medium;
+} gonio_medium;
 
 /*
  A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost.
@@ -330,7 +330,7 @@ typedef struct {
     /*
      The interfaces.
      */
-    const gonio_Interface *interfaces;
+    const gonio_interface *interfaces;
     /*
      Number of interfaces.
      */
@@ -338,7 +338,7 @@ typedef struct {
     /*
      The media.
      */
-    const gonio_Medium *media;
+    const gonio_medium *media;
     /*
      Number of media.
      */
@@ -351,7 +351,7 @@ typedef struct {
      The medium that light comes from.
      */
     uint16_t ambient;
-} gonio_Mesh;
+} gonio_mesh;
 
 /*
  Where the light went, as fractions of what came, unpolarised.
@@ -373,21 +373,21 @@ typedef struct {
      Of rays that were dropped or lost: the error bar.
      */
     double truncated;
-} gonio_Power;
+} gonio_power;
 
 /*
  How spectra become colours; made by gonio_colour_make. It may be moved, and shared between threads.
  */
 typedef struct {
     uint64_t opaque[384];
-} gonio_Colour;
+} gonio_colour;
 
 /*
  A planar stack; made by gonio_stack_make. It may be moved.
  */
 typedef struct {
     uint64_t opaque[384];
-} gonio_Stack;
+} gonio_stack;
 
 /*
  A layer.
@@ -401,14 +401,14 @@ typedef struct {
      Which of the media.
      */
     uint16_t medium;
-} gonio_Layer;
+} gonio_layer;
 
 /*
  A view of a table blob; made by gonio_table_view. It may be moved, and shared between threads.
  */
 typedef struct {
     uint64_t opaque[32];
-} gonio_Table;
+} gonio_table;
 
 /*
  What a table holds.
@@ -426,7 +426,7 @@ typedef struct {
      GONIO_SPACE_…; 0 if the blob does not say, 4 for the matrix that the paper prints.
      */
     uint32_t space;
-} gonio_TableInfo;
+} gonio_table_description;
 
 /*
  A direction that was drawn, and what light from it is worth.
@@ -444,7 +444,7 @@ typedef struct {
      BRDF times cos theta_o over the density, RGB; for a mirror-like surface its reflectance.
      */
     float weight[3];
-} gonio_Sample;
+} gonio_sample;
 
 #ifdef __cplusplus
 extern "C" {
@@ -471,7 +471,7 @@ size_t gonio_cell_memory_size(size_t triangle_count, size_t interface_count);
  # Safety
  A pointer that is neither NULL nor misaligned points to what its type says.
  */
-size_t gonio_trace_memory_size(const gonio_Light *light);
+size_t gonio_trace_memory_size(const gonio_light *light);
 
 /*
  Makes a cell. It keeps pointers to the mesh's vertices and triangles, to the media's arrays and into `memory`, which has
@@ -481,8 +481,8 @@ size_t gonio_trace_memory_size(const gonio_Light *light);
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types and counts say.
  */
-gonio_Status gonio_cell_make(gonio_Cell *cell,
-                             const gonio_Mesh *mesh,
+gonio_status gonio_cell_make(gonio_cell *cell,
+                             const gonio_mesh *mesh,
                              uint8_t *memory,
                              size_t memory_size);
 
@@ -494,11 +494,11 @@ gonio_Status gonio_cell_make(gonio_Cell *cell,
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types and counts say.
  */
-gonio_Status gonio_cell_trace(const gonio_Cell *cell,
-                              const gonio_Light *light,
+gonio_status gonio_cell_trace(const gonio_cell *cell,
+                              const gonio_light *light,
                               uint8_t *memory,
                               size_t memory_size,
-                              gonio_Power *power,
+                              gonio_power *power,
                               double *bins);
 
 /*
@@ -507,7 +507,7 @@ gonio_Status gonio_cell_trace(const gonio_Cell *cell,
  # Safety
  A pointer that is neither NULL nor misaligned points to what its type says.
  */
-gonio_Status gonio_colour_make(gonio_Colour *colour, uint32_t illuminant, uint32_t space);
+gonio_status gonio_colour_make(gonio_colour *colour, uint32_t illuminant, uint32_t space);
 
 /*
  Makes a stack: `layer_count` layers from the top, light from medium `ambient`, below the last layer medium
@@ -517,11 +517,11 @@ gonio_Status gonio_colour_make(gonio_Colour *colour, uint32_t illuminant, uint32
  Pointers that are neither NULL nor misaligned point to what their types and counts say; the media's arrays outlive
  the stack.
  */
-gonio_Status gonio_stack_make(gonio_Stack *stack,
-                              const gonio_Medium *media,
+gonio_status gonio_stack_make(gonio_stack *stack,
+                              const gonio_medium *media,
                               size_t media_count,
                               uint16_t ambient,
-                              const gonio_Layer *layers,
+                              const gonio_layer *layers,
                               size_t layer_count,
                               uint16_t substrate);
 
@@ -534,7 +534,7 @@ gonio_Status gonio_stack_make(gonio_Stack *stack,
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types and counts say.
  */
-gonio_Status gonio_stack_reflectance(const gonio_Stack *stack,
+gonio_status gonio_stack_reflectance(const gonio_stack *stack,
                                      double cos_theta,
                                      const double *wavelength_nm,
                                      size_t count,
@@ -548,7 +548,7 @@ gonio_Status gonio_stack_reflectance(const gonio_Stack *stack,
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say; `rgb` to three floats.
  */
-gonio_Status gonio_stack_rgb(const gonio_Stack *stack, const gonio_Colour *colour, double cos_theta, float *rgb);
+gonio_status gonio_stack_rgb(const gonio_stack *stack, const gonio_colour *colour, double cos_theta, float *rgb);
 
 /*
  One line of English for a status; for any other number too.
@@ -562,7 +562,7 @@ const char *gonio_status_text(int32_t status);
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say, and `bytes` to `size` bytes.
  */
-gonio_Status gonio_table_view(gonio_Table *table,
+gonio_status gonio_table_view(gonio_table *table,
                               const uint8_t *bytes,
                               size_t size);
 
@@ -572,7 +572,7 @@ gonio_Status gonio_table_view(gonio_Table *table,
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say.
  */
-gonio_Status gonio_table_info(const gonio_Table *table, gonio_TableInfo *info);
+gonio_status gonio_table_describe(const gonio_table *table, gonio_table_description *description);
 
 /*
  Reflectance of a mirror-like surface at `cos_theta`, RGB. Beyond the table's largest angle it is held. NaN and what is
@@ -581,7 +581,7 @@ gonio_Status gonio_table_info(const gonio_Table *table, gonio_TableInfo *info);
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say; `rgb` to three floats.
  */
-gonio_Status gonio_table_reflectance(const gonio_Table *table, float cos_theta, float *rgb);
+gonio_status gonio_table_reflectance(const gonio_table *table, float cos_theta, float *rgb);
 
 /*
  The BRDF in 1/sr of a surface that reflects everywhere, RGB, without the cosine. Directions are unit vectors in the
@@ -590,7 +590,7 @@ gonio_Status gonio_table_reflectance(const gonio_Table *table, float cos_theta, 
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say; `wi`, `wo` and `rgb` to three floats.
  */
-gonio_Status gonio_table_rgb(const gonio_Table *table, const float *wi, const float *wo, float *rgb);
+gonio_status gonio_table_rgb(const gonio_table *table, const float *wi, const float *wo, float *rgb);
 
 /*
  The density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 below the surface.
@@ -598,7 +598,7 @@ gonio_Status gonio_table_rgb(const gonio_Table *table, const float *wi, const fl
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say; `wi` and `wo` to three floats.
  */
-gonio_Status gonio_table_pdf(const gonio_Table *table, const float *wi, const float *wo, float *pdf);
+gonio_status gonio_table_pdf(const gonio_table *table, const float *wi, const float *wo, float *pdf);
 
 /*
  Draws a direction for `wi`, which must lie above the surface, from two numbers in [0, 1). Either kind of table.
@@ -606,7 +606,7 @@ gonio_Status gonio_table_pdf(const gonio_Table *table, const float *wi, const fl
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say; `wi` to three floats, `u` to two.
  */
-gonio_Status gonio_table_sample(const gonio_Table *table, const float *wi, const float *u, gonio_Sample *sample);
+gonio_status gonio_table_sample(const gonio_table *table, const float *wi, const float *u, gonio_sample *sample);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -1,8 +1,8 @@
 //! Cells of polygons: a mesh in the caller's memory, and where it sends light.
 
-use crate::media::{MAX_MEDIA, Media, Medium};
+use crate::media::{GONIO_MAX_MEDIA, Media, Medium};
 use crate::memory::{Block, Made, Results, list, room_for, shared};
-use crate::stack::MIRROR;
+use crate::stack::GONIO_MIRROR;
 use crate::status::{Status, answer};
 use glam::DVec3;
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
@@ -19,11 +19,11 @@ use goniochrome::sampling::{Random, sobol};
 use goniochrome::trace::{Limits, Slot, Spill, follow_paths, trace};
 
 /// Bytes of a gonio_cell.
-pub const CELL_SIZE: usize = 8 * 384;
+pub const GONIO_CELL_SIZE: usize = 8 * 384;
 /// Alignment of a gonio_cell.
-pub const CELL_ALIGN: usize = 8;
+pub const GONIO_CELL_ALIGN: usize = 8;
 
-const _: () = assert!(size_of::<Cell>() == CELL_SIZE && align_of::<Cell>() == CELL_ALIGN);
+const _: () = assert!(size_of::<Cell>() == GONIO_CELL_SIZE && align_of::<Cell>() == GONIO_CELL_ALIGN);
 
 /// A periodic cell of polygons; made by gonio_cell_make. It may be moved, and shared between threads.
 #[repr(C)]
@@ -198,11 +198,11 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
     let facets = block.take(count, |_| Facet::horizontal(0.0, 0))?;
     for interface in interfaces {
         media.index(interface.above)?;
-        if interface.below != MIRROR {
+        if interface.below != GONIO_MIRROR {
             media.index(interface.below)?;
         }
     }
-    let below = |medium| if medium == MIRROR { Below::Mirror } else { Below::Medium(medium) };
+    let below = |medium| if medium == GONIO_MIRROR { Below::Mirror } else { Below::Medium(medium) };
     let core_interface = |i: &Interface| CoreInterface { above: i.above, below: below(i.below) };
     let none = CoreInterface { above: 0, below: Below::Mirror };
     let interfaces = block.take(interfaces.len(), |i| interfaces.get(i).map_or(none, core_interface))?;
@@ -351,7 +351,7 @@ impl Tracer<'_> {
         bin_count: usize,
     ) -> Result<(), Status> {
         let media = self.object.media.as_slice();
-        let mut eta = [ComplexLanes::zero(); MAX_MEDIA];
+        let mut eta = [ComplexLanes::zero(); GONIO_MAX_MEDIA];
         let eta = eta.get_mut(..media.len()).ok_or(Status::TooMany)?;
         let lanes = MediaLanes::<F32>::evaluate(media, wavelengths_nm, eta).map_err(|(_, error)| error)?;
         let cell = self.object.cell;

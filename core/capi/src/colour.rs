@@ -7,11 +7,11 @@ use goniochrome::colour::{Illuminant as CoreIlluminant, Quadrature, RgbSpace, xy
 /// Wavelengths over which colours are summed: 380, 385, … 780 nm.
 const SAMPLES: usize = 81;
 /// Bytes of a gonio_colour.
-pub const COLOUR_SIZE: usize = 8 * 384;
+pub const GONIO_COLOUR_SIZE: usize = 8 * 384;
 /// Alignment of a gonio_colour.
-pub const COLOUR_ALIGN: usize = 8;
+pub const GONIO_COLOUR_ALIGN: usize = 8;
 
-const _: () = assert!(size_of::<Colour>() == COLOUR_SIZE && align_of::<Colour>() == COLOUR_ALIGN);
+const _: () = assert!(size_of::<Colour>() == GONIO_COLOUR_SIZE && align_of::<Colour>() == GONIO_COLOUR_ALIGN);
 
 /// How spectra become colours; made by gonio_colour_make. It may be moved, and shared between threads.
 #[repr(C)]
@@ -20,16 +20,16 @@ pub struct Colour {
 }
 
 /// The light.
-pub const ILLUMINANT_D65: u32 = 0;
+pub const GONIO_ILLUMINANT_D65: u32 = 0;
 /// Light of equal energy at every wavelength.
-pub const ILLUMINANT_E: u32 = 1;
+pub const GONIO_ILLUMINANT_E: u32 = 1;
 
 /// Linear sRGB, Rec. 709 primaries.
-pub const SPACE_SRGB: u32 = 1;
+pub const GONIO_SPACE_SRGB: u32 = 1;
 /// Linear Rec. 2020.
-pub const SPACE_REC2020: u32 = 2;
+pub const GONIO_SPACE_REC2020: u32 = 2;
 /// ACEScg.
-pub const SPACE_ACESCG: u32 = 3;
+pub const GONIO_SPACE_ACESCG: u32 = 3;
 
 pub struct ColourObject {
     wavelengths_nm: [f64; SAMPLES],
@@ -45,14 +45,14 @@ pub struct ColourObject {
 pub unsafe extern "C" fn gonio_colour_make(colour: *mut Colour, illuminant: u32, space: u32) -> Status {
     let object = || {
         let illuminant = match illuminant {
-            ILLUMINANT_D65 => CoreIlluminant::D65,
-            ILLUMINANT_E => CoreIlluminant::E,
+            GONIO_ILLUMINANT_D65 => CoreIlluminant::D65,
+            GONIO_ILLUMINANT_E => CoreIlluminant::E,
             _ => return Err(Status::Argument),
         };
         let space = match space {
-            SPACE_SRGB => RgbSpace::Srgb,
-            SPACE_REC2020 => RgbSpace::Rec2020,
-            SPACE_ACESCG => RgbSpace::AcesCg,
+            GONIO_SPACE_SRGB => RgbSpace::Srgb,
+            GONIO_SPACE_REC2020 => RgbSpace::Rec2020,
+            GONIO_SPACE_ACESCG => RgbSpace::AcesCg,
             _ => return Err(Status::Argument),
         };
         let wavelengths_nm = core::array::from_fn(|i| 380.0 + 5.0 * i as f64);

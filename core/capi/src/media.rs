@@ -5,7 +5,7 @@ use crate::status::Status;
 use goniochrome::medium::{Dispersion, Extrapolate, Medium as CoreMedium};
 
 /// Most media of a stack or a cell.
-pub const MAX_MEDIA: usize = 16;
+pub const GONIO_MAX_MEDIA: usize = 16;
 
 /// n + ik of a medium against vacuum wavelength. The arrays must outlive what is made of them.
 #[repr(C)]
@@ -23,7 +23,7 @@ pub struct Medium {
 
 /// The media of an object, checked.
 pub struct Media {
-    media: [CoreMedium<'static>; MAX_MEDIA],
+    media: [CoreMedium<'static>; GONIO_MAX_MEDIA],
     count: usize,
 }
 
@@ -33,12 +33,12 @@ impl Media {
     /// # Safety
     /// The pointers are NULL, misaligned, or point to as many elements as stated, which outlive the result.
     pub unsafe fn new(media: *const Medium, count: usize) -> Result<Self, Status> {
-        if count > MAX_MEDIA {
+        if count > GONIO_MAX_MEDIA {
             return Err(Status::TooMany);
         }
         // SAFETY: the caller's promise.
         let given = unsafe { list(media, count) }?;
-        let mut checked = Self { media: [CoreMedium::VACUUM; MAX_MEDIA], count };
+        let mut checked = Self { media: [CoreMedium::VACUUM; GONIO_MAX_MEDIA], count };
         for (place, medium) in checked.media.iter_mut().zip(given) {
             // SAFETY: the caller's promise.
             *place = unsafe { checked_medium(medium) }?;

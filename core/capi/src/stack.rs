@@ -1,7 +1,7 @@
 //! Planar stacks: reflectance, spectral and RGB.
 
 use crate::colour::{Colour, ColourObject};
-use crate::media::{MAX_MEDIA, Media, Medium};
+use crate::media::{GONIO_MAX_MEDIA, Media, Medium};
 use crate::memory::{Made, Results, list};
 use crate::status::{Status, answer};
 use goniochrome::complex::ComplexLanes;
@@ -11,17 +11,17 @@ use goniochrome::medium::MediaLanes;
 use goniochrome::stack::{Film, Optics, OpticsArrays, Stack as CoreStack, StackArrays};
 
 /// Most layers of a stack.
-pub const MAX_LAYERS: usize = 31;
+pub const GONIO_MAX_LAYERS: usize = 31;
 /// The index of a perfect mirror, in place of a medium below an interface.
-pub const MIRROR: u16 = 0xffff;
+pub const GONIO_MIRROR: u16 = 0xffff;
 /// Bytes of a gonio_stack.
-pub const STACK_SIZE: usize = 8 * 384;
+pub const GONIO_STACK_SIZE: usize = 8 * 384;
 /// Alignment of a gonio_stack.
-pub const STACK_ALIGN: usize = 8;
+pub const GONIO_STACK_ALIGN: usize = 8;
 
-const _: () = assert!(size_of::<Stack>() == STACK_SIZE && align_of::<Stack>() == STACK_ALIGN);
-const PLANES: usize = MAX_LAYERS + 1;
-const _: () = assert!(MAX_MEDIA <= PLANES);
+const _: () = assert!(size_of::<Stack>() == GONIO_STACK_SIZE && align_of::<Stack>() == GONIO_STACK_ALIGN);
+const PLANES: usize = GONIO_MAX_LAYERS + 1;
+const _: () = assert!(GONIO_MAX_MEDIA <= PLANES);
 
 /// A planar stack; made by gonio_stack_make. It may be moved.
 #[repr(C)]
@@ -41,7 +41,7 @@ pub struct Layer {
 
 struct StackObject {
     media: Media,
-    layers: [Film; MAX_LAYERS],
+    layers: [Film; GONIO_MAX_LAYERS],
     layer_count: usize,
     ambient: u16,
     substrate: Below,
@@ -64,14 +64,14 @@ pub unsafe extern "C" fn gonio_stack_make(
     substrate: u16,
 ) -> Status {
     let object = || {
-        if layer_count > MAX_LAYERS {
+        if layer_count > GONIO_MAX_LAYERS {
             return Err(Status::TooMany);
         }
         // SAFETY: the caller's promises.
         let (media, given) = unsafe { (Media::new(media, media_count)?, list(layers, layer_count)?) };
         let ambient = media.index(ambient)?;
-        let substrate = if substrate == MIRROR { Below::Mirror } else { Below::Medium(media.index(substrate)?) };
-        let mut layers = [Film { medium: 0, thickness_nm: 0.0 }; MAX_LAYERS];
+        let substrate = if substrate == GONIO_MIRROR { Below::Mirror } else { Below::Medium(media.index(substrate)?) };
+        let mut layers = [Film { medium: 0, thickness_nm: 0.0 }; GONIO_MAX_LAYERS];
         for (place, layer) in layers.iter_mut().zip(given) {
             *place = Film { medium: media.index(layer.medium)?, thickness_nm: layer.thickness_nm };
         }
@@ -160,7 +160,7 @@ impl StackObject {
         let mut arrays = StackArrays::new();
         let stack = self.laid_out(&mut arrays)?;
         let media = self.media.as_slice();
-        let mut eta = [ComplexLanes::zero(); MAX_MEDIA];
+        let mut eta = [ComplexLanes::zero(); GONIO_MAX_MEDIA];
         let eta = eta.get_mut(..media.len()).ok_or(Status::TooMany)?;
         for (group, wavelengths) in wavelengths_nm.chunks(F32::WIDTH).enumerate() {
             let lanes = MediaLanes::<F32>::evaluate(media, wavelengths, eta).map_err(|(_, error)| error)?;

@@ -7,7 +7,7 @@ use goniochrome::medium::MediumError;
 use goniochrome::stack::StackError;
 use goniochrome::table::blob::BlobError;
 
-/// What a call answers; only after GONIO_OK are its results written.
+/// What a call answers; only after GONIO_STATUS_OK are its results written.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {

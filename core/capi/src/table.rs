@@ -7,11 +7,11 @@ use glam::Vec3;
 use goniochrome::table::blob::{Blob, Contents, Space};
 
 /// Bytes of a gonio_table.
-pub const TABLE_SIZE: usize = 8 * 32;
+pub const GONIO_TABLE_SIZE: usize = 8 * 32;
 /// Alignment of a gonio_table.
-pub const TABLE_ALIGN: usize = 8;
+pub const GONIO_TABLE_ALIGN: usize = 8;
 
-const _: () = assert!(size_of::<Table>() == TABLE_SIZE && align_of::<Table>() == TABLE_ALIGN);
+const _: () = assert!(size_of::<Table>() == GONIO_TABLE_SIZE && align_of::<Table>() == GONIO_TABLE_ALIGN);
 
 /// A view of a table blob; made by gonio_table_view. It may be moved, and shared between threads.
 #[repr(C)]
@@ -20,14 +20,14 @@ pub struct Table {
 }
 
 /// A mirror-like surface: one direction out for one in.
-pub const KIND_MIRROR: u32 = 1;
+pub const GONIO_KIND_MIRROR: u32 = 1;
 /// A surface that reflects everywhere.
-pub const KIND_SCATTER: u32 = 2;
+pub const GONIO_KIND_SCATTER: u32 = 2;
 
 /// What a table holds.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct TableInfo {
+pub struct TableDescription {
     /// GONIO_KIND_MIRROR or GONIO_KIND_SCATTER.
     pub kind: u32,
     /// Channels; RGB is that of the first three.
@@ -71,13 +71,13 @@ pub unsafe extern "C" fn gonio_table_view(table: *mut Table, bytes: *const u8, s
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to what their types say.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn gonio_table_info(table: *const Table, info: *mut TableInfo) -> Status {
+pub unsafe extern "C" fn gonio_table_describe(table: *const Table, description: *mut TableDescription) -> Status {
     answer(|| {
         // SAFETY: the caller's promises.
-        let (blob, info) = unsafe { (view(table)?, Results::new(info, 1)?) };
+        let (blob, description) = unsafe { (view(table)?, Results::new(description, 1)?) };
         let (kind, channels) = match &blob.contents {
-            Contents::Mirror(table) => (KIND_MIRROR, table.channels()),
-            Contents::Scatter(table, _) => (KIND_SCATTER, table.channels()),
+            Contents::Mirror(table) => (GONIO_KIND_MIRROR, table.channels()),
+            Contents::Scatter(table, _) => (GONIO_KIND_SCATTER, table.channels()),
         };
         let space = match blob.space {
             Space::Unknown => 0,
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn gonio_table_info(table: *const Table, info: *mut TableI
             Space::AcesCg => 3,
             Space::Paper => 4,
         };
-        info.write([TableInfo { kind, channels: channels as u32, space }]);
+        description.write([TableDescription { kind, channels: channels as u32, space }]);
         Ok(())
     })
 }
