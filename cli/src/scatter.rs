@@ -221,7 +221,7 @@ pub(crate) fn trace_batch<V: Lanes>(
         let mut random = Random::new(ray, sequence);
         let done = if coherent {
             let (waves, paths) = slots.split_at_mut(slots.len() - SPILLED);
-            let spill = Spill { slots: paths, limits: PATHS, random: &mut random };
+            let spill = Spill::new(paths, PATHS, &mut random);
             trace(&mut polygons, state, field, waves, WAVES, Some(spill), &mut exits)
         } else {
             follow_paths(&mut polygons, state, field, slots, PATHS, &mut random, &mut exits)

@@ -117,19 +117,49 @@ pub struct Trace<V> {
     pub generations: u32,
 }
 
-/// Where rays go for which [`trace`] has no slot: each is followed by itself.
+/// Power of a spilled ray below which only some are followed. A thousandth of a starting ray is noise far below what
+/// starting rays differ by, and trapped light, which spills thousands of weaker rays, costs a hundredth.
+const SPILLED: f64 = 1e-3;
+
+/// Where rays go for which [`trace`] has no slot: they are followed by themselves. Weak ones are sampled systematically, one
+/// for each [`SPILLED`] of their power, from a random start: each counts as often as its power says, and all of it is kept but for
+/// one sample's.
 #[derive(Debug)]
 pub struct Spill<'s, S, F> {
-    /// Memory for [`follow_paths`].
-    pub slots: &'s mut [Slot<S, F>],
-    /// Its limits.
-    pub limits: Limits,
-    /// Draws among branches.
-    pub random: &'s mut Random,
+    slots: &'s mut [Slot<S, F>],
+    limits: Limits,
+    random: &'s mut Random,
+    /// Power since the last sample.
+    waiting: f64,
+    /// Whether a ray has found no room: see [`trace`].
+    crowded: bool,
+}
+
+impl<'s, S, F> Spill<'s, S, F> {
+    /// Memory and limits for [`follow_paths`], and what draws among branches.
+    pub fn new(slots: &'s mut [Slot<S, F>], limits: Limits, random: &'s mut Random) -> Self {
+        let waiting = random.next() * SPILLED;
+        Self { slots, limits, random, waiting, crowded: false }
+    }
+
+    /// By how much to strengthen a ray of this power, if it is to be followed.
+    fn sample(&mut self, power: f64) -> Option<f64> {
+        if power >= SPILLED {
+            return Some(1.0);
+        }
+        self.waiting += power;
+        if self.waiting < SPILLED {
+            return None;
+        }
+        self.waiting -= SPILLED;
+        Some(SPILLED / power)
+    }
 }
 
 /// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Rays for which it has no room lose their
-/// interference and go on by themselves through `spill`; without that they are dropped into [`Trace::truncated`].
+/// interference and go on by themselves through `spill`; without that they are dropped into [`Trace::truncated`]. From the first
+/// such ray on, weak ones ([`SPILLED`]) are sampled there too: where waves outnumber the workspace they hardly ever meet their equals
+/// again, as light trapped in a curved film does not, and following each as a wave costs a hundred times as much.
 pub fn trace<V: Lanes, C: Facets<V>>(
     cell: &mut C,
     start: C::State,
@@ -158,17 +188,24 @@ pub fn trace<V: Lanes, C: Facets<V>>(
                 match target {
                     Target::Exit(exit) => sink.exit(exit, field),
                     Target::State(state) => {
-                        if offer(cell, slots, generation + 1, state, field) {
+                        let power = cell.power(&state, &field);
+                        let mean = sum_of_lanes(power) / V::WIDTH as f64;
+                        let keep = !spill.as_ref().is_some_and(|spill| spill.crowded && mean < SPILLED);
+                        if keep && offer(cell, slots, generation + 1, state, field) {
                             continue;
                         }
-                        dropped += match &mut spill {
-                            Some(Spill { slots, limits, random }) => {
-                                let alone = follow_paths(cell, state, field, slots, *limits, random, sink);
-                                visits += alone.visits;
-                                alone.truncated
-                            }
-                            None => cell.power(&state, &field),
+                        let Some(spill) = &mut spill else {
+                            dropped += power;
+                            continue;
                         };
+                        spill.crowded = true;
+                        if let Some(by) = spill.sample(mean) {
+                            let (_, field) = cell.strengthen(Target::State(state), &field, by);
+                            let Spill { slots, limits, random, .. } = spill;
+                            let alone = follow_paths(cell, state, field, slots, *limits, random, sink);
+                            visits += alone.visits;
+                            dropped += alone.truncated;
+                        }
                     }
                 }
             }
@@ -266,7 +303,7 @@ fn draw<V: Lanes, C: Facets<V>>(cell: &C, branches: &mut Split<C::State, C::Exit
             Target::Exit(exit) => cell.exit_power(exit, field),
             Target::State(state) => cell.power(state, field),
         };
-        (0..V::WIDTH).map(|lane| power.lane(lane)).sum::<f64>()
+        sum_of_lanes(power)
     };
     let (a, b) = (power(first), power(second));
     let both = a + b;
@@ -277,6 +314,10 @@ fn draw<V: Lanes, C: Facets<V>>(cell: &C, branches: &mut Split<C::State, C::Exit
         let (target, field) = *second;
         *branches = [None, Some(cell.strengthen(target, &field, both / b))];
     }
+}
+
+fn sum_of_lanes<V: Lanes>(power: V) -> f64 {
+    (0..V::WIDTH).map(|lane| power.lane(lane)).sum()
 }
 
 /// Merges a ray of the coming generation with its equal, or gives it a free slot; false if there is none.
