@@ -136,7 +136,7 @@ fn ridge(interference: bool) {
         let mut random = Random::new(ray, SEED);
         let done = if interference {
             let (waves, rest) = slots.split_at_mut(26);
-            let spill = Spill { slots: rest, limits: paths, random: &mut random };
+            let spill = Spill::new(rest, paths, &mut random);
             let limits = Limits { in_flight: 1e-13, generations: 10_000 };
             trace(&mut polygons, state, field, waves, limits, Some(spill), &mut exits)
         } else {

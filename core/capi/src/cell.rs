@@ -372,7 +372,7 @@ impl Tracer<'_> {
             let mut random = Random::new(ray, seed);
             let done = if interference {
                 let (waves, paths) = self.slots.split_at_mut_checked(WAVES).ok_or(Status::Memory)?;
-                let spill = Spill { slots: paths, limits: PATH_LIMITS, random: &mut random };
+                let spill = Spill::new(paths, PATH_LIMITS, &mut random);
                 trace(&mut polygons, state, field, waves, WAVE_LIMITS, Some(spill), &mut exits)
             } else {
                 follow_paths(&mut polygons, state, field, self.slots, PATH_LIMITS, &mut random, &mut exits)
