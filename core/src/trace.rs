@@ -122,7 +122,7 @@ pub struct Trace<V> {
 const SPILLED: f64 = 1e-3;
 
 /// Where rays go for which [`trace`] has no slot: they are followed by themselves. Weak ones are sampled systematically, one
-/// for each [`SPILLED`] of their power, from a random start: each counts as often as its power says, and all of it is kept but for
+/// for each `SPILLED` of their power, from a random start: each counts as often as its power says, and all of it is kept but for
 /// one sample's.
 #[derive(Debug)]
 pub struct Spill<'s, S, F> {
@@ -158,7 +158,7 @@ impl<'s, S, F> Spill<'s, S, F> {
 
 /// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Rays for which it has no room lose their
 /// interference and go on by themselves through `spill`; without that they are dropped into [`Trace::truncated`]. From the first
-/// such ray on, weak ones ([`SPILLED`]) are sampled there too: where waves outnumber the workspace they hardly ever meet their equals
+/// such ray on, weak ones (`SPILLED`) are sampled there too: where waves outnumber the workspace they hardly ever meet their equals
 /// again, as light trapped in a curved film does not, and following each as a wave costs a hundred times as much.
 pub fn trace<V: Lanes, C: Facets<V>>(
     cell: &mut C,
