@@ -10,3 +10,4 @@ mod planar;
 mod reference;
 mod scalar;
 mod scatter_table;
+mod table_blob;

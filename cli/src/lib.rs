@@ -1,6 +1,7 @@
 //! Library behind the `goniochrome` command: scenes, estimation with threads, files and pictures.
 
 pub mod args;
+pub mod blob;
 pub mod bumpy;
 pub mod checkpoint;
 pub mod coherent;
@@ -10,6 +11,7 @@ pub mod comparison;
 pub mod diffraction;
 pub mod error;
 pub mod estimate;
+
 pub mod grid;
 pub mod groups;
 pub mod html;

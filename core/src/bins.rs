@@ -138,14 +138,12 @@ impl<'m, V: Lanes> Exits<'m, V> {
 
     /// Adds up the starting ray's exits and hands their unpolarised power to `histogram`. Returns the power dropped.
     pub fn settle(&mut self, histogram: &mut impl Histogram) -> V {
-        let exits = &mut self.memory[..self.count];
-        for first in 0..exits.len() {
-            if !exits[first].alone {
-                let (head, tail) = exits.split_at_mut(first + 1);
-                let into = &mut head[first];
+        let mut exits = self.memory.get_mut(..self.count).unwrap_or(&mut []);
+        while let Some((into, tail)) = core::mem::take(&mut exits).split_first_mut() {
+            if !into.alone {
                 for other in tail.iter_mut().filter(|other| !other.alone && other.side == into.side) {
                     // Lanes are independent: those whose bins agree move over, the others stay.
-                    let moves = V::from_fn(|lane| f64::from(u8::from(other.bins[lane] == into.bins[lane])));
+                    let moves = V::from_fn(|lane| f64::from(u8::from(other.bins.get(lane) == into.bins.get(lane))));
                     let stays = V::one() - moves;
                     let scaled =
                         |e: VectorLanes<V>, by: V| VectorLanes { x: e.x.scale(by), y: e.y.scale(by), z: e.z.scale(by) };
@@ -154,13 +152,13 @@ impl<'m, V: Lanes> Exits<'m, V> {
                 }
                 into.power = into.field.map(VectorLanes::norm_sqr);
             }
-            let exit = &exits[first];
-            for lane in 0..V::WIDTH {
-                let power = 0.5 * (exit.power.s.lane(lane) + exit.power.p.lane(lane));
+            for (lane, &bin) in into.bins.iter().enumerate().take(V::WIDTH) {
+                let power = 0.5 * (into.power.s.lane(lane) + into.power.p.lane(lane));
                 if power > 0.0 {
-                    histogram.add(lane, exit.side, exit.bins[lane] as usize, power);
+                    histogram.add(lane, into.side, bin as usize, power);
                 }
             }
+            exits = tail;
         }
         self.dropped
     }
@@ -169,9 +167,10 @@ impl<'m, V: Lanes> Exits<'m, V> {
 impl<V: Lanes> Exits<'_, V> {
     /// Adds to an exit that is alike, or takes a place of its own.
     fn put(&mut self, exit: Exit<V>) {
-        let alike =
-            |other: &&mut Exit<V>| other.side == exit.side && other.alone == exit.alone && other.bins == exit.bins;
-        if let Some(other) = self.memory[..self.count].iter_mut().find(alike) {
+        let alike = |other: &&mut Exit<V>| {
+            other.side == exit.side && other.alone == exit.alone && other.bins.iter().eq(&exit.bins)
+        };
+        if let Some(other) = self.memory.iter_mut().take(self.count).find(alike) {
             other.field = other.field.zip(exit.field, |a, b| a + b);
             other.power = other.power.zip(exit.power, |a, b| a + b);
         } else if let Some(place) = self.memory.get_mut(self.count) {

@@ -23,7 +23,7 @@ pub type F64 = width::Double;
 
 /// The instruction set that was compiled in, for `--version` and the C interface.
 #[must_use]
-pub fn simd_level() -> &'static str {
+pub const fn simd_level() -> &'static str {
     if cfg!(target_feature = "avx512f") {
         "avx512"
     } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
@@ -67,7 +67,7 @@ pub trait Lanes:
     fn splat(x: f64) -> Self;
     /// Lane `i` holds `f(i)`.
     fn from_fn(f: impl FnMut(usize) -> f64) -> Self;
-    /// The number in lane `i`, which must be below [`Lanes::WIDTH`].
+    /// The number in lane `i`; NaN beyond [`Lanes::WIDTH`].
     fn lane(self, i: usize) -> f64;
     /// Rounds double precision to this one.
     fn narrow(precise: Self::Precise) -> Self;
@@ -121,7 +121,7 @@ macro_rules! delegate_to_wide {
         }
         #[inline]
         fn lane(self, i: usize) -> f64 {
-            self.to_array()[i] as f64
+            self.to_array().get(i).map_or(f64::NAN, |&x| x as f64)
         }
         #[inline]
         fn mul_add(self, m: Self, a: Self) -> Self {

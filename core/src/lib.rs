@@ -35,10 +35,16 @@
 //! | [`polygons`] | the tracer's polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
 //! | [`orders`] | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
 //! | [`bins`], [`sampling`] | where rays leave, where they start | |
-//! | [`table`] | BRDF tables | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
+//! | [`table`] | BRDF tables, and their form in bytes ([`table::blob`]) | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
 //! | [`colour`] | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
 //!
-//! # Example: the reflectance of a soap film
+//! # Requirements
+//!
+//! Rust 1.89. There are no features: the crate is `no_std` always. SIMD instructions are those that the compiler is told it may
+//! use, with `-C target-cpu`; [`lanes::simd_level`] names them. Where there are none, as on a Cortex-M, lanes are loops.
+//! Constructors check what they are given; what they return is infallible where rays are followed and tables looked up.
+//!
+//! # Example: the spectrum of a soap film
 //!
 //! ```
 //! use goniochrome::complex::ComplexLanes;
@@ -70,7 +76,112 @@
 //! }
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
+//!
+//! # Example: the BRDF of a cell
+//!
+//! ```
+//! use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
+//! use goniochrome::bvh::{Bvh, Node};
+//! use goniochrome::cell::Facet;
+//! use goniochrome::coherence::Side;
+//! use goniochrome::complex::ComplexLanes;
+//! use goniochrome::interface::{Below, Interface};
+//! use goniochrome::lanes::{F32, Lanes};
+//! use goniochrome::medium::{MediaLanes, Medium};
+//! use goniochrome::mesh::MeshCell;
+//! use goniochrome::polygons::{Incident, Polygons, free_slot};
+//! use goniochrome::sampling::sobol;
+//! use goniochrome::trace::{Limits, trace};
+//! use glam::DVec3;
+//!
+//! // A ridge of glass along y, two slopes to a period of 1000 nm.
+//! let vertices = [[0, 0, 0], [500, 0, 300], [1000, 0, 0], [0, 800, 0], [500, 800, 300], [1000, 800, 0]]
+//!     .map(|v| DVec3::from_array(v.map(f64::from)));
+//! let triangles = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+//! let mut nodes = [Node::EMPTY; Bvh::required_nodes(4)];
+//! let mut order = [0; 4];
+//! let bvh = Bvh::build(&vertices, &triangles, &mut nodes, &mut order)?;
+//! let up = DVec3::new(-0.6, 0.0, 1.0).normalize();
+//! let facets = [(up, 0), (DVec3::new(-up.x, 0.0, up.z), 2)]
+//!     .map(|(normal, anchor)| Facet { normal, anchor_nm: vertices[anchor], interface: 0 });
+//! let interfaces = [Interface { above: 0, below: Below::Medium(1) }];
+//! let cell = MeshCell::new(bvh, &[0, 0, 1, 1], &facets, &interfaces, [1000.0, 800.0], 0)?;
+//!
+//! let media = [Medium::VACUUM, Medium::constant(1.5.into())?];
+//! let mut eta = [ComplexLanes::zero(); 2];
+//! let media = MediaLanes::<F32>::evaluate(&media, &[550.0], &mut eta).map_err(|(_, error)| error)?;
+//!
+//! // Power of the first lane in each of 4 × 8 bins.
+//! struct Power([f64; 32]);
+//! impl Histogram for Power {
+//!     fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64) {
+//!         if lane == 0 && side == Side::Above {
+//!             self.0[bin] += power;
+//!         }
+//!     }
+//! }
+//!
+//! const RAYS: u32 = 256;
+//! let grid = DirectionBins { cos: 4, phi: 8 };
+//! let wi = DVec3::new(0.6, 0.0, 0.8);
+//! let mut polygons = Polygons::new(cell, media, Incident::new(wi, media.eta()[0]), true);
+//! let (mut slots, mut memory) = ([free_slot::<F32>(); 16], [Exit::<F32>::none(); 32]);
+//! let mut exits = Exits::new(&mut memory, grid, &media);
+//! let mut power = Power([0.0; 32]);
+//! let limits = Limits { in_flight: 1e-13, generations: 10_000 };
+//! for ray in 0..RAYS {
+//!     let [u, v] = sobol(ray, 0);
+//!     let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
+//!     exits.begin(state.point_nm());
+//!     trace(&mut polygons, state, field, &mut slots, limits, None, &mut exits);
+//!     exits.settle(&mut power);
+//! }
+//! let brdf: [f64; 32] =
+//!     core::array::from_fn(|bin| power.0[bin] / f64::from(RAYS) / grid.projected_solid_angle(bin));
+//! // Glass reflects a few percent, away from the slopes.
+//! let reflected: f64 = power.0.iter().sum::<f64>() / f64::from(RAYS);
+//! assert!((0.03..0.1).contains(&reflected) && brdf.iter().all(|f| *f >= 0.0));
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! # Example: a table in a shader's loop
+//!
+//! `examples/material_system.rs` shows the same behind an engine's material trait.
+//!
+//! ```
+//! use goniochrome::bins::DirectionBins;
+//! use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+//! use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
+//! use glam::Vec3;
+//!
+//! // Elsewhere, once: `goniochrome estimate`, then `goniochrome export --to blob`. Here, a grey Lambert surface.
+//! let layout = ScatterLayout::new(4, 1, DirectionBins { cos: 4, phi: 4 })?;
+//! let values = [0.5 / core::f32::consts::PI; 4 * 16 * 3];
+//! let table = ScatterTable::new(&values, layout, 3)?;
+//! let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
+//! let sampler = ScatterSampler::new(&table, &mut memory)?;
+//! let blob = Blob { space: Space::Srgb, contents: Contents::Scatter(table, sampler) };
+//! let mut bytes = vec![0; blob.required_len(Precision::Half).unwrap()];
+//! blob.write(Precision::Half, &mut bytes)?;
+//!
+//! // At run time: checked once, looked up where it lies.
+//! let Contents::Scatter(table, sampler) = Blob::read(&bytes)?.contents else { panic!("a table of directions") };
+//! let wi = Vec3::new(0.6, 0.0, 0.8);
+//! let mut light = Vec3::ZERO;
+//! let samples = 64;
+//! for i in 0..samples {
+//!     let u = [(i as f32 + 0.5) / samples as f32, (i as f32 * 0.618).fract()];
+//!     let (wo, pdf) = sampler.sample(wi, u).expect("wi is above the surface");
+//!     let sky = Vec3::ONE; // the radiance from wo
+//!     light += Vec3::from(table.rgb(wi, wo)) * sky * (wo.z / pdf);
+//! }
+//! assert!((light / samples as f32 - Vec3::splat(0.5)).abs().max_element() < 0.01);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
 #![no_std]
+
+// Their types are in the interface.
+pub use {glam, num_complex};
 
 pub mod bins;
 pub mod bvh;

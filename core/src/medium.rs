@@ -214,11 +214,9 @@ impl Dispersion<'_> {
                 }
                 finite(wavelength_nm)?;
                 finite(value)?;
-                if wavelength_nm[0] <= 0.0 {
-                    return Err(MediumError::NotIncreasing { index: 0 });
-                }
-                match wavelength_nm.windows(2).position(|pair| pair[0] >= pair[1]) {
-                    Some(index) => Err(MediumError::NotIncreasing { index: index + 1 }),
+                let mut last = 0.0;
+                match wavelength_nm.iter().position(|&nm| core::mem::replace(&mut last, nm) >= nm) {
+                    Some(index) => Err(MediumError::NotIncreasing { index }),
                     None => Ok(()),
                 }
             }
@@ -232,13 +230,14 @@ impl Dispersion<'_> {
             Self::Formula { formula, coefficients, .. } => formula.evaluate(coefficients, nm * 1e-3),
             Self::Table { wavelength_nm: x, value: y } => {
                 let upper = x.partition_point(|&l| l < nm);
-                match (upper.checked_sub(1), x.get(upper)) {
-                    (Some(lower), Some(&x1)) => {
-                        let w = (nm - x[lower]) / (x1 - x[lower]);
-                        y[lower] + w * (y[upper] - y[lower])
+                let row = |row: usize| Some((*x.get(row)?, *y.get(row)?));
+                match (upper.checked_sub(1).and_then(row), row(upper)) {
+                    (Some((x0, y0)), Some((x1, y1))) => {
+                        let w = (nm - x0) / (x1 - x0);
+                        y0 + w * (y1 - y0)
                     }
-                    (None, _) => y.first().copied().unwrap_or(0.0),
-                    (_, None) => y.last().copied().unwrap_or(0.0),
+                    (Some((_, y)), None) | (None, Some((_, y))) => y,
+                    (None, None) => 0.0,
                 }
             }
         }
@@ -254,6 +253,10 @@ pub struct Medium<'a> {
 }
 
 impl<'a> Medium<'a> {
+    /// η = 1.
+    pub const VACUUM: Self =
+        Self { n: Dispersion::Constant(1.0), k: Dispersion::Constant(0.0), extrapolate: Extrapolate::Refuse };
+
     /// A medium of the same η at every wavelength.
     ///
     /// # Errors
@@ -272,7 +275,8 @@ impl<'a> Medium<'a> {
         let bad = |x: &Dispersion<'_>, passive: fn(f64) -> bool| match *x {
             Dispersion::Constant(x) => (!passive(x)).then_some((x, 0.0)),
             Dispersion::Table { wavelength_nm, value } => {
-                value.iter().position(|&v| !passive(v)).map(|i| (value[i], wavelength_nm[i]))
+                let mut rows = value.iter().copied().zip(wavelength_nm.iter().copied());
+                rows.find(|&(value, _)| !passive(value))
             }
             Dispersion::Formula { .. } => None,
         };

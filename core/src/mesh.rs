@@ -56,6 +56,10 @@ pub enum Next {
 /// high as it is wide.
 const MAX_PERIODS: u32 = 4096;
 
+/// What facets and interfaces beyond the last are: `new` has seen to it that no triangle has one.
+const NOWHERE: Facet = Facet { normal: DVec3::Z, anchor_nm: DVec3::ZERO, interface: u16::MAX };
+const NOTHING: Interface = Interface { above: MediumIndex::MAX, below: Below::Mirror };
+
 /// Vertices may lie outside the period by this fraction of it: the rounding of single-precision files.
 const BORDER: f64 = 4.0 * f32::EPSILON as f64;
 
@@ -145,13 +149,17 @@ impl<'a> MeshCell<'a> {
     /// A facet.
     #[must_use]
     pub fn facet(&self, facet: u32) -> &'a Facet {
-        &self.facets[facet as usize]
+        self.facets.get(facet as usize).unwrap_or(&NOWHERE)
+    }
+
+    fn facet_of(&self, hit: &Hit) -> u32 {
+        self.facet_of.get(hit.triangle as usize).copied().unwrap_or(u32::MAX)
     }
 
     /// The media that a facet divides.
     #[must_use]
     pub fn interface(&self, facet: u32) -> Interface {
-        self.interfaces[usize::from(self.facet(facet).interface)]
+        self.interfaces.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(NOTHING)
     }
 
     /// Follows a ray in `medium` from an unwrapped point to the next facet that has this medium on the near side. A facet
@@ -181,14 +189,14 @@ impl<'a> MeshCell<'a> {
             let ray =
                 Ray { origin, direction, t_min: entered - self.slack_nm, t_max: leaves.min(last) + self.slack_nm };
             let fits = |hit: &Hit| {
-                let facet = self.facet_of[hit.triangle as usize];
+                let facet = self.facet_of(hit);
                 let interface = self.interface(facet);
                 let near = if hit.front { Below::Medium(interface.above) } else { interface.below };
                 Some(facet) != leaving && near == Below::Medium(medium)
             };
             if let Some(hit) = self.bvh.closest(&ray, fits) {
                 return Next::Facet(Meeting {
-                    facet: self.facet_of[hit.triangle as usize],
+                    facet: self.facet_of(&hit),
                     front: hit.front,
                     point_nm: point_nm + direction * hit.t,
                 });

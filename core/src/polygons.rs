@@ -151,7 +151,7 @@ impl<'a, V: Lanes> Polygons<'a, V> {
     }
 
     fn eta(&self, medium: MediumIndex) -> ComplexLanes<V::Precise> {
-        self.media.eta()[usize::from(medium)]
+        self.media.eta().get(usize::from(medium)).copied().unwrap_or_else(ComplexLanes::one)
     }
 
     /// exp(i k₀ q·Δx).

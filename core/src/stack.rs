@@ -108,6 +108,8 @@ pub struct Stack<'a> {
     interfaces: &'a [Interface],
     films: &'a [Film],
     boundaries: &'a [Boundary],
+    ambient: MediumIndex,
+    substrate: Below,
 }
 
 /// Where `wanted` stands in `list`; appended if new.
@@ -115,9 +117,9 @@ fn intern<T: Copy + PartialEq>(list: &mut [T], len: &mut usize, wanted: T) -> Op
     // Stacks repeat within a few layers; an unbounded search would make random stacks quadratic.
     const RECENT: usize = 64;
     let from = len.saturating_sub(RECENT);
-    let found = list[from..*len].iter().position(|x| *x == wanted).map(|i| i + from);
+    let found = list.iter().take(*len).enumerate().skip(from).find(|(_, x)| **x == wanted);
     let place = match found {
-        Some(place) => place,
+        Some((place, _)) => place,
         None => {
             *list.get_mut(*len)? = wanted;
             *len += 1;
@@ -158,9 +160,11 @@ impl<'a> Stack<'a> {
         *boundaries.get_mut(planes).ok_or(full)? = Boundary { interface, film: 0 };
         let (interfaces, films, boundaries): (&'a [_], &'a [_], &'a [_]) = (interfaces, films, boundaries);
         Ok(Self {
-            interfaces: &interfaces[..interface_count],
-            films: &films[..film_count],
-            boundaries: &boundaries[..=planes],
+            interfaces: interfaces.get(..interface_count).ok_or(full)?,
+            films: films.get(..film_count).ok_or(full)?,
+            boundaries: boundaries.get(..=planes).ok_or(full)?,
+            ambient,
+            substrate,
         })
     }
 
@@ -185,13 +189,13 @@ impl<'a> Stack<'a> {
     /// The medium from which the light comes.
     #[must_use]
     pub fn ambient(&self) -> MediumIndex {
-        self.interface(0).above
+        self.ambient
     }
 
     /// What lies under the last plane.
     #[must_use]
     pub fn substrate(&self) -> Below {
-        self.interface(self.planes() - 1).below
+        self.substrate
     }
 
     /// Media that a scene must have for this stack: one more than the largest index in use.
@@ -267,8 +271,20 @@ pub struct Response<V> {
     pub transmission: Polarised<ComplexLanes<V>>,
 }
 
+/// Memory or media are fewer than a stack needs: see [`OpticsMemory`] and [`Stack::media`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooSmall;
+
+impl core::fmt::Display for TooSmall {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "the stack needs more media, or more memory for what they do")
+    }
+}
+
+impl core::error::Error for TooSmall {}
+
 impl<'m, V: Lanes> Optics<'m, V> {
-    /// Prepares `stack` for light that arrives at `sin_theta` = sin θ in the ambient medium, in [0, 1).
+    /// [`Optics::prepare`] with memory that is known to suffice.
     ///
     /// # Panics
     /// If `memory` or `media` is smaller than the stack needs ([`Stack::media`], [`Stack::planes`]).
@@ -279,44 +295,62 @@ impl<'m, V: Lanes> Optics<'m, V> {
         model: Model,
         memory: OpticsMemory<'m, V>,
     ) -> Self {
-        let tangential = media.eta()[usize::from(stack.ambient())].re * V::Precise::splat(sin_theta);
+        Self::prepare(stack, media, sin_theta, model, memory)
+            .expect("as many media and as much memory as the stack has")
+    }
+
+    /// Prepares `stack` for light that arrives at `sin_theta` = sin θ in the ambient medium, in [0, 1); at 1, the limit,
+    /// reflection holds and transmission does not.
+    ///
+    /// # Errors
+    /// [`TooSmall`].
+    pub fn prepare(
+        stack: Stack<'m>,
+        media: &MediaLanes<'_, V>,
+        sin_theta: f64,
+        model: Model,
+        memory: OpticsMemory<'m, V>,
+    ) -> Result<Self, TooSmall> {
+        let eta = |medium: MediumIndex| media.eta().get(usize::from(medium)).copied().ok_or(TooSmall);
+        let tangential = eta(stack.ambient)?.re * V::Precise::splat(sin_theta);
         let tangential_squared = ComplexLanes::real(tangential * tangential);
         // Only the media of this stack; waves in others are never read.
-        let waves = &mut memory.waves[..stack.media()];
-        let mut half_space = |medium: MediumIndex| {
-            waves[usize::from(medium)] = Wave::new(media.eta()[usize::from(medium)], tangential_squared);
-        };
-        half_space(stack.ambient());
-        if let Below::Medium(substrate) = stack.substrate() {
-            half_space(substrate);
+        let waves = memory.waves.get_mut(..stack.media()).ok_or(TooSmall)?;
+        let mut put =
+            |medium: MediumIndex, wave| waves.get_mut(usize::from(medium)).map(|place| *place = wave).ok_or(TooSmall);
+        put(stack.ambient, Wave::new(eta(stack.ambient)?, tangential_squared))?;
+        if let Below::Medium(substrate) = stack.substrate {
+            put(substrate, Wave::new(eta(substrate)?, tangential_squared))?;
         }
         for (place, film) in stack.films.iter().enumerate() {
             // Films of one medium that differ in thickness share its wave; a look at the last few finds most.
-            if !stack.films[place.saturating_sub(4)..place].iter().any(|earlier| earlier.medium == film.medium) {
-                let medium = usize::from(film.medium);
-                waves[medium] = Wave::in_film(media.eta()[medium], tangential_squared);
+            let mut earlier = stack.films.iter().take(place).skip(place.saturating_sub(4));
+            if !earlier.any(|earlier| earlier.medium == film.medium) {
+                put(film.medium, Wave::in_film(eta(film.medium)?, tangential_squared))?;
             }
         }
-        let reflections = &mut memory.reflections[..stack.interfaces.len()];
+        let waves = &*waves;
+        let wave = |medium: MediumIndex| waves.get(usize::from(medium)).ok_or(TooSmall);
+        let reflections = memory.reflections.get_mut(..stack.interfaces.len()).ok_or(TooSmall)?;
         for (r, interface) in reflections.iter_mut().zip(stack.interfaces) {
             let below = match interface.below {
-                Below::Medium(below) => Some(&waves[usize::from(below)]),
+                Below::Medium(below) => Some(wave(below)?),
                 Below::Mirror => None,
             };
-            *r = reflection(model, &waves[usize::from(interface.above)], below);
+            *r = reflection(model, wave(interface.above)?, below);
         }
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
-        let propagators = &mut memory.propagators[..stack.films.len()];
+        let propagators = memory.propagators.get_mut(..stack.films.len()).ok_or(TooSmall)?;
         for (e, film) in propagators.iter_mut().zip(stack.films) {
             let path = V::Precise::splat(film.thickness_nm) * per_wavelength;
-            let mut turns = waves[usize::from(film.medium)].normal.scale(path);
+            let mut turns = wave(film.medium)?.normal.scale(path);
             if model == Model::Paper {
                 // The paper adds fluxes, which absorption weakens twice as fast as amplitudes.
                 turns.im = turns.im + turns.im;
             }
             *e = propagate(turns);
         }
-        Self { stack, waves, reflections, propagators, model }
+        Ok(Self { stack, waves, reflections, propagators, model })
     }
 
     /// The stack this was made for.
@@ -325,22 +359,29 @@ impl<'m, V: Lanes> Optics<'m, V> {
         self.stack
     }
 
+    // `Stack::new` and `Optics::prepare` leave no boundary without its interface, film and media. That look-ups give 0 where
+    // there are none keeps panics out of programs that must not have any.
+
     /// r of boundary `j` for a wave from above.
     #[inline]
     pub(crate) fn reflection_at(&self, j: usize) -> Polarised<ComplexLanes<V>> {
-        self.reflections[self.stack.boundaries[j].interface as usize]
+        let interface = self.stack.boundaries.get(j).map_or(0, |boundary| boundary.interface as usize);
+        self.reflections.get(interface).copied().unwrap_or_else(|| Polarised::both(ComplexLanes::zero()))
     }
 
     /// exp(i k₀ q_n d) of the film below boundary `j`.
     #[inline]
     pub(crate) fn propagator_below(&self, j: usize) -> ComplexLanes<V> {
-        self.propagators[self.stack.boundaries[j].film as usize]
+        let film = self.stack.boundaries.get(j).map_or(0, |boundary| boundary.film as usize);
+        self.propagators.get(film).copied().unwrap_or_else(ComplexLanes::zero)
     }
 
     /// κ of a medium.
     #[inline]
     pub(crate) fn admittance(&self, medium: MediumIndex) -> Polarised<ComplexLanes<V>> {
-        self.waves[usize::from(medium)].admittance
+        self.waves
+            .get(usize::from(medium))
+            .map_or_else(|| Polarised::both(ComplexLanes::zero()), |wave| wave.admittance)
     }
 
     /// σ of [`Model::reversal`] in every lane.
@@ -375,7 +416,7 @@ impl<'m, V: Lanes> Optics<'m, V> {
         let sigma = self.reversal();
         let through = V::one() + sigma;
         let boundaries = self.stack.boundaries;
-        let last = boundaries.len() - 1;
+        let last = boundaries.len().saturating_sub(1);
 
         let mut numerator = self.reflection_at(last);
         let mut denominator = Polarised::both(ComplexLanes::one());

@@ -184,11 +184,9 @@ pub fn trace<V: Lanes, C: Facets<V>>(
     }
     loop {
         for place in 0..slots.len() {
-            let Slot { generation: waiting, state, field } = slots[place];
-            if waiting != generation {
-                continue;
-            }
-            slots[place].generation = 0;
+            let Some(slot) = slots.get_mut(place).filter(|slot| slot.generation == generation) else { continue };
+            slot.generation = 0;
+            let Slot { state, field, .. } = *slot;
             visits += 1;
             for (target, field) in cell.split(&state, &field).into_iter().flatten() {
                 match target {
@@ -265,7 +263,7 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
     }
     while let Some(next) = waiting.checked_sub(1) {
         waiting = next;
-        let Slot { generation, state, field } = slots[waiting];
+        let Some(&Slot { generation, state, field }) = slots.get(waiting) else { break };
         trace.visits += 1;
         trace.generations = trace.generations.max(generation);
         let weak = !cell.power(&state, &field).any_above(limits.in_flight);
@@ -274,7 +272,7 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
             draw(cell, &mut branches, random);
         }
         let mut on = [None, None];
-        for (branch, (target, field)) in branches.into_iter().flatten().enumerate() {
+        for ((target, field), on) in branches.into_iter().flatten().zip(&mut on) {
             let state = match target {
                 Target::Exit(exit) => {
                     sink.exit_alone(exit, field);
@@ -286,7 +284,7 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
             if generation >= limits.generations || !power.any_above(FADED) {
                 trace.truncated += power;
             } else {
-                on[branch] = Some((power, Slot { generation: generation + 1, state, field }));
+                *on = Some((power, Slot { generation: generation + 1, state, field }));
             }
         }
         // The stronger waits below the weaker, which is soon done with.
@@ -345,7 +343,7 @@ fn offer<V: Lanes, C: Facets<V>>(
     let len = slots.len();
     for probe in 0..C::PROBES.min(len) {
         let place = (home + probe) % len;
-        let slot = &mut slots[place];
+        let Some(slot) = slots.get_mut(place) else { break };
         if slot.generation == generation && cell.same(&slot.state, &state) {
             slot.field = cell.merge(&slot.state, slot.field, &state, field);
             return true;
@@ -354,8 +352,9 @@ fn offer<V: Lanes, C: Facets<V>>(
             vacant = Some(place);
         }
     }
-    if let Some(place) = vacant {
-        slots[place] = Slot { generation, state, field };
+    match vacant.and_then(|place| slots.get_mut(place)) {
+        Some(slot) => *slot = Slot { generation, state, field },
+        None => return false,
     }
-    vacant.is_some()
+    true
 }

@@ -1,6 +1,7 @@
 //! The program as its users meet it: files and arguments in; files, one line of error and an exit code out.
 
 mod agreement;
+mod blob;
 mod bounds;
 mod cells;
 mod colours;

@@ -1,5 +1,6 @@
 //! The command line.
 
+pub mod export;
 mod plot;
 mod render;
 mod view;
@@ -67,6 +68,8 @@ pub enum Command {
     View(PageArgs),
     /// Every figure of the paper, with a page that explains them
     Figures(FiguresArgs),
+    /// A table or scene in the format of an engine or a renderer
+    Export(export::ExportArgs),
 }
 
 /// How to compute: shared by all commands that do.

@@ -4,6 +4,7 @@ mod cell_plots;
 mod colour;
 mod compare;
 mod estimate;
+mod export;
 mod figures;
 mod lobes;
 mod orders;
@@ -48,6 +49,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Render(args) => render::run(args),
         Command::View(args) => view::run(args),
         Command::Figures(args) => figures::run(args),
+        Command::Export(args) => export::run(args),
     }
 }
 

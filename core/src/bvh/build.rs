@@ -1,6 +1,7 @@
 //! Construction: ranges of `order` are split in place until they are leaves.
 
-use super::{Bvh, BvhError, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH};
+use super::{Bvh, BvhError, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH, corners};
+use core::cmp::Ordering;
 use glam::DVec3;
 
 /// Candidate planes per axis plus one; more gain little (Wald 2007, section 3.3).
@@ -18,17 +19,21 @@ pub(super) fn build<'a>(
         return Err(BvhError::Memory { nodes: required, order: triangles.len() });
     }
     let mut kept = 0;
-    for (triangle, &[a, b, c]) in (0..).zip(triangles) {
-        let [a, b, c] = [a, b, c].map(|vertex| vertices[vertex as usize]);
+    for triangle in 0..triangles.len() as u32 {
+        let [a, b, c] = corners(vertices, triangles, triangle);
         // Scaled, so that the product of small edges does not underflow.
         let (ab, ac) = (b - a, c - a);
         let (length_ab, length_ac) = (ab.abs().max_element(), ac.abs().max_element());
         if length_ab > 0.0 && length_ac > 0.0 && (ab / length_ab).cross(ac / length_ac) != DVec3::ZERO {
-            order[kept] = triangle;
+            if let Some(place) = order.get_mut(kept) {
+                *place = triangle;
+            }
             kept += 1;
         }
     }
-    let mut builder = Builder { vertices, triangles, order: &mut order[..kept], centre: DVec3::ZERO };
+    let memory = BvhError::Memory { nodes: required, order: triangles.len() };
+    let order = order.get_mut(..kept).ok_or(memory)?;
+    let mut builder = Builder { vertices, triangles, order, centre: DVec3::ZERO };
     let root = builder.measure(0, kept);
     let size = root.bounds.high - root.bounds.low;
     let (centre, radius) = if kept == 0 {
@@ -39,7 +44,8 @@ pub(super) fn build<'a>(
     };
     builder.centre = centre;
     let used = builder.split_all(root, nodes);
-    Ok(Bvh { vertices, triangles, nodes: &nodes[..used], order: &order[..kept], centre, radius })
+    let nodes = nodes.get(..used).ok_or(memory)?;
+    Ok(Bvh { vertices, triangles, nodes, order, centre, radius })
 }
 
 fn check(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), BvhError> {
@@ -143,47 +149,48 @@ impl Builder<'_> {
         let (mut waiting, mut used) = (1, 1);
         while waiting > 0 {
             waiting -= 1;
-            let Task { range, node, depth } = tasks[waiting];
+            let Some(&Task { range, node, depth }) = tasks.get(waiting) else { break };
             let mut children = [Range::NOTHING; WIDTH];
-            let count = self.split_into_children(range, depth, &mut children);
+            self.split_into_children(range, depth, &mut children);
             let mut filled = Node::EMPTY;
-            for (i, child) in children[..count].iter().enumerate().filter(|(_, child)| child.count() > 0) {
+            for (i, child) in (0..WIDTH).zip(&children).filter(|(_, child)| child.count() > 0) {
                 self.store_bounds(&child.bounds, i, &mut filled);
                 if child.count() <= LEAF_TRIANGLES {
                     filled.first[i] = child.begin as u32;
                     filled.count[i] = child.count() as u32;
-                } else {
+                } else if let Some(task) = tasks.get_mut(waiting) {
                     filled.first[i] = used as u32;
-                    tasks[waiting] = Task { range: *child, node: used, depth: depth + 1 };
+                    *task = Task { range: *child, node: used, depth: depth + 1 };
                     waiting += 1;
                     used += 1;
                 }
             }
-            nodes[node] = filled;
+            if let Some(node) = nodes.get_mut(node) {
+                *node = filled;
+            }
         }
         used
     }
 
     /// Splits the child of greatest area until there are `WIDTH` or none can be split. Where the levels left hold no
     /// more than a balanced tree, the child of most triangles is halved instead: each gets a `WIDTH`th, rounded up.
-    fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) -> usize {
+    fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) {
         let levels_below = (MAX_DEPTH - depth - 1) as u32;
         let balanced =
             range.count() as u64 > (WIDTH as u64).saturating_pow(levels_below).saturating_mul(LEAF_TRIANGLES as u64);
         children[0] = range;
-        let mut count = 1;
-        while count < WIDTH {
+        for count in 1..WIDTH {
             let weight = |child: &Range| if balanced { child.count() as f64 } else { child.bounds.area() };
             let order = |a: &Range, b: &Range| weight(a).total_cmp(&weight(b)).then(a.count().cmp(&b.count()));
-            let candidates = (0..count).filter(|&i| children[i].count() > 1);
-            let Some(i) = candidates.max_by(|&i, &j| order(&children[i], &children[j])) else {
-                break;
-            };
-            let (left, right) = if balanced { self.halve(&children[i]) } else { self.split(&children[i]) };
-            (children[i], children[count]) = (left, right);
-            count += 1;
+            let (present, coming) = children.split_at_mut(count);
+            let candidates = present.iter_mut().filter(|child| child.count() > 1);
+            let Some(child) = candidates.max_by(|a, b| order(a, b)) else { return };
+            let (left, right) = if balanced { self.halve(child) } else { self.split(child) };
+            *child = left;
+            if let Some(next) = coming.first_mut() {
+                *next = right;
+            }
         }
-        count
     }
 
     /// Single precision, one step outwards: at least half a step more than the rounding.
@@ -198,13 +205,13 @@ impl Builder<'_> {
 
     #[inline]
     fn bounds(&self, triangle: u32) -> Bounds {
-        let [a, b, c] = self.triangles[triangle as usize].map(|vertex| self.vertices[vertex as usize]);
+        let [a, b, c] = corners(self.vertices, self.triangles, triangle);
         Bounds { low: smaller(a, smaller(b, c)), high: larger(a, larger(b, c)) }
     }
 
     fn measure(&self, begin: usize, end: usize) -> Range {
         let mut range = Range { begin, end, ..Range::NOTHING };
-        for &triangle in &self.order[begin..end] {
+        for &triangle in self.order.iter().take(end).skip(begin) {
             range.add(&self.bounds(triangle));
         }
         range
@@ -215,27 +222,57 @@ impl Builder<'_> {
         let middle = range.begin + range.count() / 2;
         let extent = range.middles.high - range.middles.low;
         if extent.max_element() > 0.0 {
-            let axis = extent.max_position();
-            let (vertices, triangles) = (self.vertices, self.triangles);
-            let key = Builder { vertices, triangles, order: &mut [], centre: self.centre };
-            self.order[range.begin..range.end].select_nth_unstable_by(range.count() / 2, |&a, &b| {
-                key.bounds(a).sum()[axis].total_cmp(&key.bounds(b).sum()[axis])
-            });
+            self.select(range, middle, extent.max_position());
         }
         (self.measure(range.begin, middle), self.measure(middle, range.end))
+    }
+
+    /// Moves what belongs before `nth` along an axis there, and the rest behind it: Hoare's selection, by thirds. The standard
+    /// library's would bring a panic with it.
+    fn select(&mut self, range: &Range, nth: usize, axis: usize) {
+        let (mut low, mut high) = (range.begin, range.end);
+        while high - low > 1 {
+            let key = |builder: &Self, place: usize| {
+                let triangle = builder.order.get(place).copied().unwrap_or(0);
+                along(builder.bounds(triangle).sum(), axis)
+            };
+            let pivot = key(self, low.midpoint(high));
+            let (mut less, mut place, mut more) = (low, low, high);
+            while place < more {
+                match key(self, place).total_cmp(&pivot) {
+                    Ordering::Less => {
+                        swap(self.order, less, place);
+                        less += 1;
+                        place += 1;
+                    }
+                    Ordering::Equal => place += 1,
+                    Ordering::Greater => {
+                        more -= 1;
+                        swap(self.order, place, more);
+                    }
+                }
+            }
+            if nth < less {
+                high = less;
+            } else if nth >= more {
+                low = more;
+            } else {
+                return;
+            }
+        }
     }
 
     /// Divides where the binned heuristic is least: area · count of the left plus that of the right.
     fn split(&mut self, range: &Range) -> (Range, Range) {
         let grid = Grid::new(range);
         let mut bins = [[(Bounds::NOTHING, 0usize); BINS]; 3];
-        for &triangle in &self.order[range.begin..range.end] {
+        for &triangle in self.order.iter().take(range.end).skip(range.begin) {
             let bounds = self.bounds(triangle);
-            let place = grid.place(bounds.sum());
-            for axis in 0..3 {
-                let bin = &mut bins[axis][place[axis]];
-                bin.0.join(bounds.low, bounds.high);
-                bin.1 += 1;
+            for (bins, place) in bins.iter_mut().zip(grid.place(bounds.sum())) {
+                if let Some((joined, count)) = bins.get_mut(place) {
+                    joined.join(bounds.low, bounds.high);
+                    *count += 1;
+                }
             }
         }
         let Some((axis, last_left)) = grid.cheapest(&bins) else { return self.halve(range) };
@@ -243,17 +280,34 @@ impl Builder<'_> {
         let mut left = Range { begin: range.begin, end: range.begin, ..Range::NOTHING };
         let mut right = Range { begin: range.end, end: range.end, ..Range::NOTHING };
         while left.end < right.begin {
-            let bounds = self.bounds(self.order[left.end]);
-            if grid.place(bounds.sum())[axis] <= last_left {
+            let bounds = self.bounds(self.order.get(left.end).copied().unwrap_or(0));
+            if grid.place(bounds.sum()).get(axis).is_some_and(|&bin| bin <= last_left) {
                 left.end += 1;
                 left.add(&bounds);
             } else {
                 right.begin -= 1;
                 right.add(&bounds);
-                self.order.swap(left.end, right.begin);
+                swap(self.order, left.end, right.begin);
             }
         }
         (left, right)
+    }
+}
+
+/// Swaps two elements that are there.
+#[inline]
+fn swap(list: &mut [u32], a: usize, b: usize) {
+    if let Ok([a, b]) = list.get_disjoint_mut([a, b]) {
+        core::mem::swap(a, b);
+    }
+}
+
+#[inline]
+fn along(v: DVec3, axis: usize) -> f64 {
+    match axis {
+        0 => v.x,
+        1 => v.y,
+        _ => v.z,
     }
 }
 
@@ -284,11 +338,12 @@ impl Grid {
 
     /// The axis and the last bin of the left part, of all divisions that leave neither part empty.
     fn cheapest(&self, bins: &[[(Bounds, usize); BINS]; 3]) -> Option<(usize, usize)> {
+        let count_bins = self.bins.clamp(1, BINS);
         let mut best = (f64::INFINITY, None);
         for (axis, bins) in bins.iter().enumerate() {
             let mut right_cost = [f64::INFINITY; BINS];
             let (mut bounds, mut count) = (Bounds::NOTHING, 0);
-            for i in (1..self.bins).rev() {
+            for i in (1..count_bins).rev() {
                 bounds.join(bins[i].0.low, bins[i].0.high);
                 count += bins[i].1;
                 if count > 0 {
@@ -296,7 +351,7 @@ impl Grid {
                 }
             }
             (bounds, count) = (Bounds::NOTHING, 0);
-            for i in 0..self.bins - 1 {
+            for i in 0..count_bins - 1 {
                 bounds.join(bins[i].0.low, bins[i].0.high);
                 count += bins[i].1;
                 if count > 0 {

@@ -221,16 +221,16 @@ impl<'a> Bvh<'a> {
         let mut best = Hit { triangle: u32::MAX, t: ray.t_max, front: false };
         while height > 0 {
             height -= 1;
-            let entry = stack[height];
+            let Some(&entry) = stack.get(height) else { break };
             if height > 0 && entry.near > best.t {
                 continue;
             }
             if entry.count == 0 {
-                slabs.push_children(&self.nodes[entry.first as usize], best.t, &mut stack, &mut height);
+                let node = self.nodes.get(entry.first as usize).unwrap_or(&Node::EMPTY);
+                slabs.push_children(node, best.t, &mut stack, &mut height);
                 continue;
             }
-            let first = entry.first as usize;
-            for &triangle in &self.order[first..first + entry.count as usize] {
+            for &triangle in self.order.iter().skip(entry.first as usize).take(entry.count as usize) {
                 let Some((t, front)) = self.intersect(&shear, triangle) else { continue };
                 let hit = Hit { triangle, t, front };
                 let nearer = t < best.t || (t == best.t && triangle < best.triangle);
@@ -244,9 +244,16 @@ impl<'a> Bvh<'a> {
 
     #[inline]
     fn intersect<const KZ: usize>(&self, shear: &Shear<KZ>, triangle: u32) -> Option<(f64, bool)> {
-        let [a, b, c] = self.triangles[triangle as usize];
-        shear.intersect(self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize])
+        let [a, b, c] = corners(self.vertices, self.triangles, triangle);
+        shear.intersect(a, b, c)
     }
+}
+
+/// The vertices of a triangle that is there, as `check` has seen to; of others a triangle without area.
+#[inline]
+fn corners(vertices: &[DVec3], triangles: &[[u32; 3]], triangle: u32) -> [DVec3; 3] {
+    let triangle = triangles.get(triangle as usize).copied().unwrap_or_default();
+    triangle.map(|vertex| vertices.get(vertex as usize).copied().unwrap_or_default())
 }
 
 /// A ray made ready for box tests.
@@ -298,12 +305,13 @@ impl Slabs {
             let i = entered.trailing_zeros() as usize % WIDTH;
             entered &= entered - 1;
             let entry = Entry { near: near[i], first: node.first[i], count: node.count[i] };
-            let mut place = *height;
-            while place > base && stack[place - 1].near < entry.near {
-                stack[place] = stack[place - 1];
-                place -= 1;
+            // The stack holds the deepest tree, so there is room.
+            let Some(pushed) = stack.get_mut(base..=*height) else { return };
+            let place = pushed.iter().take(*height - base).position(|other| other.near < entry.near);
+            let mut moving = entry;
+            for slot in pushed.iter_mut().skip(place.unwrap_or(*height - base)) {
+                core::mem::swap(slot, &mut moving);
             }
-            stack[place] = entry;
             *height += 1;
         }
     }

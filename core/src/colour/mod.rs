@@ -28,8 +28,8 @@ impl Illuminant {
             Self::D65 => {
                 let from_first = usize::from(nm) - D65_FIRST_NM;
                 let (i, rest) = (from_first / D65_STEP_NM, from_first % D65_STEP_NM);
-                let next = D65[(i + 1).min(D65.len() - 1)];
-                D65[i] + (next - D65[i]) * rest as f64 / D65_STEP_NM as f64
+                let at = |i: usize| D65.get(i.min(D65.len() - 1)).copied().unwrap_or(0.0);
+                at(i) + (at(i + 1) - at(i)) * rest as f64 / D65_STEP_NM as f64
             }
         }
     }
@@ -118,7 +118,8 @@ impl core::error::Error for ColourError {}
 
 /// x̄ȳz̄ times illuminant at an integer wavelength.
 fn response(illuminant: Illuminant, nm: u16) -> [f64; 3] {
-    CIE_1931[usize::from(nm) - CIE_1931_FIRST_NM].map(|x| x * illuminant.power(nm))
+    let observer = usize::from(nm).checked_sub(CIE_1931_FIRST_NM).and_then(|i| CIE_1931.get(i));
+    observer.map_or([0.0; 3], |xyz| xyz.map(|x| x * illuminant.power(nm)))
 }
 
 /// The same between integer wavelengths, linear; zero outside [`VISIBLE_NM`].
@@ -148,8 +149,9 @@ pub fn xyz_weights(
     if wavelengths_nm.is_empty() || weights.len() != wavelengths_nm.len() {
         return Err(ColourError::Shape);
     }
-    let increases = |i: usize| wavelengths_nm[i] > if i == 0 { 0.0 } else { wavelengths_nm[i - 1] };
-    if let Some(index) = (0..wavelengths_nm.len()).find(|&i| !(increases(i) && wavelengths_nm[i].is_finite())) {
+    let mut last = 0.0;
+    let mut increases = |nm: f64| nm > core::mem::replace(&mut last, nm) && nm.is_finite();
+    if let Some(index) = wavelengths_nm.iter().position(|&nm| !increases(nm)) {
         return Err(ColourError::NotIncreasing { index });
     }
     match quadrature {
@@ -163,10 +165,8 @@ pub fn xyz_weights(
             for nm in VISIBLE_NM[0]..=VISIBLE_NM[1] {
                 let response = response(illuminant, nm);
                 let (from, kernel) = cubic(wavelengths_nm, f64::from(nm));
-                for (weight, share) in weights[from..].iter_mut().zip(kernel) {
-                    for c in 0..3 {
-                        weight[c] += share * response[c];
-                    }
+                for (weight, share) in weights.iter_mut().skip(from).zip(kernel) {
+                    *weight = core::array::from_fn(|c| weight[c] + share * response[c]);
                 }
             }
         }
@@ -184,13 +184,14 @@ pub fn xyz_weights(
 /// The Lagrange polynomial through the four samples around x (fewer if there are fewer): first sample, and shares.
 fn cubic(samples: &[f64], x: f64) -> (usize, [f64; 4]) {
     let order = samples.len().min(4);
-    let x = x.clamp(samples[0], samples[samples.len() - 1]);
+    let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else { return (0, [0.0; 4]) };
+    let x = x.max(first).min(last);
     let above = samples.partition_point(|&s| s < x);
     let from = above.saturating_sub(order / 2).min(samples.len() - order);
-    let nodes = &samples[from..from + order];
+    let nodes = samples.iter().skip(from).take(order);
     let mut shares = [0.0; 4];
-    for (i, share) in shares.iter_mut().enumerate().take(order) {
-        *share = (0..order).filter(|&j| j != i).map(|j| (x - nodes[j]) / (nodes[i] - nodes[j])).product();
+    for (share, &node) in shares.iter_mut().zip(nodes.clone()) {
+        *share = nodes.clone().filter(|&&other| other != node).map(|other| (x - other) / (node - other)).product();
     }
     (from, shares)
 }

@@ -167,8 +167,11 @@ fn periodic(turn: f32, count: u32) -> [Node; 2] {
     let place = (turn - libm::floorf(turn)) * count as f32;
     let whole = libm::floorf(place);
     let weight = place - whole;
-    let below = whole as u32 % count;
-    [Node { index: below as usize, weight: 1.0 - weight }, Node { index: ((below + 1) % count) as usize, weight }]
+    let below = whole as u32 % count.max(1);
+    [
+        Node { index: below as usize, weight: 1.0 - weight },
+        Node { index: ((below + 1) % count.max(1)) as usize, weight },
+    ]
 }
 
 #[inline]

@@ -1,13 +1,15 @@
 //! Tables of mirror-like surfaces: one direction in, one direction out.
 
-use super::TableError;
+use super::{TableError, Values};
 use core::f64::consts::FRAC_PI_2;
 
 /// ρ(θ) of a mirror-like surface: rows uniform in θ from 0 to `theta_max`, ends included; linear between rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorTable<'a> {
-    values: &'a [f32],
+    values: Values<'a>,
+    rows: usize,
     channels: usize,
+    theta_max: f64,
     rows_per_radian: f32,
 }
 
@@ -17,7 +19,12 @@ impl<'a> MirrorTable<'a> {
     /// # Errors
     /// [`TableError`].
     pub fn new(values: &'a [f32], channels: usize, theta_max: f64) -> Result<Self, TableError> {
-        if channels == 0 || !values.len().is_multiple_of(channels) || values.len() / channels < 2 {
+        Self::of(Values::Numbers(values), channels, theta_max)
+    }
+
+    pub(super) fn of(values: Values<'a>, channels: usize, theta_max: f64) -> Result<Self, TableError> {
+        let rows = values.len().checked_div(channels).unwrap_or(0);
+        if rows < 2 || rows * channels != values.len() {
             return Err(TableError::Shape);
         }
         if !(theta_max > 0.0 && theta_max <= FRAC_PI_2) {
@@ -26,14 +33,19 @@ impl<'a> MirrorTable<'a> {
         if let Some(index) = values.iter().position(|x| !x.is_finite()) {
             return Err(TableError::NotFinite { index });
         }
-        let intervals = (values.len() / channels - 1) as f64;
-        Ok(Self { values, channels, rows_per_radian: (intervals / theta_max) as f32 })
+        Ok(Self { values, rows, channels, theta_max, rows_per_radian: ((rows - 1) as f64 / theta_max) as f32 })
     }
 
     /// Number of angles.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.values.len() / self.channels
+        self.rows
+    }
+
+    /// The largest angle in radians.
+    #[must_use]
+    pub fn theta_max(&self) -> f64 {
+        self.theta_max
     }
 
     /// Channels of one angle.
@@ -45,7 +57,7 @@ impl<'a> MirrorTable<'a> {
     /// The row before θ and how far θ lies towards the next, in [0, 1]. θ beyond the table, or NaN, is held at its ends.
     #[inline]
     fn place(&self, theta: f32) -> (usize, f32) {
-        let last = self.rows() - 2;
+        let last = self.rows.saturating_sub(2);
         let row = (theta * self.rows_per_radian).max(0.0);
         let below = (row as usize).min(last);
         (below, (row - below as f32).clamp(0.0, 1.0))
@@ -59,8 +71,17 @@ impl<'a> MirrorTable<'a> {
     pub fn channel(&self, theta: f32, channel: usize) -> f32 {
         assert!(channel < self.channels, "the table has {} channels", self.channels);
         let (row, w) = self.place(theta);
-        let at = |row: usize| self.values[row * self.channels + channel];
+        self.between(row, w, channel)
+    }
+
+    #[inline]
+    fn between(&self, row: usize, w: f32, channel: usize) -> f32 {
+        let at = |row: usize| self.values.at(row * self.channels + channel);
         at(row) + w * (at(row + 1) - at(row))
+    }
+
+    pub(super) fn values(&self) -> Values<'a> {
+        self.values
     }
 
     /// The first three channels at θ in radians; a table of fewer repeats its last.
@@ -68,12 +89,8 @@ impl<'a> MirrorTable<'a> {
     #[inline]
     pub fn rgb(&self, theta: f32) -> [f32; 3] {
         let (row, w) = self.place(theta);
-        let (below, above) = self.values[row * self.channels..].split_at(self.channels);
         let last = self.channels - 1;
-        core::array::from_fn(|c| {
-            let c = c.min(last);
-            below[c] + w * (above[c] - below[c])
-        })
+        core::array::from_fn(|c| self.between(row, w, c.min(last)))
     }
 }
 

@@ -5,16 +5,20 @@
 //!   wavelength (section 3.1).
 //! - [`ScatterTable`]: a surface of tilted facets reflects everywhere; f(wi, wo) on a grid of directions
 //!   ([`ScatterLayout`]), with [`ScatterSampler`] to draw wo.
+//! - [`blob`]: either of them as bytes, to load without copying.
 
+pub mod blob;
 mod layout;
 mod mirror;
 mod sampler;
 mod scatter;
+mod values;
 
 pub use layout::{Node, ScatterLayout};
 pub use mirror::MirrorTable;
 pub use sampler::ScatterSampler;
 pub use scatter::ScatterTable;
+use values::Values;
 
 /// Why a table was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]

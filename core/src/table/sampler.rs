@@ -1,7 +1,7 @@
 //! Drawing outgoing directions as a table reflects them.
 
 use super::layout::{azimuth, polar};
-use super::{Node, ScatterLayout, ScatterTable, TableError};
+use super::{Node, ScatterLayout, ScatterTable, TableError, Values};
 use core::f32::consts::TAU;
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ use glam::Vec3;
 pub struct ScatterSampler<'a> {
     layout: ScatterLayout,
     /// For each incident direction: what it reflects; cumulative probabilities of the rows; of the columns in each row.
-    cumulative: &'a [f32],
+    cumulative: Values<'a>,
 }
 
 impl<'a> ScatterSampler<'a> {
@@ -39,7 +39,47 @@ impl<'a> ScatterSampler<'a> {
         for (incident, memory) in memory.chunks_exact_mut(stride(&layout)).enumerate() {
             fill(table, incident, memory);
         }
-        Ok(Self { layout, cumulative: memory })
+        Ok(Self { layout, cumulative: Values::Numbers(memory) })
+    }
+
+    /// Checks sums that were made earlier, [`ScatterSampler::required_len`] of them.
+    pub(super) fn of(cumulative: Values<'a>, layout: ScatterLayout) -> Result<Self, TableError> {
+        let required = Self::required_len(&layout);
+        if cumulative.len() != required {
+            return Err(TableError::Length { required });
+        }
+        let sampler = Self { layout, cumulative };
+        match (0..layout.incident_count()).find(|&incident| !sampler.is_sound(incident)) {
+            Some(incident) => Err(TableError::NotFinite { index: incident * stride(&layout) }),
+            None => Ok(sampler),
+        }
+    }
+
+    /// Whether an incident direction reflects a finite power and its probabilities add up to 1.
+    fn is_sound(&self, incident: usize) -> bool {
+        let [rows, columns] = self.sides();
+        let memory = self.of_incident(incident);
+        let whole = |sums: Values<'_>| {
+            let mut last = 0.0;
+            sums.iter().all(|sum| core::mem::replace(&mut last, sum) <= sum) && last == 1.0
+        };
+        let reflected = memory.at(0);
+        let of_row = |row| memory.part(1 + rows + row * columns, columns);
+        reflected >= 0.0
+            && reflected.is_finite()
+            && whole(memory.part(1, rows))
+            && (0..rows).all(|row| whole(of_row(row)))
+    }
+
+    pub(super) fn values(&self) -> Values<'a> {
+        self.cumulative
+    }
+
+    /// Rows and columns of outgoing bins.
+    #[inline]
+    fn sides(&self) -> [usize; 2] {
+        let bins = self.layout.bins();
+        [bins.cos as usize, bins.phi as usize]
     }
 
     /// A direction for the light from `wi`, and its density per solid angle; `u` uniform in [0, 1)². `None` for `wi` below the
@@ -53,7 +93,7 @@ impl<'a> ScatterSampler<'a> {
         let [mut u0, mut u1] = u.map(|u| if u > 0.0 { u.min(1.0 - 0.5 * f32::EPSILON) } else { 0.0 });
         let nodes = self.mixture(wi);
         // Which incident direction, which row, where in the row's tent: each takes its part of the first number.
-        let mut chosen = nodes[0].index;
+        let [Node { index: mut chosen, .. }, ..] = nodes;
         let mut from = 0.0;
         for node in nodes.iter().filter(|node| node.weight > 0.0) {
             chosen = node.index;
@@ -63,10 +103,10 @@ impl<'a> ScatterSampler<'a> {
             }
             from += node.weight;
         }
-        let memory = self.of(chosen);
-        let (rows, columns) = (self.layout.bins().cos as usize, self.layout.bins().phi as usize);
-        let row = take(&memory[1..=rows], &mut u0);
-        let column = take(&memory[1 + rows + row * columns..][..columns], &mut u1);
+        let memory = self.of_incident(chosen);
+        let [rows, columns] = self.sides();
+        let row = take(memory.part(1, rows), &mut u0);
+        let column = take(memory.part(1 + rows + row * columns, columns), &mut u1);
         let cos =
             ((row as f32 + 0.5 + held_tent(u0, row == 0, row + 1 == rows)) / rows as f32).clamp(f32::MIN_POSITIVE, 1.0);
         let phi = azimuth(wi) + TAU * (column as f32 + tent(u1)) / columns as f32;
@@ -80,14 +120,14 @@ impl<'a> ScatterSampler<'a> {
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
         let Some((_, outgoing)) = self.layout.nodes(wi, wo) else { return 0.0 };
         let per_bin = self.layout.bins().count() as f32 / TAU;
-        let (rows, columns) = (self.layout.bins().cos as usize, self.layout.bins().phi as usize);
+        let [rows, columns] = self.sides();
         let mut density = 0.0;
         for Node { index, weight } in self.mixture(wi) {
-            let memory = self.of(index);
+            let memory = self.of_incident(index);
             for o in outgoing {
-                let (row, column) = (o.index / columns, o.index % columns);
-                let probability =
-                    step(&memory[1..=rows], row) * step(&memory[1 + rows + row * columns..][..columns], column);
+                let (row, column) = (o.index / columns.max(1), o.index % columns.max(1));
+                let of_row = memory.part(1 + rows + row * columns, columns);
+                let probability = step(memory.part(1, rows), row) * step(of_row, column);
                 density += weight * o.weight * probability;
             }
         }
@@ -97,14 +137,14 @@ impl<'a> ScatterSampler<'a> {
     /// The incident directions around `wi`, by their shares times what each reflects.
     fn mixture(&self, wi: Vec3) -> [Node; 4] {
         let nodes = self.layout.incident_nodes(polar(wi), azimuth(wi));
-        let reflected = nodes.map(|node| node.weight * self.of(node.index)[0]);
-        let sum: f32 = reflected.iter().sum();
-        if sum > 0.0 { core::array::from_fn(|i| Node { weight: reflected[i] / sum, ..nodes[i] }) } else { nodes }
+        let share = |node: Node| node.weight * self.of_incident(node.index).at(0);
+        let sum: f32 = nodes.map(share).iter().sum();
+        if sum > 0.0 { nodes.map(|node| Node { weight: share(node) / sum, ..node }) } else { nodes }
     }
 
-    fn of(&self, incident: usize) -> &'a [f32] {
+    fn of_incident(&self, incident: usize) -> Values<'a> {
         let stride = stride(&self.layout);
-        &self.cumulative[incident * stride..][..stride]
+        self.cumulative.part(incident * stride, stride)
     }
 }
 
@@ -116,7 +156,7 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
     let layout = table.layout();
     let (rows, columns) = (layout.bins().cos as usize, layout.bins().phi as usize);
     let per_channel = 1.0 / table.channels() as f64;
-    let mean = |bin| table.pair(incident, bin).iter().map(|f| f64::from(f.abs())).sum::<f64>() * per_channel;
+    let mean = |bin| table.pair(incident, bin).map(|f| f64::from(f.abs())).sum::<f64>() * per_channel;
     let cos = |row: usize| (row as f64 + 0.5) / rows as f64;
     let of_row = |row: usize| (0..columns).map(|column| mean(row * columns + column)).sum::<f64>() * cos(row);
     let total: f64 = (0..rows).map(of_row).sum();
@@ -137,16 +177,25 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
 }
 
 /// The probability of one place.
-fn step(cumulative: &[f32], place: usize) -> f32 {
-    cumulative[place] - if place == 0 { 0.0 } else { cumulative[place - 1] }
+fn step(cumulative: Values<'_>, place: usize) -> f32 {
+    cumulative.at(place) - before(cumulative, place)
+}
+
+/// The probability of all places before one.
+fn before(cumulative: Values<'_>, place: usize) -> f32 {
+    place.checked_sub(1).map_or(0.0, |place| cumulative.at(place))
 }
 
 /// Which place `u` falls on; `u` becomes uniform again in [0, 1).
-fn take(cumulative: &[f32], u: &mut f32) -> usize {
-    let place = cumulative.partition_point(|&sum| sum <= *u).min(cumulative.len() - 1);
-    let from = if place == 0 { 0.0 } else { cumulative[place - 1] };
+fn take(cumulative: Values<'_>, u: &mut f32) -> usize {
+    let (mut place, mut last) = (0, cumulative.len().saturating_sub(1));
+    while place < last {
+        let middle = place.midpoint(last);
+        if cumulative.at(middle) <= *u { place = middle + 1 } else { last = middle }
+    }
     let width = step(cumulative, place);
-    *u = if width > 0.0 { ((*u - from) / width).clamp(0.0, 1.0 - 0.5 * f32::EPSILON) } else { 0.5 };
+    *u =
+        if width > 0.0 { ((*u - before(cumulative, place)) / width).clamp(0.0, 1.0 - 0.5 * f32::EPSILON) } else { 0.5 };
     place
 }
 

@@ -1,7 +1,7 @@
 //! f(wi, wo) of a surface that reflects into every direction.
 
 use super::layout::{azimuth, polar};
-use super::{Node, ScatterLayout, TableError};
+use super::{Node, ScatterLayout, TableError, Values};
 use glam::Vec3;
 
 /// A BRDF on a grid of directions, in 1/sr, for each channel: RGB (components may be negative, out of gamut) or wavelengths.
@@ -10,7 +10,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterTable<'a> {
     layout: ScatterLayout,
-    values: &'a [f32],
+    values: Values<'a>,
     channels: usize,
 }
 
@@ -20,6 +20,10 @@ impl<'a> ScatterTable<'a> {
     /// # Errors
     /// [`TableError::Shape`] without channels, [`TableError::Length`], [`TableError::NotFinite`].
     pub fn new(values: &'a [f32], layout: ScatterLayout, channels: usize) -> Result<Self, TableError> {
+        Self::of(Values::Numbers(values), layout, channels)
+    }
+
+    pub(super) fn of(values: Values<'a>, layout: ScatterLayout, channels: usize) -> Result<Self, TableError> {
         if channels == 0 {
             return Err(TableError::Shape);
         }
@@ -45,11 +49,28 @@ impl<'a> ScatterTable<'a> {
         self.channels
     }
 
-    /// All channels of one pair.
+    /// Where the channels of one pair begin.
     #[inline]
-    pub(super) fn pair(&self, incident: usize, bin: usize) -> &'a [f32] {
-        let from = (incident * self.layout.bins().count() + bin) * self.channels;
-        &self.values[from..from + self.channels]
+    fn place(&self, incident: usize, bin: usize) -> usize {
+        (incident * self.layout.bins().count() + bin) * self.channels
+    }
+
+    /// All channels of one pair.
+    pub(super) fn pair(&self, incident: usize, bin: usize) -> impl Iterator<Item = f32> + use<'a> {
+        self.values.part(self.place(incident, bin), self.channels).iter()
+    }
+
+    pub(super) fn values(&self) -> Values<'a> {
+        self.values
+    }
+
+    /// Adds a share of one pair.
+    #[inline]
+    fn add(&self, out: &mut [f32], incident: usize, bin: usize, weight: f32) {
+        let place = self.place(incident, bin);
+        for (channel, out) in out.iter_mut().enumerate().take(self.channels) {
+            *out += weight * self.values.at(place + channel);
+        }
     }
 
     /// f(wi, wo) into `out`, in 1/sr, without the cosine; 0 below the horizon. Linear between the grid's directions
@@ -60,7 +81,7 @@ impl<'a> ScatterTable<'a> {
         let Some((incident, outgoing)) = self.layout.nodes(wi, wo) else { return };
         for i in incident {
             for o in outgoing {
-                add(out, self.pair(i.index, o.index), i.weight * o.weight);
+                self.add(out, i.index, o.index, i.weight * o.weight);
             }
         }
     }
@@ -71,7 +92,12 @@ impl<'a> ScatterTable<'a> {
     pub fn rgb(&self, wi: Vec3, wo: Vec3) -> [f32; 3] {
         let mut rgb = [0.0; 3];
         self.eval(wi, wo, &mut rgb);
-        core::array::from_fn(|c| rgb[c.min(self.channels - 1)])
+        let [r, g, b] = rgb;
+        match self.channels {
+            1 => [r; 3],
+            2 => [r, g, g],
+            _ => [r, g, b],
+        }
     }
 
     /// ∫ f(wi, wo) cos θ_o dω_o into `out`: the fraction of the light from `wi` that is reflected, for each channel. Exactly the
@@ -87,15 +113,8 @@ impl<'a> ScatterTable<'a> {
         }
         for Node { index, weight } in self.layout.incident_nodes(polar(wi), azimuth(wi)) {
             for bin in 0..self.layout.bins().count() {
-                add(out, self.pair(index, bin), weight * self.layout.projected_share(bin));
+                self.add(out, index, bin, weight * self.layout.projected_share(bin));
             }
         }
-    }
-}
-
-#[inline]
-fn add(out: &mut [f32], values: &[f32], weight: f32) {
-    for (out, value) in out.iter_mut().zip(values) {
-        *out += weight * value;
     }
 }

@@ -1,0 +1,215 @@
+//! Prints what `tests/agree.c` prints, computed through the Rust interface, after writing the table blobs that it reads into
+//! the folder named on the command line.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
+use goniochrome::bvh::{Bvh, Node};
+use goniochrome::cell::Facet;
+use goniochrome::coherence::Side;
+use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
+use goniochrome::complex::ComplexLanes;
+use goniochrome::interface::{Below, Interface, Model};
+use goniochrome::lanes::{F32, Lanes, simd_level};
+use goniochrome::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
+use goniochrome::mesh::MeshCell;
+use goniochrome::polygons::{Incident, Polygons, free_slot};
+use goniochrome::sampling::{Random, sobol};
+use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::trace::{Limits, Spill, follow_paths, trace};
+use num_complex::Complex64;
+
+/// As `%a` of C prints it.
+fn print(what: &str, x: f64) {
+    let bits = x.to_bits();
+    let sign = if x.is_sign_negative() { "-" } else { "" };
+    if x == 0.0 {
+        println!("{what} {sign}0x0p+0");
+        return;
+    }
+    let exponent = (bits >> 52 & 0x7ff) as i64 - 1023;
+    let digits = format!("{:013x}", bits & ((1 << 52) - 1));
+    let digits = digits.trim_end_matches('0');
+    let point = if digits.is_empty() { "" } else { "." };
+    println!("{what} {sign}0x1{point}{digits}p{exponent:+}");
+}
+
+fn films() {
+    let table = |value| Dispersion::Table { wavelength_nm: &[350.0, 560.0, 800.0], value };
+    let media = [
+        Medium::VACUUM,
+        Medium::new(table(&[2.6, 2.45, 2.3]), table(&[0.02, 0.0, 0.0]), Extrapolate::Refuse).unwrap(),
+        Medium::constant(Complex64::new(0.9, 6.0)).unwrap(),
+    ];
+    let film = |thickness_nm, medium| Film { thickness_nm, medium };
+    let layers = [film(180.0, 1), film(90.0, 0), film(410.0, 1)];
+    let mut arrays = StackArrays::<4>::new();
+    let stack = Stack::new(0, layers, Below::Medium(2), arrays.memory()).unwrap();
+    let reflectance = |cos_theta: f64, nm: &[f64]| {
+        let sin_theta = libm::sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
+        let mut found = Vec::new();
+        for nm in nm.chunks(F32::WIDTH) {
+            let mut eta = [ComplexLanes::zero(); 3];
+            let lanes = MediaLanes::<F32>::evaluate(&media, nm, &mut eta).unwrap();
+            let mut memory = OpticsArrays::<F32, 4>::new();
+            let optics = Optics::new(stack, &lanes, sin_theta, Model::Physical, memory.memory());
+            let r = optics.reflectance(optics.reflection());
+            found.extend((0..nm.len()).map(|lane| [r.s.lane(lane), r.p.lane(lane)]));
+        }
+        found
+    };
+    let nm: Vec<f64> = (0..23).map(|i| 390.0 + 17.0 * f64::from(i)).collect();
+    let visible: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();
+    let mut weights = [[0.0; 3]; 81];
+    xyz_weights(&visible, Illuminant::D65, Quadrature::Interpolated, &mut weights).unwrap();
+    for cos_theta in [1.0, 0.8, 0.31, 1e-3, 0.0] {
+        for [s, p] in reflectance(cos_theta, &nm) {
+            print("R_s", s);
+            print("R_p", p);
+        }
+        let mean = reflectance(cos_theta, &visible).into_iter().map(|[s, p]| 0.5 * (s + p));
+        for c in RgbSpace::Rec2020.from_xyz(xyz(&weights, mean)) {
+            print("rgb", f64::from(c as f32));
+        }
+    }
+}
+
+const NM: [f64; 3] = [450.0, 550.0, 650.0];
+const GRID: DirectionBins = DirectionBins { cos: 4, phi: 8 };
+const RAYS: u32 = 256;
+const SEED: u32 = 7;
+
+#[derive(Default)]
+struct Tally {
+    reflected: [f64; 3],
+    transmitted: [f64; 3],
+    bins: [[f64; 32]; 3],
+}
+
+impl Histogram for Tally {
+    fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64) {
+        if lane >= NM.len() {
+            return;
+        }
+        if side == Side::Above {
+            self.reflected[lane] += power;
+            self.bins[lane][bin] += power;
+        } else {
+            self.transmitted[lane] += power;
+        }
+    }
+}
+
+fn ridge(interference: bool) {
+    let vertices = [[0, 0, 0], [500, 0, 300], [1000, 0, 0], [0, 800, 0], [500, 800, 300], [1000, 800, 0]]
+        .map(|v| DVec3::from_array(v.map(f64::from)));
+    let triangles = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+    let mut nodes = [Node::EMPTY; 4];
+    let mut order = [0; 4];
+    let bvh = Bvh::build(&vertices, &triangles, &mut nodes, &mut order).unwrap();
+    let slope = |[a, b, c]: [usize; 3]| Facet {
+        normal: (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]).normalize(),
+        anchor_nm: vertices[a],
+        interface: 0,
+    };
+    let facets = [slope([0, 1, 4]), slope([1, 2, 5])];
+    let interfaces = [Interface { above: 0, below: Below::Medium(1) }];
+    let cell = MeshCell::new(bvh, &[0, 0, 1, 1], &facets, &interfaces, [1000.0, 800.0], 0).unwrap();
+    let media = [Medium::VACUUM, Medium::constant(1.5.into()).unwrap()];
+    let mut eta = [ComplexLanes::zero(); 2];
+    let lanes = MediaLanes::<F32>::evaluate(&media, &NM, &mut eta).unwrap();
+    let wi = DVec3::new(0.6, 0.0, 0.8).normalize_or_zero();
+    let mut polygons = Polygons::new(cell, lanes, Incident::new(wi, lanes.eta()[0]), interference);
+    let mut memory = vec![Exit::<F32>::none(); 128];
+    let mut exits = Exits::new(&mut memory, GRID, &lanes);
+    let mut slots = vec![free_slot::<F32>(); 36];
+    let paths = Limits { in_flight: 0.01, generations: 10_000 };
+    let mut tally = Tally::default();
+    let mut truncated = F32::zero();
+    for ray in 0..RAYS {
+        let [u, v] = sobol(ray, SEED);
+        let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
+        exits.begin(state.point_nm());
+        let mut random = Random::new(ray, SEED);
+        let done = if interference {
+            let (waves, rest) = slots.split_at_mut(26);
+            let spill = Spill::new(rest, paths, &mut random);
+            let limits = Limits { in_flight: 1e-13, generations: 10_000 };
+            trace(&mut polygons, state, field, waves, limits, Some(spill), &mut exits)
+        } else {
+            follow_paths(&mut polygons, state, field, &mut slots, paths, &mut random, &mut exits)
+        };
+        truncated += done.truncated + exits.settle(&mut tally);
+    }
+    truncated += polygons.lost();
+    let absorbed = polygons.absorbed();
+    let per_ray = 1.0 / f64::from(RAYS);
+    for lane in 0..NM.len() {
+        print("reflected", tally.reflected[lane] * per_ray);
+        print("transmitted", tally.transmitted[lane] * per_ray);
+        print("absorbed", 0.5 * (absorbed.s.lane(lane) + absorbed.p.lane(lane)) * per_ray);
+        print("truncated", truncated.lane(lane) * per_ray);
+    }
+    tally.bins.as_flattened().iter().for_each(|bin| print("bin", bin * per_ray));
+}
+
+fn written(contents: Contents<'_>, precision: Precision, path: &Path) -> Vec<u8> {
+    let blob = Blob { space: Space::Rec2020, contents };
+    let mut bytes = vec![0; blob.required_len(precision).unwrap()];
+    blob.write(precision, &mut bytes).unwrap();
+    std::fs::write(path, &bytes).unwrap();
+    bytes
+}
+
+fn table(bytes: &[u8]) {
+    let Blob { contents, .. } = Blob::read(bytes).unwrap();
+    let kind = if matches!(contents, Contents::Mirror(_)) { 1.0 } else { 2.0 };
+    print("kind", kind);
+    print("channels", 3.0);
+    print("space", 2.0);
+    for i in 0..64u8 {
+        let (x, y) = (f32::from(i % 8) / 8.0 - 0.4375, f32::from(i / 8) / 8.0 - 0.4375);
+        let (wi, wo) = (Vec3::new(x, y, 1.0 - 0.5 * (x * x + y * y)), Vec3::new(-y, 0.5 * x, 0.75));
+        let u = [0.5 + x, 0.5 + y];
+        let (rgb, drawn, weight) = match contents {
+            Contents::Mirror(table) => {
+                let out = (Vec3::new(-wi.x, -wi.y, wi.z), 1.0);
+                (table.rgb(libm::acosf(u[0])), out, table.rgb(libm::acosf(wi.z)))
+            }
+            Contents::Scatter(table, sampler) => {
+                print("pdf", f64::from(sampler.pdf(wi, wo)));
+                let (drawn, pdf) = sampler.sample(wi, u).unwrap();
+                let scale = drawn.z / pdf;
+                (table.rgb(wi, wo), (drawn, pdf), table.rgb(wi, drawn).map(|f| f * scale))
+            }
+        };
+        print("pdf", f64::from(drawn.1));
+        for c in 0..3 {
+            print("rgb", f64::from(rgb[c]));
+            print("wo", f64::from(drawn.0[c]));
+            print("weight", f64::from(weight[c]));
+        }
+    }
+}
+
+fn main() {
+    let folder = std::env::args().nth(1).expect("a folder for the table blobs");
+    let folder = Path::new(&folder);
+    println!("version {}\nsimd {}", env!("CARGO_PKG_VERSION"), simd_level());
+    films();
+    ridge(false);
+    ridge(true);
+    let layout = ScatterLayout::new(4, 2, DirectionBins { cos: 4, phi: 8 }).unwrap();
+    let lobe: Vec<f32> = (0..3 * layout.count()).map(|i| (0.2 * i as f32).sin().max(-0.1) + 0.3).collect();
+    let scatter = ScatterTable::new(&lobe, layout, 3).unwrap();
+    let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
+    let sampler = ScatterSampler::new(&scatter, &mut memory).unwrap();
+    let ramp: Vec<f32> = (0..30).map(|i| 1.0 / (1.0 + i as f32)).collect();
+    let mirror = MirrorTable::new(&ramp, 3, 1.5).unwrap();
+    table(&written(Contents::Mirror(mirror), Precision::Single, &folder.join("mirror.gonio")));
+    table(&written(Contents::Scatter(scatter, sampler), Precision::Single, &folder.join("scatter.gonio")));
+    table(&written(Contents::Scatter(scatter, sampler), Precision::Half, &folder.join("half.gonio")));
+}

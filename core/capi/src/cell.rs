@@ -1,0 +1,394 @@
+//! Cells of polygons: a mesh in the caller's memory, and where it sends light.
+
+use crate::media::{GONIO_MAX_MEDIA, Media, Medium};
+use crate::memory::{Block, Made, Results, list, room_for, shared};
+use crate::stack::GONIO_MIRROR;
+use crate::status::{Status, answer};
+use glam::DVec3;
+use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
+use goniochrome::bvh::{Bvh, Node};
+use goniochrome::cell::Facet;
+use goniochrome::coherence::Side;
+use goniochrome::complex::ComplexLanes;
+use goniochrome::interface::{Below, Interface as CoreInterface};
+use goniochrome::lanes::{F32, Lanes};
+use goniochrome::medium::MediaLanes;
+use goniochrome::mesh::MeshCell;
+use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
+use goniochrome::sampling::{Random, sobol};
+use goniochrome::trace::{Limits, Slot, Spill, follow_paths, trace};
+
+/// Bytes of a gonio_cell.
+pub const GONIO_CELL_SIZE: usize = 8 * 384;
+/// Alignment of a gonio_cell.
+pub const GONIO_CELL_ALIGN: usize = 8;
+
+const _: () = assert!(size_of::<Cell>() == GONIO_CELL_SIZE && align_of::<Cell>() == GONIO_CELL_ALIGN);
+
+/// A periodic cell of polygons; made by gonio_cell_make. It may be moved, and shared between threads.
+#[repr(C)]
+pub struct Cell {
+    opaque: [u64; 384],
+}
+
+/// The media that facets divide.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Interface {
+    /// The medium on the side from which the triangles run counter-clockwise.
+    pub above: u16,
+    /// The medium on the other side, or GONIO_MIRROR.
+    pub below: u16,
+}
+
+/// A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Mesh {
+    /// Three coordinates for each vertex, in nanometres.
+    pub vertices_nm: *const f64,
+    /// Number of vertices.
+    pub vertex_count: usize,
+    /// Three vertices for each triangle.
+    pub triangles: *const u32,
+    /// The interface of each triangle.
+    pub interface_of: *const u16,
+    /// Number of triangles.
+    pub triangle_count: usize,
+    /// The interfaces.
+    pub interfaces: *const Interface,
+    /// Number of interfaces.
+    pub interface_count: usize,
+    /// The media.
+    pub media: *const Medium,
+    /// Number of media.
+    pub media_count: usize,
+    /// The periods in x and y, in nanometres.
+    pub period_nm: [f64; 2],
+    /// The medium that light comes from.
+    pub ambient: u16,
+}
+
+/// Light, and how to follow it.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Light {
+    /// The unit vector towards the light, z > 0.
+    pub wi: [f64; 3],
+    /// Vacuum wavelengths in nanometres.
+    pub wavelength_nm: *const f64,
+    /// Number of wavelengths.
+    pub count: usize,
+    /// Starting rays over the period.
+    pub rays: u32,
+    /// Which sequence of starting points: results of different seeds are independent.
+    pub seed: u32,
+    /// Bins in cos theta of reflected light, from 0 at the horizon; 1 to 1024.
+    pub bins_cos: u32,
+    /// Bins in phi, from 0 at x; 1 to 1024.
+    pub bins_phi: u32,
+    /// 1: paths of one starting ray that leave in one bin interfere; 0: every path adds as power.
+    pub interference: u32,
+}
+
+/// Where the light went, as fractions of what came, unpolarised.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Power {
+    /// Through the top.
+    pub reflected: f64,
+    /// Through the bottom.
+    pub transmitted: f64,
+    /// By media.
+    pub absorbed: f64,
+    /// Of rays that were dropped or lost: the error bar.
+    pub truncated: f64,
+}
+
+struct CellObject {
+    cell: MeshCell<'static>,
+    media: Media,
+}
+
+/// Waves that may be under way at once, as many as the command line has.
+const WAVES: usize = 26;
+/// Rays that wait while one is followed by itself.
+const PATHS: usize = 10;
+/// Directions of one starting ray; more are dropped, and counted as truncated.
+const EXITS: usize = 128;
+const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
+const PATH_LIMITS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
+const MOST_SIDE: u32 = 1024;
+
+type WaveSlot = Slot<State<F32>, Field<F32>>;
+
+/// Bytes of memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if there are too many.
+#[unsafe(no_mangle)]
+pub extern "C" fn gonio_cell_memory_size(triangle_count: usize, interface_count: usize) -> usize {
+    let sizes = [
+        room_for::<Node>(Bvh::required_nodes(triangle_count)),
+        room_for::<u32>(triangle_count),
+        room_for::<u32>(triangle_count),
+        room_for::<Facet>(triangle_count),
+        room_for::<CoreInterface>(interface_count),
+    ];
+    sum(sizes)
+}
+
+/// Bytes of memory, at any alignment, that gonio_cell_trace needs for such light; 0 if there are too many wavelengths or bins.
+///
+/// # Safety
+/// A pointer that is neither NULL nor misaligned points to what its type says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gonio_trace_memory_size(light: *const Light) -> usize {
+    // SAFETY: the caller's promise.
+    let Ok(light) = (unsafe { shared(light) }) else { return 0 };
+    let bins = bin_count(light).unwrap_or(usize::MAX);
+    let bins = light.count.checked_mul(bins).and_then(room_for::<f64>);
+    sum([room_for::<WaveSlot>(WAVES + PATHS), room_for::<Exit<F32>>(EXITS), bins, room_for::<Power>(light.count)])
+}
+
+fn sum<const N: usize>(sizes: [Option<usize>; N]) -> usize {
+    sizes.iter().try_fold(0usize, |sum, size| sum.checked_add((*size)?)).unwrap_or(0)
+}
+
+fn bin_count(light: &Light) -> Option<usize> {
+    let valid = |side: u32| (1..=MOST_SIDE).contains(&side);
+    (valid(light.bins_cos) && valid(light.bins_phi)).then_some(light.bins_cos as usize * light.bins_phi as usize)
+}
+
+/// Makes a cell. It keeps pointers to the mesh's vertices and triangles, to the media's arrays and into `memory`, which has
+/// `memory_size` bytes, at least gonio_cell_memory_size: all must outlive the cell and must not change. Triangles of one
+/// interface in one plane are found by comparing each with each: this is for cells of up to some thousand triangles.
+///
+/// # Safety
+/// Pointers that are neither NULL nor misaligned point to what their types and counts say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gonio_cell_make(
+    cell: *mut Cell,
+    mesh: *const Mesh,
+    memory: *mut u8,
+    memory_size: usize,
+) -> Status {
+    let object = || {
+        // SAFETY: the caller's promises.
+        unsafe { laid_out(shared(mesh)?, Block::new(memory, memory_size)?) }
+    };
+    // SAFETY: the caller's promises.
+    answer(|| unsafe { Made::make(cell, object) })
+}
+
+/// # Safety
+/// That of [`gonio_cell_make`].
+unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> {
+    // SAFETY: the caller's promises; glam's vectors are three numbers in a row.
+    let (vertices, triangles, kinds, interfaces, media) = unsafe {
+        (
+            list(mesh.vertices_nm.cast::<DVec3>(), mesh.vertex_count)?,
+            list(mesh.triangles.cast::<[u32; 3]>(), mesh.triangle_count)?,
+            list(mesh.interface_of, mesh.triangle_count)?,
+            list(mesh.interfaces, mesh.interface_count)?,
+            Media::new(mesh.media, mesh.media_count)?,
+        )
+    };
+    let count = triangles.len();
+    let nodes = block.take(Bvh::required_nodes(count), |_| Node::EMPTY)?;
+    let order = block.take(count, |_| 0)?;
+    let facet_of = block.take(count, |_| 0)?;
+    let facets = block.take(count, |_| Facet::horizontal(0.0, 0))?;
+    for interface in interfaces {
+        media.index(interface.above)?;
+        if interface.below != GONIO_MIRROR {
+            media.index(interface.below)?;
+        }
+    }
+    let below = |medium| if medium == GONIO_MIRROR { Below::Mirror } else { Below::Medium(medium) };
+    let core_interface = |i: &Interface| CoreInterface { above: i.above, below: below(i.below) };
+    let none = CoreInterface { above: 0, below: Below::Mirror };
+    let interfaces = block.take(interfaces.len(), |i| interfaces.get(i).map_or(none, core_interface))?;
+    let ambient = media.index(mesh.ambient)?;
+
+    let bvh = Bvh::build(vertices, triangles, nodes, order)?;
+    let found = group(vertices, triangles, kinds, facet_of, facets)?;
+    let facets = facets.get(..found).ok_or(Status::Memory)?;
+    let cell = MeshCell::new(bvh, facet_of, facets, interfaces, mesh.period_nm, ambient)?;
+    Ok(CellObject { cell, media })
+}
+
+/// Triangles of one interface in one plane are one facet. Returns how many facets there are.
+fn group(
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    kinds: &[u16],
+    facet_of: &mut [u32],
+    facets: &mut [Facet],
+) -> Result<usize, Status> {
+    /// Normals, and distances from a plane over the largest coordinate: the rounding of single-precision files.
+    const COPLANAR: f64 = 1e-6;
+    let corner = |vertex: u32| vertices.get(vertex as usize).copied().ok_or(Status::Index);
+    let extent = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+    let mut found = 0;
+    for ((&[a, b, c], &interface), facet_of) in triangles.iter().zip(kinds).zip(facet_of) {
+        let (a, b, c) = (corner(a)?, corner(b)?, corner(c)?);
+        let normal = (b - a).cross(c - a).try_normalize().ok_or(Status::Mesh)?;
+        let same = |facet: &Facet| {
+            facet.interface == interface
+                && (facet.normal - normal).length_squared() < COPLANAR * COPLANAR
+                && [a, b, c].iter().all(|v| facet.normal.dot(v - facet.anchor_nm).abs() < COPLANAR * extent)
+        };
+        let known = facets.iter().take(found).position(same);
+        if known.is_none() {
+            *facets.get_mut(found).ok_or(Status::Memory)? = Facet { normal, anchor_nm: a, interface };
+            found += 1;
+        }
+        *facet_of = known.unwrap_or(found - 1) as u32;
+    }
+    Ok(found)
+}
+
+/// Follows light through a cell. `power` holds one element for each wavelength; `bins`, unless it is NULL, the reflected power
+/// of each bin, rows in cos theta, for each wavelength. `memory` has `memory_size` bytes, at least gonio_trace_memory_size,
+/// for this call alone. 26 KiB of stack are used, 48 with AVX-512.
+///
+/// # Safety
+/// Pointers that are neither NULL nor misaligned point to what their types and counts say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gonio_cell_trace(
+    cell: *const Cell,
+    light: *const Light,
+    memory: *mut u8,
+    memory_size: usize,
+    power: *mut Power,
+    bins: *mut f64,
+) -> Status {
+    answer(|| {
+        // SAFETY: the caller's promises.
+        let (object, light, mut block) =
+            unsafe { (Made::<CellObject>::of(cell)?, shared(light)?, Block::new(memory, memory_size)?) };
+        let bin_count = bin_count(light).ok_or(Status::Argument)?;
+        let all_bins = light.count.checked_mul(bin_count).ok_or(Status::TooMany)?;
+        // SAFETY: the caller's promises.
+        let (wavelengths, power, bins) = unsafe {
+            let bins = if bins.is_null() { None } else { Some(Results::new(bins, all_bins)?) };
+            (list(light.wavelength_nm, light.count)?, Results::new(power, light.count)?, bins)
+        };
+        let wi = DVec3::from_array(light.wi);
+        /// Of the squared length of a unit vector.
+        const UNIT: f64 = 1e-6;
+        if !(wi.z > 0.0 && (wi.length_squared() - 1.0).abs() < UNIT) {
+            return Err(Status::Direction);
+        }
+        if light.rays == 0 || light.interference > 1 {
+            return Err(Status::Argument);
+        }
+        object.media.check(wavelengths, object.cell.above())?;
+
+        let mut tracer = Tracer {
+            object,
+            light,
+            wi: wi.normalize_or_zero(),
+            slots: block.take(WAVES + PATHS, |_| free_slot::<F32>())?,
+            exits: block.take(EXITS, |_| Exit::<F32>::none())?,
+        };
+        let totals =
+            block.take(light.count, |_| Power { reflected: 0.0, transmitted: 0.0, absorbed: 0.0, truncated: 0.0 })?;
+        let sums = block.take(all_bins, |_| 0.0)?;
+        for (group, wavelengths) in wavelengths.chunks(F32::WIDTH).enumerate() {
+            let (from, to) = (group * F32::WIDTH, group * F32::WIDTH + wavelengths.len());
+            let totals = totals.get_mut(from..to).ok_or(Status::Memory)?;
+            let sums = sums.get_mut(from * bin_count..to * bin_count).ok_or(Status::Memory)?;
+            tracer.group(wavelengths, totals, sums, bin_count)?;
+        }
+        let finite = |p: &Power| [p.reflected, p.transmitted, p.absorbed, p.truncated].iter().all(|x| x.is_finite());
+        if !totals.iter().all(|p| finite(p) && p.truncated <= 1.0) {
+            return Err(Status::Diverged);
+        }
+        power.write(totals.iter().copied());
+        if let Some(bins) = bins {
+            bins.write(sums.iter().copied());
+        }
+        Ok(())
+    })
+}
+
+struct Tracer<'t> {
+    object: &'t CellObject,
+    light: &'t Light,
+    wi: DVec3,
+    slots: &'t mut [WaveSlot],
+    exits: &'t mut [Exit<F32>],
+}
+
+/// Sums of one group of wavelengths; lanes beyond the last repeat it and do not count.
+struct Tally<'t> {
+    totals: &'t mut [Power],
+    sums: &'t mut [f64],
+    bin_count: usize,
+}
+
+impl Histogram for Tally<'_> {
+    fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64) {
+        let Some(total) = self.totals.get_mut(lane) else { return };
+        match side {
+            Side::Above => {
+                total.reflected += power;
+                if let Some(sum) = self.sums.get_mut(lane * self.bin_count + bin) {
+                    *sum += power;
+                }
+            }
+            Side::Below => total.transmitted += power,
+        }
+    }
+}
+
+impl Tracer<'_> {
+    /// Follows all starting rays at one group of wavelengths.
+    fn group(
+        &mut self,
+        wavelengths_nm: &[f64],
+        totals: &mut [Power],
+        sums: &mut [f64],
+        bin_count: usize,
+    ) -> Result<(), Status> {
+        let media = self.object.media.as_slice();
+        let mut eta = [ComplexLanes::zero(); GONIO_MAX_MEDIA];
+        let eta = eta.get_mut(..media.len()).ok_or(Status::TooMany)?;
+        let lanes = MediaLanes::<F32>::evaluate(media, wavelengths_nm, eta).map_err(|(_, error)| error)?;
+        let cell = self.object.cell;
+        let ambient = lanes.eta().get(usize::from(cell.above())).copied().ok_or(Status::Index)?;
+        let interference = self.light.interference == 1;
+        let mut polygons = Polygons::new(cell, lanes, Incident::new(self.wi, ambient), interference);
+        let grid = DirectionBins { cos: self.light.bins_cos, phi: self.light.bins_phi };
+        let mut exits = Exits::new(self.exits, grid, &lanes);
+        let mut tally = Tally { totals, sums, bin_count };
+        let (mut truncated, seed) = (F32::zero(), self.light.seed);
+        for ray in 0..self.light.rays {
+            let [u, v] = sobol(ray, seed);
+            let Some((state, field)) = polygons.start(u, v) else {
+                truncated += F32::one();
+                continue;
+            };
+            exits.begin(state.point_nm());
+            let mut random = Random::new(ray, seed);
+            let done = if interference {
+                let (waves, paths) = self.slots.split_at_mut_checked(WAVES).ok_or(Status::Memory)?;
+                let spill = Spill::new(paths, PATH_LIMITS, &mut random);
+                trace(&mut polygons, state, field, waves, WAVE_LIMITS, Some(spill), &mut exits)
+            } else {
+                follow_paths(&mut polygons, state, field, self.slots, PATH_LIMITS, &mut random, &mut exits)
+            };
+            truncated += done.truncated + exits.settle(&mut tally);
+        }
+        truncated += polygons.lost();
+        let absorbed = polygons.absorbed();
+        let per_ray = 1.0 / f64::from(self.light.rays);
+        for (lane, total) in tally.totals.iter_mut().enumerate() {
+            total.truncated = truncated.lane(lane) * per_ray;
+            total.absorbed = 0.5 * (absorbed.s.lane(lane) + absorbed.p.lane(lane)) * per_ray;
+            total.reflected *= per_ray;
+            total.transmitted *= per_ray;
+        }
+        tally.sums.iter_mut().for_each(|sum| *sum *= per_ray);
+        Ok(())
+    }
+}

@@ -1,0 +1,49 @@
+//! C interface of goniochrome: `include/goniochrome.h` is made from this crate by cbindgen.
+//!
+//! Every function checks its pointers, then calls the core; all unsafe code of the project is in [`memory`], in the
+//! functions that C calls, and in [`cell`], which lays out the caller's memory. Nothing here keeps state, allocates, or
+//! can panic: the library that `tests/run` builds has no panic in it.
+//!
+//! Without unwinding it is `no_std`. The workspace's development profiles unwind, which takes `std`.
+#![cfg_attr(panic = "abort", no_std)]
+
+mod cell;
+mod colour;
+mod media;
+mod memory;
+mod stack;
+mod status;
+mod table;
+
+use core::ffi::{CStr, c_char};
+use goniochrome::lanes::simd_level;
+
+#[cfg(panic = "abort")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {}
+}
+
+/// A text with the zero that C ends it with.
+const fn c_text<const N: usize>(text: &str) -> [u8; N] {
+    let mut bytes = [0; N];
+    let (head, _) = bytes.split_at_mut(text.len());
+    head.copy_from_slice(text.as_bytes());
+    bytes
+}
+
+/// Version of the library, such as "0.1.0".
+#[unsafe(no_mangle)]
+pub extern "C" fn gonio_version() -> *const c_char {
+    const VERSION: &[u8] = concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes();
+    VERSION.as_ptr().cast()
+}
+
+/// The instruction set that the library was compiled for: "avx512", "avx2+fma", "avx", "sse2", "neon", "simd128" or "scalar".
+#[unsafe(no_mangle)]
+pub extern "C" fn gonio_simd_level() -> *const c_char {
+    static LEVEL: [u8; 16] = c_text(simd_level());
+    LEVEL.as_ptr().cast()
+}
+
+const _: () = assert!(CStr::from_bytes_until_nul(&c_text::<16>(simd_level())).is_ok());

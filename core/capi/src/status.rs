@@ -1,0 +1,162 @@
+//! What a call answers.
+
+use core::ffi::{CStr, c_char};
+use goniochrome::bvh::BvhError;
+use goniochrome::cell::CellError;
+use goniochrome::medium::MediumError;
+use goniochrome::stack::StackError;
+use goniochrome::table::blob::BlobError;
+
+/// What a call answers; only after GONIO_STATUS_OK are its results written.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Done.
+    Ok = 0,
+    /// A pointer is NULL.
+    NullPointer = 1,
+    /// A pointer is not aligned for what it points to.
+    Misaligned = 2,
+    /// The object has not been made, or its making failed.
+    NotMade = 3,
+    /// The memory handed over is too small.
+    Memory = 4,
+    /// More elements than the object has room for, or than memory can hold.
+    TooMany = 5,
+    /// cos theta is not in [0, 1].
+    Angle = 6,
+    /// A direction is not finite, is zero, or points below the surface where it must not.
+    Direction = 7,
+    /// No wavelengths, or one is not positive and finite.
+    Wavelength = 8,
+    /// A medium's data are empty, not finite, not increasing in wavelength, or not passive (n > 0, k >= 0).
+    Medium = 9,
+    /// A medium has no data at a wavelength.
+    NoData = 10,
+    /// An index names a medium, an interface or a vertex that is not there.
+    Index = 11,
+    /// A thickness is negative or not finite.
+    Thickness = 12,
+    /// The medium that the light comes from absorbs.
+    Ambient = 13,
+    /// The mesh is empty or not finite, or a triangle has no area.
+    Mesh = 14,
+    /// The period is not positive, or the mesh leaves it.
+    Period = 15,
+    /// A count or an enumerator is out of range.
+    Argument = 16,
+    /// Interfering waves do not converge in this cell; trace it without interference.
+    Diverged = 17,
+    /// The table is of the other kind.
+    WrongKind = 18,
+    /// The bytes do not begin as a table blob does.
+    BlobMagic = 19,
+    /// The table blob is of a later version.
+    BlobVersion = 20,
+    /// The table blob is cut short, or followed by other bytes.
+    BlobLength = 21,
+    /// The table blob is damaged: its checksum differs.
+    BlobChecksum = 22,
+    /// A field of the table blob's header has no meaning.
+    BlobField = 23,
+    /// The table blob's dimensions do not fit its size.
+    BlobDimensions = 24,
+    /// The table blob's values are not sound.
+    BlobValues = 25,
+}
+
+impl Status {
+    const TEXT: [&'static CStr; 26] = [
+        c"done",
+        c"a pointer is NULL",
+        c"a pointer is not aligned for what it points to",
+        c"the object has not been made, or its making failed",
+        c"the memory handed over is too small",
+        c"more elements than there is room for",
+        c"cos theta is not in [0, 1]",
+        c"a direction is not finite, is zero, or points below the surface",
+        c"no wavelengths, or one is not positive and finite",
+        c"a medium's data are empty, not finite, not increasing, or not passive",
+        c"a medium has no data at a wavelength",
+        c"an index names a medium, an interface or a vertex that is not there",
+        c"a thickness is negative or not finite",
+        c"the medium that the light comes from absorbs",
+        c"the mesh is empty or not finite, or a triangle has no area",
+        c"the period is not positive, or the mesh leaves it",
+        c"a count or an enumerator is out of range",
+        c"interfering waves do not converge in this cell; trace it without interference",
+        c"the table is of the other kind",
+        c"the bytes are not a table blob",
+        c"the table blob is of a later version than this library",
+        c"the table blob is cut short, or followed by other bytes",
+        c"the table blob is damaged: its checksum differs",
+        c"a field of the table blob's header has no meaning",
+        c"the table blob's dimensions do not fit its size",
+        c"the table blob's values are not sound",
+    ];
+}
+
+/// One line of English for a status; for any other number too.
+#[unsafe(no_mangle)]
+pub extern "C" fn gonio_status_text(status: i32) -> *const c_char {
+    let known = usize::try_from(status).ok().and_then(|place| Status::TEXT.get(place).copied());
+    known.unwrap_or(c"no status of this library").as_ptr()
+}
+
+/// The status of a body that may end early.
+pub fn answer(body: impl FnOnce() -> Result<(), Status>) -> Status {
+    body().err().unwrap_or(Status::Ok)
+}
+
+impl From<MediumError> for Status {
+    fn from(error: MediumError) -> Self {
+        match error {
+            MediumError::OutOfRange { .. } => Self::NoData,
+            _ => Self::Medium,
+        }
+    }
+}
+
+impl From<StackError> for Status {
+    fn from(error: StackError) -> Self {
+        match error {
+            StackError::Memory { .. } => Self::TooMany,
+            StackError::Thickness { .. } => Self::Thickness,
+        }
+    }
+}
+
+impl From<BvhError> for Status {
+    fn from(error: BvhError) -> Self {
+        match error {
+            BvhError::Empty | BvhError::NotFinite { .. } => Self::Mesh,
+            BvhError::NoVertex { .. } => Self::Index,
+            BvhError::TooMany => Self::TooMany,
+            BvhError::Memory { .. } => Self::Memory,
+        }
+    }
+}
+
+impl From<CellError> for Status {
+    fn from(error: CellError) -> Self {
+        match error {
+            CellError::NoInterface { .. } => Self::Index,
+            CellError::Period => Self::Period,
+            _ => Self::Mesh,
+        }
+    }
+}
+
+impl From<BlobError> for Status {
+    fn from(error: BlobError) -> Self {
+        match error {
+            BlobError::Magic => Self::BlobMagic,
+            BlobError::Version { .. } => Self::BlobVersion,
+            BlobError::Length { .. } => Self::BlobLength,
+            BlobError::Checksum => Self::BlobChecksum,
+            BlobError::Field { .. } => Self::BlobField,
+            BlobError::Dimensions => Self::BlobDimensions,
+            BlobError::Table(_) | BlobError::Range { .. } => Self::BlobValues,
+        }
+    }
+}

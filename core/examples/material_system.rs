@@ -1,0 +1,99 @@
+//! A table behind the material trait of a game engine: loaded once, no allocation in a frame.
+//!
+//! `cargo run --release -p goniochrome --example material_system [TABLE.gonio]` shades a frame's worth of points and prints
+//! their mean colour; `goniochrome export --to blob` makes a table.
+
+use std::error::Error;
+
+use glam::{Vec2, Vec3};
+use goniochrome::sampling::sobol;
+use goniochrome::table::MirrorTable;
+use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+
+/// What the engine draws from a material; radiance is not its business.
+struct Bounce {
+    /// Where the path goes on.
+    direction: Vec3,
+    /// What it is worth: BRDF times cosine over density.
+    throughput: Vec3,
+}
+
+/// The engine's interface: directions are in the surface's frame, z its normal.
+trait Material {
+    /// BRDF times cosine, for lights of known direction.
+    fn evaluate(&self, eye: Vec3, light: Vec3) -> Vec3;
+    /// A direction for a path, from two random numbers.
+    fn bounce(&self, eye: Vec3, random: Vec2) -> Option<Bounce>;
+}
+
+/// A structural colour. Borrows the asset's bytes, wherever the engine has mapped them.
+struct StructuralColour<'asset> {
+    table: Contents<'asset>,
+}
+
+impl<'asset> StructuralColour<'asset> {
+    fn load(asset: &'asset [u8]) -> Result<Self, Box<dyn Error>> {
+        Ok(Self { table: Blob::read(asset)?.contents })
+    }
+}
+
+impl Material for StructuralColour<'_> {
+    fn evaluate(&self, eye: Vec3, light: Vec3) -> Vec3 {
+        match &self.table {
+            // A mirror sends no light of a lamp that is a point; reflection probes come by `bounce`.
+            Contents::Mirror(_) => Vec3::ZERO,
+            Contents::Scatter(table, _) => Vec3::from(table.rgb(eye, light)) * light.z.max(0.0),
+        }
+    }
+
+    fn bounce(&self, eye: Vec3, random: Vec2) -> Option<Bounce> {
+        match &self.table {
+            Contents::Mirror(table) => (eye.z > 0.0).then(|| Bounce {
+                direction: Vec3::new(-eye.x, -eye.y, eye.z),
+                throughput: Vec3::from(table.rgb(eye.z.min(1.0).acos())),
+            }),
+            Contents::Scatter(table, sampler) => {
+                let (direction, density) = sampler.sample(eye, random.to_array())?;
+                let value = Vec3::from(table.rgb(eye, direction)) * direction.z;
+                (density > 0.0).then(|| Bounce { direction, throughput: value / density })
+            }
+        }
+    }
+}
+
+/// The asset that is drawn when none is named: a film whose red fades with the angle.
+fn built_in() -> Result<Vec<u8>, Box<dyn Error>> {
+    let ramp: Vec<f32> = (0..32).flat_map(|i| [1.0 - i as f32 / 32.0, 0.4, 0.2 + i as f32 / 64.0]).collect();
+    let table = MirrorTable::new(&ramp, 3, core::f64::consts::FRAC_PI_2)?;
+    let blob = Blob { space: Space::Srgb, contents: Contents::Mirror(table) };
+    let mut bytes = vec![0; blob.required_len(Precision::Half).ok_or("the table is too large")?];
+    blob.write(Precision::Half, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// A frame: every point of a hemisphere seen under a white sky and one lamp.
+fn frame(material: &dyn Material, points: u32) -> Vec3 {
+    let lamp = Vec3::new(0.6, 0.0, 0.8);
+    let mut sum = Vec3::ZERO;
+    for point in 0..points {
+        let [x, y] = sobol(point, 1).map(|u| u as f32);
+        let (cos, phi) = (1.0 - 0.95 * x, core::f32::consts::TAU * y);
+        let sin = (1.0 - cos * cos).sqrt();
+        let eye = Vec3::new(sin * phi.cos(), sin * phi.sin(), cos);
+        let sky = |direction: Vec3| Vec3::splat(0.5 + 0.5 * direction.z);
+        let bounce = material.bounce(eye, Vec2::new(y, x));
+        sum += material.evaluate(eye, lamp) + bounce.map_or(Vec3::ZERO, |b| b.throughput * sky(b.direction));
+    }
+    sum / points as f32
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let asset = match std::env::args().nth(1) {
+        Some(path) => std::fs::read(path)?,
+        None => built_in()?,
+    };
+    let material = StructuralColour::load(&asset)?;
+    let mean = frame(&material, 100_000);
+    println!("mean colour {:.3} {:.3} {:.3}", mean.x, mean.y, mean.z);
+    Ok(())
+}

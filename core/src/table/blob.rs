@@ -1,0 +1,347 @@
+//! Tables as bytes, for run time: a [`MirrorTable`] or a [`ScatterTable`] with its [`ScatterSampler`], which
+//! [`Blob::read`] checks once and then looks up where it lies, wherever that is: bytes need no alignment.
+//!
+//! # Format, version 1
+//!
+//! Little endian throughout; offsets and sizes in bytes.
+//!
+//! | offset | size | holds |
+//! |---|---|---|
+//! | 0 | 8 | magic: 89 47 4F 4E 49 0D 0A 1A (hexadecimal; "GONI" between bytes that text conversion damages) |
+//! | 8 | 4 | u32 version: 1 |
+//! | 12 | 4 | u32 kind: 1 mirror, 2 scatter |
+//! | 16 | 4 | u32 bytes of a value: 4 for IEEE 754 binary32, 2 for binary16 |
+//! | 20 | 4 | u32 channels C, at least 1; the first three are linear red, green, blue |
+//! | 24 | 4 | u32 rows T: mirror: angles, at least 2; scatter: rows of incident directions |
+//! | 28 | 4 | u32 columns P of incident directions; mirror: 1 |
+//! | 32 | 4 | u32 rows N of outgoing bins; mirror: 1 |
+//! | 36 | 4 | u32 columns M of outgoing bins, a multiple of P; mirror: 1 |
+//! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: 0 |
+//! | 48 | 8 | u64 size of the whole blob |
+//! | 56 | 4 | u32 colour space of the first three channels: [`Space`] |
+//! | 60 | 4 | u32 CRC-32 (of zlib, PNG and Ethernet) of all other bytes: those from 0 to 59, then those from 64 to the end |
+//! | 64 | T·P·N·M·C values | mirror: ρ, `[angle][channel]`; scatter: f in 1/sr, `[incident][bin][channel]` |
+//! | | 0 to 3 | zeros, up to a multiple of 4 |
+//! | | 4·T·P·(1 + N + N·M) | scatter only: binary32 for each incident direction: Σ over bins of \|f\| cos θ_o times the bin's solid angle, \|f\| the mean over channels; N cumulative probabilities of the rows of bins; in each row, M cumulative probabilities of its columns |
+//!
+//! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and bins are those of [`ScatterLayout`], columns
+//! running fastest. Scatter sides are at most 1024. Values are finite; cumulative probabilities do not decrease and end in
+//! exactly 1. A blob has no bytes after its last. A reader refuses what differs in any of this.
+
+use super::values::{half_is_finite, to_half};
+use super::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable, TableError, Values};
+use crate::bins::DirectionBins;
+use crc32fast::Hasher;
+
+const MAGIC: [u8; 8] = *b"\x89GONI\r\n\x1a";
+const VERSION: u32 = 1;
+const HEADER: usize = 64;
+const CHECKSUM: usize = 60;
+const MIRROR: u32 = 1;
+const SCATTER: u32 = 2;
+
+/// What the first three channels mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Space {
+    /// 0: not said.
+    #[default]
+    Unknown,
+    /// 1: linear sRGB (Rec. 709 primaries, white D65).
+    Srgb,
+    /// 2: linear Rec. 2020.
+    Rec2020,
+    /// 3: `ACEScg`.
+    AcesCg,
+    /// 4: the matrix that the paper prints.
+    Paper,
+}
+
+impl Space {
+    const ALL: [Self; 5] = [Self::Unknown, Self::Srgb, Self::Rec2020, Self::AcesCg, Self::Paper];
+}
+
+/// How values are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// As they are.
+    #[default]
+    Single,
+    /// Rounded to IEEE 754 binary16, relative 5e-4, absolute 3e-8; magnitudes up to 65504.
+    Half,
+}
+
+/// The table of a blob.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Contents<'a> {
+    /// Of a mirror-like surface.
+    Mirror(MirrorTable<'a>),
+    /// Of a surface that reflects everywhere, with what draws directions from it.
+    Scatter(ScatterTable<'a>, ScatterSampler<'a>),
+}
+
+/// A blob that has been checked, or is to be written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blob<'a> {
+    /// What the first three channels mean.
+    pub space: Space,
+    /// The table.
+    pub contents: Contents<'a>,
+}
+
+/// Why a blob was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BlobError {
+    /// The bytes do not begin as a blob does.
+    Magic,
+    /// A later version than this reader knows.
+    Version {
+        /// The blob's.
+        found: u32,
+    },
+    /// More or fewer bytes than belong.
+    Length {
+        /// Bytes that belong: of the whole blob, or of the header if there is less than that.
+        required: u64,
+    },
+    /// The bytes have changed since they were written.
+    Checksum,
+    /// A field of the header is none of its values.
+    Field {
+        /// Its offset.
+        offset: usize,
+    },
+    /// What the header describes does not fit into the size that it states.
+    Dimensions,
+    /// The table or its sampler is not sound.
+    Table(TableError),
+    /// A value is beyond half precision (to be written), or not finite (read).
+    Range {
+        /// Place among the values.
+        index: usize,
+    },
+}
+
+impl core::fmt::Display for BlobError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            Self::Magic => write!(f, "not a table blob"),
+            Self::Version { found } => write!(f, "a blob of version {found}; this program reads version {VERSION}"),
+            Self::Length { required } => write!(f, "the blob should have {required} bytes"),
+            Self::Checksum => write!(f, "the blob is damaged: its checksum differs"),
+            Self::Field { offset } => write!(f, "the blob's field at byte {offset} has no meaning"),
+            Self::Dimensions => write!(f, "the blob's dimensions do not fit its size"),
+            Self::Table(error) => error.fmt(f),
+            Self::Range { index } => write!(f, "value {index} is too large for half precision or not finite"),
+        }
+    }
+}
+
+impl core::error::Error for BlobError {}
+
+impl From<TableError> for BlobError {
+    fn from(error: TableError) -> Self {
+        Self::Table(error)
+    }
+}
+
+/// The fields of a header that say how large a blob is.
+#[derive(Clone, Copy)]
+struct Shape {
+    kind: u32,
+    value_bytes: u32,
+    channels: u32,
+    /// T, P, N, M.
+    sides: [u32; 4],
+}
+
+impl Shape {
+    /// Bytes of the values with their padding, and of the sampler; `None` beyond 64 bits.
+    fn sections(&self) -> Option<[u64; 2]> {
+        let [rows, columns, cos, phi] = self.sides.map(u64::from);
+        let values = [columns, cos, phi, self.channels.into()].iter().try_fold(rows, |n, &side| n.checked_mul(side))?;
+        let values = values.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
+        if self.kind == MIRROR {
+            return Some([values, 0]);
+        }
+        let stride = cos.checked_mul(phi)?.checked_add(1 + cos)?;
+        Some([values, rows.checked_mul(columns)?.checked_mul(stride)?.checked_mul(4)?])
+    }
+
+    fn required(&self) -> Option<u64> {
+        let [values, sampler] = self.sections()?;
+        values.checked_add(sampler)?.checked_add(HEADER as u64)
+    }
+}
+
+fn u32_at(bytes: &[u8; HEADER], offset: usize) -> u32 {
+    let (fields, _) = bytes.as_chunks::<4>();
+    fields.get(offset / 4).map_or(0, |&field| u32::from_le_bytes(field))
+}
+
+fn u64_at(bytes: &[u8; HEADER], offset: usize) -> u64 {
+    let (fields, _) = bytes.as_chunks::<8>();
+    fields.get(offset / 8).map_or(0, |&field| u64::from_le_bytes(field))
+}
+
+fn checksum(header: &[u8; HEADER], payload: &[u8]) -> u32 {
+    let mut hasher = Hasher::new();
+    hasher.update(header.get(..CHECKSUM).unwrap_or(header));
+    hasher.update(payload);
+    hasher.finalize()
+}
+
+impl<'a> Blob<'a> {
+    /// Checks a blob from first to last byte and looks at it where it lies.
+    ///
+    /// # Errors
+    /// Any [`BlobError`]; nothing that is read can fail or panic afterwards.
+    pub fn read(bytes: &'a [u8]) -> Result<Self, BlobError> {
+        let Some((header, payload)) = bytes.split_first_chunk::<HEADER>() else {
+            let begins = bytes.iter().zip(MAGIC).all(|(&byte, magic)| byte == magic);
+            return Err(if begins { BlobError::Length { required: HEADER as u64 } } else { BlobError::Magic });
+        };
+        if !header.starts_with(&MAGIC) {
+            return Err(BlobError::Magic);
+        }
+        let word = |offset| u32_at(header, offset);
+        if word(8) != VERSION {
+            return Err(BlobError::Version { found: word(8) });
+        }
+        let required = u64_at(header, 48);
+        if bytes.len() as u64 != required {
+            return Err(BlobError::Length { required });
+        }
+        if checksum(header, payload) != word(CHECKSUM) {
+            return Err(BlobError::Checksum);
+        }
+        let shape = Shape {
+            kind: word(12),
+            value_bytes: word(16),
+            channels: word(20),
+            sides: [word(24), word(28), word(32), word(36)],
+        };
+        let space = Space::ALL.get(word(56) as usize).copied().ok_or(BlobError::Field { offset: 56 })?;
+        let theta_max = f64::from_bits(u64_at(header, 40));
+        Ok(Self { space, contents: contents(shape, theta_max, payload)? })
+    }
+
+    /// Bytes that [`Blob::write`] needs.
+    #[must_use]
+    pub fn required_len(&self, precision: Precision) -> Option<usize> {
+        usize::try_from(self.shape(precision)?.required()?).ok()
+    }
+
+    /// Writes the blob into `bytes`, which has [`Blob::required_len`] of them.
+    ///
+    /// # Errors
+    /// [`BlobError::Length`]; [`BlobError::Range`] for a value that half precision cannot hold.
+    pub fn write(&self, precision: Precision, bytes: &mut [u8]) -> Result<(), BlobError> {
+        let shape = self.shape(precision).ok_or(BlobError::Dimensions)?;
+        let required = shape.required().ok_or(BlobError::Dimensions)?;
+        let wrong = BlobError::Length { required };
+        if bytes.len() as u64 != required {
+            return Err(wrong);
+        }
+        let (header, payload) = bytes.split_first_chunk_mut::<HEADER>().ok_or(wrong)?;
+        let (values, sampler, theta_max) = match &self.contents {
+            Contents::Mirror(table) => (table.values(), None, table.theta_max()),
+            Contents::Scatter(table, sampler) => (table.values(), Some(sampler.values()), 0.0),
+        };
+        payload.fill(0);
+        let [value_bytes, _] = shape.sections().ok_or(BlobError::Dimensions)?;
+        let (value_bytes, sampler_bytes) = payload.split_at_mut_checked(value_bytes as usize).ok_or(wrong)?;
+        match precision {
+            Precision::Single => write_singles(values, value_bytes),
+            Precision::Half => {
+                for (index, (value, bytes)) in values.iter().zip(value_bytes.as_chunks_mut().0).enumerate() {
+                    *bytes = to_half(value).ok_or(BlobError::Range { index })?.to_le_bytes();
+                }
+            }
+        }
+        if let Some(sampler) = sampler {
+            write_singles(sampler, sampler_bytes);
+        }
+        let [rows, columns, cos, phi] = shape.sides;
+        let words = [VERSION, shape.kind, shape.value_bytes, shape.channels, rows, columns, cos, phi];
+        header[..8].copy_from_slice(&MAGIC);
+        for (word, place) in words.into_iter().zip(header[8..40].as_chunks_mut().0) {
+            *place = word.to_le_bytes();
+        }
+        header[40..48].copy_from_slice(&theta_max.to_le_bytes());
+        header[48..56].copy_from_slice(&required.to_le_bytes());
+        header[56..CHECKSUM].copy_from_slice(&(self.space as u32).to_le_bytes());
+        let checksum = checksum(header, payload);
+        header[CHECKSUM..].copy_from_slice(&checksum.to_le_bytes());
+        Ok(())
+    }
+
+    fn shape(&self, precision: Precision) -> Option<Shape> {
+        let value_bytes = match precision {
+            Precision::Single => 4,
+            Precision::Half => 2,
+        };
+        let (kind, channels, sides) = match &self.contents {
+            Contents::Mirror(table) => (MIRROR, table.channels(), [u32::try_from(table.rows()).ok()?, 1, 1, 1]),
+            Contents::Scatter(table, _) => {
+                let layout = table.layout();
+                (SCATTER, table.channels(), [layout.theta(), layout.phi(), layout.bins().cos, layout.bins().phi])
+            }
+        };
+        Some(Shape { kind, value_bytes, channels: u32::try_from(channels).ok()?, sides })
+    }
+}
+
+/// The table that a header describes, in the bytes after it.
+fn contents(shape: Shape, theta_max: f64, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
+    let field = |offset| Err(BlobError::Field { offset });
+    if !(shape.kind == MIRROR || shape.kind == SCATTER) {
+        return field(12);
+    }
+    if !(shape.value_bytes == 2 || shape.value_bytes == 4) {
+        return field(16);
+    }
+    let [rows, columns, cos, phi] = shape.sides;
+    if shape.kind == MIRROR && [columns, cos, phi] != [1; 3] {
+        return field(28);
+    }
+    if shape.kind == SCATTER && theta_max.to_bits() != 0 {
+        return field(40);
+    }
+    let [value_bytes, sampler_bytes] = shape.sections().ok_or(BlobError::Dimensions)?;
+    if value_bytes.checked_add(sampler_bytes) != Some(payload.len() as u64) {
+        return Err(BlobError::Dimensions);
+    }
+    // From here on every product of the dimensions is at most the size of memory.
+    let (bytes, sampler) = payload.split_at_checked(value_bytes as usize).ok_or(BlobError::Dimensions)?;
+    let count = [columns, cos, phi, shape.channels].iter().fold(rows as usize, |n, &side| n * side as usize);
+    let values = values(bytes, shape.value_bytes, count)?;
+    let channels = shape.channels as usize;
+    if shape.kind == MIRROR {
+        return Ok(Contents::Mirror(MirrorTable::of(values, channels, theta_max)?));
+    }
+    let layout = ScatterLayout::new(rows, columns, DirectionBins { cos, phi })?;
+    let sampler = ScatterSampler::of(Values::Single(sampler.as_chunks().0), layout)?;
+    Ok(Contents::Scatter(ScatterTable::of(values, layout, channels)?, sampler))
+}
+
+/// `count` finite values and the padding after them.
+fn values(bytes: &[u8], value_bytes: u32, count: usize) -> Result<Values<'_>, BlobError> {
+    if value_bytes == 4 {
+        return Ok(Values::Single(bytes.as_chunks().0));
+    }
+    let (halves, padding) = bytes.as_chunks().0.split_at_checked(count).ok_or(BlobError::Dimensions)?;
+    // Infinite halves would read as large finite numbers.
+    if let Some(index) = halves.iter().position(|&half| !half_is_finite(u16::from_le_bytes(half))) {
+        return Err(BlobError::Range { index });
+    }
+    match padding.iter().all(|&zero| zero == [0; 2]) {
+        true => Ok(Values::Half(halves)),
+        false => Err(BlobError::Field { offset: HEADER + 2 * count }),
+    }
+}
+
+fn write_singles(values: Values<'_>, bytes: &mut [u8]) {
+    for (value, bytes) in values.iter().zip(bytes.as_chunks_mut().0) {
+        *bytes = value.to_le_bytes();
+    }
+}

@@ -1,0 +1,128 @@
+//! The numbers of a table: in memory as they are computed, or in the bytes of a blob.
+
+/// Numbers to read by place. Reading is total, a place beyond the end holds 0, so that look-ups need no way to fail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Values<'a> {
+    /// As computed.
+    Numbers(&'a [f32]),
+    /// IEEE 754 binary32, little endian.
+    Single(&'a [[u8; 4]]),
+    /// IEEE 754 binary16, little endian.
+    Half(&'a [[u8; 2]]),
+}
+
+impl<'a> Values<'a> {
+    #[inline]
+    pub fn len(self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Single(bytes) => bytes.len(),
+            Self::Half(bytes) => bytes.len(),
+        }
+    }
+
+    #[inline]
+    pub fn at(self, place: usize) -> f32 {
+        let number = match self {
+            Self::Numbers(numbers) => numbers.get(place).copied(),
+            Self::Single(bytes) => bytes.get(place).map(|&bytes| f32::from_le_bytes(bytes)),
+            Self::Half(bytes) => bytes.get(place).map(|&bytes| from_half(u16::from_le_bytes(bytes))),
+        };
+        number.unwrap_or(0.0)
+    }
+
+    /// `count` numbers from a place; none if there are not so many.
+    #[inline]
+    pub fn part(self, from: usize, count: usize) -> Self {
+        let range = from..from.saturating_add(count);
+        match self {
+            Self::Numbers(numbers) => Self::Numbers(numbers.get(range).unwrap_or(&[])),
+            Self::Single(bytes) => Self::Single(bytes.get(range).unwrap_or(&[])),
+            Self::Half(bytes) => Self::Half(bytes.get(range).unwrap_or(&[])),
+        }
+    }
+
+    pub fn iter(self) -> impl Iterator<Item = f32> + use<'a> {
+        (0..self.len()).map(move |place| self.at(place))
+    }
+}
+
+/// What half precision's exponent is short of single precision's, as a factor: 2^(127 − 15).
+const REBIAS: f32 = (1u128 << 112) as f32;
+/// The largest exponent: infinities and NaN.
+const HALF_INFINITE: u16 = 0x7c00;
+
+/// Exact, for numbers below half precision's normal ones too; infinities become 65536 and more.
+#[inline]
+fn from_half(bits: u16) -> f32 {
+    let sign = u32::from(bits & 0x8000) << 16;
+    let magnitude = f32::from_bits(u32::from(bits & 0x7fff) << 13) * REBIAS;
+    f32::from_bits(magnitude.to_bits() | sign)
+}
+
+/// Whether the bits are those of a number.
+pub(super) fn half_is_finite(bits: u16) -> bool {
+    bits & HALF_INFINITE != HALF_INFINITE
+}
+
+/// The nearest half-precision number, ties to even; `None` if it would be infinite.
+pub(super) fn to_half(x: f32) -> Option<u16> {
+    const LEAST_NORMAL: f32 = 1.0 / 16384.0;
+    /// The step of numbers below that, 2^−24, inverted.
+    const STEPS: f32 = 16_777_216.0;
+    let (sign, magnitude) = ((x.to_bits() >> 16) as u16 & 0x8000, x.abs());
+    let bits = if magnitude < LEAST_NORMAL {
+        libm::rintf(magnitude * STEPS) as u32
+    } else {
+        let bits = magnitude.to_bits();
+        ((bits + 0xfff + (bits >> 13 & 1)) >> 13) - (112 << 10)
+    };
+    (bits < u32::from(HALF_INFINITE)).then_some(bits as u16 | sign)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_half_precision_number_returns() {
+        for bits in (0..=u16::MAX).filter(|&bits| half_is_finite(bits)) {
+            assert_eq!(to_half(from_half(bits)), Some(bits), "{bits:#x}");
+        }
+    }
+
+    #[test]
+    fn numbers_round_to_the_nearest_half_ties_to_even() {
+        for (x, bits) in [
+            (1.0, Some(0x3c00)),
+            (-2.0, Some(0xc000)),
+            (1.0 + 1.0 / 2048.0, Some(0x3c00)),
+            (1.0 + 3.0 / 2048.0, Some(0x3c02)),
+            (1.0 / 16_777_216.0, Some(0x0001)),
+            (1e-9, Some(0)),
+            (65504.0, Some(0x7bff)),
+            (65519.9, Some(0x7bff)),
+            (65520.0, None),
+            (f32::INFINITY, None),
+            (f32::NAN, None),
+        ] {
+            assert_eq!(to_half(x), bits, "{x}");
+        }
+        for i in 0..60_000u32 {
+            let x = 1.1f32.powi((i / 200) as i32 - 160) * (1.0 + i as f32 / 60_000.0);
+            if let Some(bits) = to_half(x).filter(|_| x < 65504.0) {
+                let near = |bits| (f64::from(from_half(bits)) - f64::from(x)).abs();
+                let neighbours = [bits.saturating_sub(1), bits + 1];
+                assert!(neighbours.iter().all(|&other| near(bits) <= near(other)), "{x}");
+            }
+        }
+    }
+
+    #[test]
+    fn places_beyond_the_end_hold_nothing() {
+        let values = Values::Single(&[[0, 0, 0x80, 0x3f]]);
+        assert_eq!((values.at(0), values.at(1), values.len()), (1.0, 0.0, 1));
+        assert_eq!(values.part(0, 2).len(), 0);
+        assert_eq!(values.part(usize::MAX, 2).len(), 0);
+    }
+}

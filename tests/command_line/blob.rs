@@ -1,0 +1,58 @@
+//! `export --to blob`: what the library loads is what the table holds.
+
+use goniochrome::table::blob::{Blob, Contents, Space};
+use goniochrome_cli::table_file::{self, Table};
+
+use crate::user::User;
+
+/// Of a number near 1 in half precision.
+const HALF: f32 = 1.0 / 2048.0;
+
+#[test]
+fn a_planar_table_loads_with_its_colours_and_space() {
+    let user = User::new();
+    user.ok("estimate jewel-beetle -o t.exr --angles 30 --space rec2020 --quiet");
+    user.ok("export t.exr --to blob -o t.gonio --quiet");
+    user.ok("export t.exr --to blob --half -o h.gonio --quiet");
+    let Table::Mirror(table) = table_file::read(&user.at("t.exr")).unwrap() else { panic!("a planar table") };
+    let (single, half) = (user.read("t.gonio"), user.read("h.gonio"));
+    assert_eq!((single.len(), half.len()), (64 + 30 * 3 * 4, 64 + 30 * 3 * 2));
+    let blob = Blob::read(&single).unwrap();
+    assert_eq!(blob.space, Space::Rec2020);
+    let Contents::Mirror(read) = blob.contents else { panic!("a planar table") };
+    let Contents::Mirror(rounded) = Blob::read(&half).unwrap().contents else { panic!("a planar table") };
+    for (theta, rgb) in table.theta_deg.iter().zip(&table.rgb) {
+        let theta = theta.to_radians() as f32;
+        for ((want, got), rounded) in rgb.iter().zip(read.rgb(theta)).zip(rounded.rgb(theta)) {
+            // The angle itself is rounded.
+            assert!((got - want).abs() < 1e-5);
+            assert!((rounded - want).abs() < 1e-5 + HALF * want.abs());
+        }
+    }
+}
+
+#[test]
+fn a_table_of_a_cell_loads_with_its_sampler() {
+    let user = User::new();
+    user.ok("estimate beetle-pits -o t.exr --incident 3x2 --bins 4x8 --rays 64 --wavelengths 400:700:60 --quiet");
+    user.ok("export t.exr --to blob -o t.gonio --quiet");
+    let bytes = user.read("t.gonio");
+    let Table::Scatter(table) = table_file::read(&user.at("t.exr")).unwrap() else { panic!("a cell's table") };
+    let Contents::Scatter(read, sampler) = Blob::read(&bytes).unwrap().contents else { panic!("a cell's table") };
+    assert_eq!(read.layout(), table.layout);
+    for i in 0..table.layout.incident_count() {
+        let [theta, phi] = table.layout.incident(i).map(|x| x as f32);
+        let wi = glam::Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let (wo, pdf) = sampler.sample(wi, [0.4, 0.7]).unwrap();
+        assert!(pdf > 0.0 && sampler.pdf(wi, wo) == pdf);
+        assert!(read.rgb(wi, wo).iter().any(|f| *f > 0.0), "drawn where it reflects");
+    }
+}
+
+#[test]
+fn what_is_no_table_and_what_does_not_fit_is_refused() {
+    let user = User::with(&[("text.exr", "no image")]);
+    user.refused("export text.exr --to blob -o t.gonio", 1, &["text.exr", "not a readable EXR file"]);
+    user.refused("export missing.exr --to blob -o t.gonio", 1, &["missing.exr", "`goniochrome estimate` writes"]);
+    user.refused("export text.exr --to blob -o text.exr", 2, &["would overwrite the input"]);
+}

@@ -1,0 +1,218 @@
+//! Table blobs: what is written comes back where it lies, and what is damaged is refused, whatever the damage.
+
+use glam::Vec3;
+use goniochrome::bins::DirectionBins;
+use goniochrome::table::blob::{Blob, BlobError, Contents, Precision, Space};
+use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+
+/// Relative rounding of binary16, and its smallest step.
+const HALF_RELATIVE: f32 = 1.0 / 2048.0;
+const HALF_ABSOLUTE: f32 = 1.0 / 33_554_432.0;
+
+fn layout() -> ScatterLayout {
+    ScatterLayout::new(3, 2, DirectionBins { cos: 3, phi: 4 }).unwrap()
+}
+
+fn scatter_values() -> Vec<f32> {
+    (0..3 * layout().count()).map(|i| (i as f32 * 0.7).sin() * 10f32.powi(i as i32 % 7 - 4)).collect()
+}
+
+fn mirror_values() -> Vec<f32> {
+    (0..9).map(|i| 1.0 / (i as f32 + 1.0) - 0.2).collect()
+}
+
+fn written(contents: Contents<'_>, precision: Precision) -> Vec<u8> {
+    let blob = Blob { space: Space::Rec2020, contents };
+    let mut bytes = vec![0xa5; blob.required_len(precision).unwrap()];
+    blob.write(precision, &mut bytes).unwrap();
+    bytes
+}
+
+fn scatter(precision: Precision) -> Vec<u8> {
+    let values = scatter_values();
+    let table = ScatterTable::new(&values, layout(), 3).unwrap();
+    let mut memory = vec![0.0; ScatterSampler::required_len(&layout())];
+    let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
+    written(Contents::Scatter(table, sampler), precision)
+}
+
+fn mirror(precision: Precision) -> Vec<u8> {
+    written(Contents::Mirror(MirrorTable::new(&mirror_values(), 3, 1.5).unwrap()), precision)
+}
+
+/// With its checksum made right again: what only the other checks can find.
+fn resealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let mut crc = crc32fast::Hasher::new();
+    crc.update(&bytes[..60]);
+    crc.update(&bytes[64..]);
+    bytes[60..64].copy_from_slice(&crc.finalize().to_le_bytes());
+    bytes
+}
+
+fn directions() -> impl Iterator<Item = Vec3> {
+    (0..40).map(|i| {
+        let (cos, phi) = (0.02 + 0.024 * i as f32, 2.4 * i as f32);
+        let sin = (1.0 - cos * cos).sqrt();
+        Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+    })
+}
+
+#[test]
+fn single_precision_is_looked_up_bit_for_bit_wherever_it_lies() {
+    let values = scatter_values();
+    let table = ScatterTable::new(&values, layout(), 3).unwrap();
+    let mut memory = vec![0.0; ScatterSampler::required_len(&layout())];
+    let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
+    let bytes = scatter(Precision::Single);
+    for shift in 0..4 {
+        let mut moved = vec![0; shift];
+        moved.extend(&bytes);
+        let blob = Blob::read(&moved[shift..]).unwrap();
+        assert_eq!(blob.space, Space::Rec2020);
+        let Contents::Scatter(read, reader) = blob.contents else { panic!("a scatter table") };
+        for (wi, wo) in directions().zip(directions().skip(3)) {
+            assert_eq!(read.rgb(wi, wo), table.rgb(wi, wo));
+            assert_eq!(reader.pdf(wi, wo), sampler.pdf(wi, wo));
+            let u = [(wi.x + 1.0) / 2.0, (wo.y + 1.0) / 2.0];
+            assert_eq!(reader.sample(wi, u), sampler.sample(wi, u));
+        }
+    }
+    let bytes = mirror(Precision::Single);
+    let Contents::Mirror(read) = Blob::read(&bytes).unwrap().contents else { panic!("a mirror table") };
+    let values = mirror_values();
+    let table = MirrorTable::new(&values, 3, 1.5).unwrap();
+    assert_eq!((read.rows(), read.channels(), read.theta_max()), (3, 3, 1.5));
+    for i in 0..100 {
+        let theta = 0.02 * i as f32 - 0.1;
+        assert_eq!(read.rgb(theta), table.rgb(theta));
+    }
+}
+
+#[test]
+fn half_precision_rounds_values_and_nothing_else() {
+    let bytes = scatter(Precision::Half);
+    let Contents::Scatter(read, reader) = Blob::read(&bytes).unwrap().contents else { panic!("a scatter table") };
+    let single = scatter(Precision::Single);
+    let Contents::Scatter(table, sampler) = Blob::read(&single).unwrap().contents else { panic!("a scatter table") };
+    let largest = scatter_values().iter().fold(0.0f32, |most, x| most.max(x.abs()));
+    for (wi, wo) in directions().zip(directions().skip(3)) {
+        assert_eq!(reader.pdf(wi, wo), sampler.pdf(wi, wo));
+        for (got, want) in read.rgb(wi, wo).into_iter().zip(table.rgb(wi, wo)) {
+            assert!((got - want).abs() <= 1.01 * HALF_RELATIVE * largest + HALF_ABSOLUTE, "{got} for {want}");
+        }
+    }
+    // 9 values of two bytes and their padding.
+    assert_eq!(mirror(Precision::Half).len(), 64 + 20);
+}
+
+#[test]
+fn the_bytes_are_those_of_the_specification() {
+    let bytes = mirror(Precision::Single);
+    let header: [&[u8]; 15] = [
+        b"\x89GONI\r\n\x1a",
+        &1u32.to_le_bytes(),
+        &1u32.to_le_bytes(),
+        &4u32.to_le_bytes(),
+        &3u32.to_le_bytes(),
+        &3u32.to_le_bytes(),
+        &1u32.to_le_bytes(),
+        &1u32.to_le_bytes(),
+        &1u32.to_le_bytes(),
+        &1.5f64.to_le_bytes(),
+        &100u64.to_le_bytes(),
+        &2u32.to_le_bytes(),
+        &CRC_OF_PYTHON.to_le_bytes(),
+        &mirror_values()[0].to_le_bytes(),
+        &mirror_values()[1].to_le_bytes(),
+    ];
+    assert_eq!(bytes[..72], header.concat());
+}
+
+/// `zlib.crc32(blob[:60] + blob[64:])` of Python, for a blob packed there.
+const CRC_OF_PYTHON: u32 = 0x097d_2e52;
+
+#[test]
+fn every_length_but_the_right_one_is_refused() {
+    for bytes in [scatter(Precision::Single), scatter(Precision::Half), mirror(Precision::Half)] {
+        for length in 0..bytes.len() {
+            assert!(matches!(Blob::read(&bytes[..length]), Err(BlobError::Length { .. })), "{length}");
+        }
+        let mut longer = bytes.clone();
+        longer.push(0);
+        assert_eq!(Blob::read(&longer), Err(BlobError::Length { required: bytes.len() as u64 }));
+    }
+}
+
+#[test]
+fn every_changed_byte_is_found() {
+    for bytes in [scatter(Precision::Single), mirror(Precision::Half)] {
+        for at in 0..bytes.len() {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= flip;
+                assert!(Blob::read(&damaged).is_err(), "byte {at}");
+            }
+        }
+    }
+}
+
+#[test]
+fn absurd_headers_are_refused_or_harmless() {
+    let wild = [0, 1, 2, 3, 5, 1024, 1025, 65_536, u32::MAX / 2, u32::MAX];
+    for bytes in [scatter(Precision::Single), scatter(Precision::Half), mirror(Precision::Single)] {
+        for at in (12..44).step_by(4) {
+            for (word, other) in wild.iter().flat_map(|a| wild.map(|b| (*a, b))) {
+                let mut damaged = bytes.clone();
+                damaged[at..at + 4].copy_from_slice(&word.to_le_bytes());
+                damaged[at + 4..at + 8].copy_from_slice(&other.to_le_bytes());
+                // Some are another table of equal size; then it must be safe to look up.
+                match Blob::read(&resealed(damaged)).map(|blob| blob.contents) {
+                    Ok(Contents::Mirror(table)) => assert!(table.rgb(0.3).iter().all(|x| x.is_finite())),
+                    Ok(Contents::Scatter(table, sampler)) => {
+                        let (wo, pdf) = sampler.sample(Vec3::new(0.6, 0.0, 0.8), [0.3, 0.9]).unwrap();
+                        assert!(pdf >= 0.0 && table.rgb(Vec3::Z, wo).iter().all(|x| x.is_finite()));
+                    }
+                    Err(_) => {}
+                }
+            }
+        }
+    }
+    let set = |offset: usize, word: u32| {
+        let mut bytes = scatter(Precision::Single);
+        bytes[offset..offset + 4].copy_from_slice(&word.to_le_bytes());
+        Blob::read(&resealed(bytes)).unwrap_err()
+    };
+    assert_eq!(set(0, 7), BlobError::Magic);
+    assert_eq!(set(8, 2), BlobError::Version { found: 2 });
+    assert_eq!(set(12, 3), BlobError::Field { offset: 12 });
+    assert_eq!(set(16, 8), BlobError::Field { offset: 16 });
+    assert_eq!(set(24, u32::MAX), BlobError::Dimensions);
+    assert_eq!(set(40, 1), BlobError::Field { offset: 40 });
+    assert_eq!(set(56, 5), BlobError::Field { offset: 56 });
+    assert!(matches!(set(52, 1), BlobError::Length { .. }));
+}
+
+#[test]
+fn unsound_numbers_are_refused_even_with_a_right_checksum() {
+    let with = |bytes: Vec<u8>, from: usize, value: &[u8]| {
+        let mut damaged = bytes;
+        damaged[from..from + value.len()].copy_from_slice(value);
+        Blob::read(&resealed(damaged)).map(drop)
+    };
+    assert!(with(mirror(Precision::Single), 64, &f32::NAN.to_le_bytes()).is_err());
+    assert_eq!(with(mirror(Precision::Half), 66, &[0, 0x7c]), Err(BlobError::Range { index: 1 }));
+    assert_eq!(with(mirror(Precision::Half), 82, &[1, 0]), Err(BlobError::Field { offset: 82 }));
+    let sampler = 64 + 4 * 3 * layout().count();
+    for (place, value) in [(0, -1.0), (0, f32::INFINITY), (1, f32::NAN), (2, -0.1), (3, 0.9), (4, 1.5)] {
+        assert!(with(scatter(Precision::Single), sampler + 4 * place, &f32::to_le_bytes(value)).is_err(), "{place}");
+    }
+}
+
+#[test]
+fn what_half_precision_cannot_hold_is_not_written() {
+    let values = [0.0, 70_000.0];
+    let blob = Blob { space: Space::Srgb, contents: Contents::Mirror(MirrorTable::new(&values, 1, 1.0).unwrap()) };
+    let mut bytes = [0; 68];
+    assert_eq!(blob.write(Precision::Half, &mut bytes), Err(BlobError::Range { index: 1 }));
+    assert_eq!(blob.write(Precision::Single, &mut bytes), Err(BlobError::Length { required: 72 }));
+}
