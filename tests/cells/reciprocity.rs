@@ -64,10 +64,10 @@ fn holds(coherence: Coherence) {
         let sent: Vec<_> = (0..GRID.count()).map(|from| sent(&bumpy, from, coherence)).collect();
         let solid_angle = |bin| GRID.projected_solid_angle(bin) / TAU;
         let (mut pairs, mut beyond, mut worst) = (0u32, 0u32, 0.0_f64);
-        for a in 0..GRID.count() {
-            for b in 0..a {
-                let [there, there_variance] = sent[a][b].map(|x| x * solid_angle(a));
-                let [back, back_variance] = sent[b][a].map(|x| x * solid_angle(b));
+        for (a, from_a) in sent.iter().enumerate() {
+            for (b, from_b) in sent.iter().enumerate().take(a) {
+                let [there, there_variance] = from_a[b].map(|x| x * solid_angle(a));
+                let [back, back_variance] = from_b[a].map(|x| x * solid_angle(b));
                 let variance = there_variance * solid_angle(a) + back_variance * solid_angle(b);
                 // A pair of bins that no ray has joined may hold what one ray carries.
                 let one_ray = solid_angle(a).max(solid_angle(b)) / f64::from(DIRECTIONS * RAYS);

@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     fn grid(step: usize) -> Vec<f64> {
-        (380..=780).step_by(step).map(|nm| nm as f64).collect()
+        (380..=780).step_by(step).map(f64::from).collect()
     }
 
     #[test]

@@ -3,7 +3,9 @@
 //! A lat-long image covers the sphere with its first row around +z and its last around −z. Its middle column is +x, and
 //! azimuth grows to the left, as it does for somebody inside with z up: for a unit direction (x, y, z)
 //!
-//!     u = ½ − atan2(y, x)/2π,   v = acos(z)/π,
+//! ```text
+//! u = ½ − atan2(y, x)/2π,   v = acos(z)/π,
+//! ```
 //!
 //! with texel i of n centred at (i + ½)/n. Radiance is bilinear between centres, u wraps around, v is held at the poles.
 
