@@ -232,7 +232,8 @@ fn the_way_back_is_as_good_as_the_way_there() {
     const RAYS: u32 = 8;
     /// Standard errors. One in a million sums of this many scenes lies further out.
     const FAR: f64 = 5.0;
-    let splits: [(&str, fn(DVec3) -> bool); 3] = [
+    type Split = (&'static str, fn(DVec3) -> bool);
+    let splits: [Split; 3] = [
         ("near the normal and near the horizon", |w| w.z > std::f64::consts::FRAC_1_SQRT_2),
         ("left and right", |w| w.x > 0.0),
         ("two sectors and the rest", |w| w.x * w.y > 0.0),
