@@ -49,7 +49,7 @@ impl<'a> Arbitrary<'a> for Planes {
         let mut thickness_nm = Vec::new();
         for _ in 0..u.int_in_range(0..=MOST_PLANES - 1)? {
             let code: u8 = u.arbitrary()?;
-            media.push(if code % 4 == 0 { media[usize::from(code / 4) % media.len()] } else { eta(u, true)? });
+            media.push(if code.is_multiple_of(4) { media[usize::from(code / 4) % media.len()] } else { eta(u, true)? });
             let most = [1e2, 1e3, 1e4, 1e5][usize::from(code / 64)];
             thickness_nm.push(number(u, 0.0, most)?);
         }
