@@ -5,6 +5,7 @@ mod cells;
 mod colours;
 mod destinations;
 mod disk_full;
+mod exports;
 mod figures;
 mod meshes;
 mod presets;

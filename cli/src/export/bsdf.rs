@@ -83,10 +83,9 @@ fn projected(reflection: &Reflection, wi: DVec3, m: DVec3, out: &mut [f64]) {
     let wo = 2.0 * wi.dot(m) * m - wi;
     let above = DVec3::new(wo.x, wo.y, wo.z.abs().max(1e-6));
     if let Kind::Lobe { ggx, .. } = reflection.kind() {
-        // D, of the half vector that the file says, is the `ndf`'s business.
-        reflection.eval(wi, above, out);
-        let other = ggx.density((wi + above).normalize().z);
-        out.iter_mut().for_each(|value| *value *= ggx.density(m.z) / other);
+        reflection.reflectance(wi.dot(m), out);
+        let lobe = ggx.density(m.z) * ggx.masking(wi.z, above.z);
+        out.iter_mut().for_each(|value| *value *= lobe);
     } else {
         reflection.eval(wi, above, out);
     }
@@ -102,14 +101,9 @@ fn axes(reflection: &Reflection) -> (Vec<f64>, Vec<f64>) {
     };
     let theta = (0..=steps).map(|i| (90.0 * i as f64 / steps as f64).min(LAST_DEG).to_radians()).collect();
     let Some(layout) = columns else { return (theta, vec![0.0]) };
-    let spacing = TAU / f64::from(layout.phi());
-    // Every column, one place between two, and the seam.
-    let first = layout.incident(0)[1];
-    let mut phi: Vec<f64> = (0..2 * layout.phi()).map(|i| first + 0.5 * spacing * f64::from(i)).collect();
-    phi.iter_mut().for_each(|phi| *phi -= TAU * (*phi / TAU).round());
-    phi.retain(|phi| phi.abs() < PI - 1e-6);
-    phi.extend([-PI, PI]);
-    phi.sort_by(f64::total_cmp);
+    // Lobes turn with the light, but half vectors count from the tangent: two places for each outgoing bin.
+    let places = 2 * layout.bins().phi;
+    let phi = (0..=places).map(|i| TAU * f64::from(i) / f64::from(places) - PI).collect();
     (theta, phi)
 }
 

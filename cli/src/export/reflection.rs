@@ -88,7 +88,7 @@ impl Reflection {
     }
 
     /// ρ at an angle, linear between the table's and held beyond them.
-    fn reflectance(&self, theta: &[f64], at: f64, out: &mut [f64]) {
+    fn interpolate(&self, theta: &[f64], at: f64, out: &mut [f64]) {
         let above = theta.partition_point(|known| *known < at).clamp(1, theta.len().max(2) - 1).min(theta.len() - 1);
         let below = above.saturating_sub(1);
         let width = theta[above] - theta[below];
@@ -99,12 +99,19 @@ impl Reflection {
         }
     }
 
+    /// ρ of a mirror-like table at the half vector's angle.
+    pub(super) fn reflectance(&self, cos_d: f64, out: &mut [f64]) {
+        if let Kind::Lobe { theta, .. } = &self.kind {
+            self.interpolate(theta, cos_d.clamp(0.0, 1.0).acos(), out);
+        }
+    }
+
     /// f in each channel, in 1/sr; both directions above the horizon.
     pub fn eval(&self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
         match &self.kind {
-            Kind::Lobe { ggx, theta } => {
+            Kind::Lobe { ggx, .. } => {
                 let m = (wi + wo).normalize();
-                self.reflectance(theta, wi.dot(m).clamp(0.0, 1.0).acos(), out);
+                self.reflectance(wi.dot(m), out);
                 let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);
                 out.iter_mut().for_each(|value| *value *= lobe);
             }
