@@ -11,7 +11,7 @@ pub mod comparison;
 pub mod diffraction;
 pub mod error;
 pub mod estimate;
-
+pub mod export;
 pub mod grid;
 pub mod groups;
 pub mod html;

@@ -7,6 +7,7 @@ mod cells;
 mod colours;
 mod destinations;
 mod disk_full;
+mod exports;
 mod figures;
 mod kills;
 mod meshes;

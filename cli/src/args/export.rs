@@ -1,13 +1,14 @@
 //! Arguments of `export`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 pub struct ExportArgs {
-    /// A table made by `estimate` (.exr); for lut and gltf also a scene file or the name of a preset
+    /// A table made by `estimate` (.exr); for lut also a scene file or the name of a preset
     pub source: String,
     /// The format
     #[arg(long, value_enum)]
@@ -18,6 +19,21 @@ pub struct ExportArgs {
     /// Blob: values in half precision
     #[arg(long)]
     pub half: bool,
+    /// merl and bsdf of mirror-like tables: the lobe's width, α of the GGX distribution in (0, 1]
+    #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
+    pub roughness: Option<f64>,
+    /// bsdf: the table's linear RGB instead of its spectra, for RGB variants of Mitsuba
+    #[arg(long)]
+    pub rgb: bool,
+    /// lut: texels over cos θ [default: 256]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(2..=4096))]
+    pub width: Option<u16>,
+    /// lut of a scene: the thickness in nm of a layer (1 is the top) over y, such as 1=100:800:64
+    #[arg(long, value_name = "LAYER=FROM:TO:STEPS")]
+    pub vary: Option<Vary>,
+    /// lut: also the shader function that samples it (.glsl, .hlsl or .wgsl)
+    #[arg(long, value_name = "FILE")]
+    pub shader: Option<PathBuf>,
     /// No remarks on standard error
     #[arg(long, short)]
     pub quiet: bool,
@@ -26,14 +42,56 @@ pub struct ExportArgs {
 /// What `export` writes.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum ExportKind {
-    /// RGB reflectance over cos θ for shaders (.exr or .png)
+    /// RGB reflectance over cos θ for shaders (.exr, half floats)
     Lut,
     /// The format of the MERL BRDF database (.binary)
     Merl,
     /// The RGL tensor file of Mitsuba's `measured` (.bsdf)
     Bsdf,
-    /// A material with `KHR_materials_iridescence`, fitted (.gltf)
-    Gltf,
     /// The bytes that the library and its C interface load at run time (.gonio)
     Blob,
+}
+
+/// Below, single precision no longer holds the lobe's peak.
+const SMALLEST_ROUGHNESS: f64 = 1e-3;
+
+fn roughness(text: &str) -> Result<f64, String> {
+    let alpha = text.parse::<f64>().map_err(|error| error.to_string())?;
+    if alpha > 0.0 && alpha < SMALLEST_ROUGHNESS {
+        return Err(format!("must be at least {SMALLEST_ROUGHNESS}: a smoother lobe is a mirror; export a lut"));
+    }
+    if alpha > 0.0 && alpha <= 1.0 { Ok(alpha) } else { Err("must lie in (0, 1]".into()) }
+}
+
+/// `1=100:800:64`: layer, thickness in nm from and to, rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vary {
+    /// Counted from 1 at the top.
+    pub layer: usize,
+    /// First and last thickness in nm.
+    pub range_nm: [f64; 2],
+    /// Rows, ends included.
+    pub steps: u16,
+}
+
+/// As many as one row may have columns.
+const MOST_STEPS: u16 = 4096;
+
+impl FromStr for Vary {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = || {
+            let (layer, range) = text.split_once('=')?;
+            let [from, to, steps] = range.split(':').collect::<Vec<_>>().try_into().ok()?;
+            let length = |text: &str| text.parse::<f64>().ok().filter(|nm| nm.is_finite() && *nm >= 0.0);
+            let layer = layer.parse().ok().filter(|layer| *layer > 0)?;
+            let steps = steps.parse().ok().filter(|steps| (2..=MOST_STEPS).contains(steps))?;
+            Some(Self { layer, range_nm: [length(from)?, length(to)?], steps })
+        };
+        match parsed() {
+            Some(vary) if vary.range_nm[0] < vary.range_nm[1] => Ok(vary),
+            _ => Err(format!("expected LAYER=FROM:TO:STEPS such as 1=100:800:64, FROM < TO, 2 to {MOST_STEPS} steps")),
+        }
+    }
 }

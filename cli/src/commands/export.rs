@@ -1,15 +1,144 @@
 //! `goniochrome export`.
 
+use std::path::{Path, PathBuf};
+
 use crate::args::export::{ExportArgs, ExportKind};
 use crate::args::spelled;
 use crate::blob;
 use crate::error::{Error, Result};
+use crate::export::lut::Lut;
+use crate::export::{bsdf, merl};
+use crate::output;
+use crate::progress::remark;
+use crate::scene::load;
+use crate::table_file::{self, Table};
+
+/// Texels over cos θ.
+const WIDTH: u16 = 256;
 
 pub fn run(args: &ExportArgs) -> Result<()> {
-    match args.to {
-        ExportKind::Lut | ExportKind::Merl | ExportKind::Bsdf | ExportKind::Gltf => {
-            Err(Error::failed(format_args!("--to {}: not written yet", spelled(args.to))))
+    check_options(args)?;
+    if args.to == ExportKind::Blob {
+        return blob::run(args);
+    }
+    check_name(args)?;
+    let inputs = [PathBuf::from(&args.source)];
+    output::check_destination(&args.output, &inputs)?;
+    if args.to == ExportKind::Lut {
+        return lut(args, &inputs);
+    }
+    let path = Path::new(&args.source);
+    if !is_table(path) {
+        return Err(Error::usage(format_args!(
+            "--to {} takes a table; make one by `goniochrome estimate {} -o table.exr`",
+            spelled(args.to),
+            args.source
+        )));
+    }
+    let table = table_file::read(path)?;
+    let named = |error: Error| {
+        let line = format!("{}: {error}", args.source);
+        if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
+    };
+    let bytes = match args.to {
+        ExportKind::Merl => merl::encode(&table, args.roughness),
+        _ => bsdf::encode(&table, args.roughness, args.rgb),
+    };
+    let bytes = bytes.map_err(named)?;
+    output::write_file(&args.output, &bytes)?;
+    remark(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
+    Ok(())
+}
+
+fn is_table(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"))
+}
+
+/// Refuses what the format has no use for, so that nothing the user asks for is silently ignored.
+fn check_options(args: &ExportArgs) -> Result<()> {
+    let lut = args.to == ExportKind::Lut;
+    for (given, name, fits, of) in [
+        (
+            args.roughness.is_some(),
+            "roughness",
+            matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
+            "merl and bsdf",
+        ),
+        (args.rgb, "rgb", args.to == ExportKind::Bsdf, "bsdf"),
+        (args.width.is_some(), "width", lut, "lut"),
+        (args.vary.is_some(), "vary", lut, "lut"),
+        (args.shader.is_some(), "shader", lut, "lut"),
+        (args.half, "half", args.to == ExportKind::Blob, "blob"),
+    ] {
+        if given && !fits {
+            return Err(Error::usage(format_args!(
+                "--{name} is for --to {of}; leave it out of --to {}",
+                spelled(args.to)
+            )));
         }
-        ExportKind::Blob => blob::run(args),
+    }
+    Ok(())
+}
+
+/// Refuses names that say another format.
+fn check_name(args: &ExportArgs) -> Result<()> {
+    let wanted = match args.to {
+        ExportKind::Lut => "exr",
+        ExportKind::Merl => "binary",
+        ExportKind::Bsdf => "bsdf",
+        ExportKind::Blob => return Ok(()), // any name will do
+    };
+    if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case(wanted)) {
+        let (output, kind) = (args.output.display(), spelled(args.to));
+        return Err(Error::usage(format_args!("{output}: --to {kind} writes .{wanted}; name it so")));
+    }
+    Ok(())
+}
+
+fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
+    let shader = args.shader.as_deref().map(snippet).transpose()?;
+    if let Some(path) = &args.shader {
+        output::check_destination(path, inputs)?;
+        output::refuse_same_output(&args.output, path)?;
+    }
+    let width = usize::from(args.width.unwrap_or(WIDTH));
+    let path = Path::new(&args.source);
+    let lut = if is_table(path) {
+        if args.vary.is_some() {
+            return Err(Error::usage("--vary needs a scene; a table holds one thickness alone"));
+        }
+        match table_file::read(path)? {
+            Table::Mirror(table) => Lut::of_table(&table, width),
+            Table::Scatter(_) => {
+                return Err(Error::failed(format_args!(
+                    "{}: the table scatters into all directions, a lut holds mirror-like reflection alone; export a bsdf",
+                    args.source
+                )));
+            }
+        }
+    } else {
+        let scene = load(&args.source)?;
+        output::check_destination(&args.output, &scene.files)?;
+        Lut::of_scene(&scene, width, args.vary)?
+    };
+    let bytes = lut.exr()?;
+    match (&args.shader, shader) {
+        (Some(path), Some(text)) => {
+            output::write_file_and(&args.output, &bytes, || output::write_file(path, text.as_bytes()))?;
+        }
+        _ => output::write_file(&args.output, &bytes)?,
+    }
+    let height = lut.texels.len() / width;
+    remark(args.quiet, format_args!("{}: {width} × {height} texels", args.output.display()));
+    Ok(())
+}
+
+/// The shader function in the language that a file's name says.
+fn snippet(path: &Path) -> Result<&'static str> {
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("glsl") => Ok(include_str!("../../data/shaders/lut.glsl")),
+        Some("hlsl") => Ok(include_str!("../../data/shaders/lut.hlsl")),
+        Some("wgsl") => Ok(include_str!("../../data/shaders/lut.wgsl")),
+        _ => Err(Error::usage(format_args!("--shader {}: name it .glsl, .hlsl or .wgsl", path.display()))),
     }
 }

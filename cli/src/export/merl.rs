@@ -1,0 +1,80 @@
+//! The format of the MERL BRDF database (Matusik et al. 2003): RGB of an isotropic BRDF over half and difference angles.
+//!
+//! Three 32-bit sizes 90, 90, 180 and three planes of 64-bit numbers, R, G, B, all little endian: 34 992 012 bytes. The place of
+//! a value is φ_d + 180 (θ_d + 90 θ_h), with θ_h in bins of sqrt(θ_h) and φ_d in [0, π), which takes f as reciprocal. A value
+//! is f over the scale of its channel, taken in the middle of its bin (in the bin's own coordinates); where only part of a bin
+//! lies above the horizon, at the horizon. Negative components (out of gamut) and pairs below the horizon are 0.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::DVec3;
+
+use super::Reflection;
+use super::reflection::Kind;
+use crate::error::{Error, Result};
+use crate::table_file::Table;
+
+const THETA_H: usize = 90;
+const THETA_D: usize = 90;
+const PHI_D: usize = 180;
+const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+
+/// A direction this close to the horizon still has a BRDF.
+const HORIZON: f64 = 1e-3;
+/// A bin whose middle lies further below than this has no part above: bins of θ_d are 1° high, those of θ_h at most 2°.
+const DEEPEST: f64 = -0.03;
+
+/// The directions in the middle of a bin.
+fn directions(h: usize, d: usize, p: usize) -> [DVec3; 2] {
+    let theta_h = ((h as f64 + 0.5) / THETA_H as f64).powi(2) * FRAC_PI_2;
+    let theta_d = (d as f64 + 0.5) / THETA_D as f64 * FRAC_PI_2;
+    let phi_d = (p as f64 + 0.5) / PHI_D as f64 * PI;
+    let difference = DVec3::new(theta_d.sin() * phi_d.cos(), theta_d.sin() * phi_d.sin(), theta_d.cos());
+    let (sin, cos) = theta_h.sin_cos();
+    // Turns the normal into the half vector.
+    let turned = |w: DVec3| DVec3::new(cos * w.x + sin * w.z, w.y, cos * w.z - sin * w.x);
+    [turned(difference), turned(DVec3::new(-difference.x, -difference.y, difference.z))]
+}
+
+/// The bytes of the file.
+///
+/// # Errors
+/// An anisotropic table; a roughness that is missing or has no use.
+pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
+    let reflection = Reflection::new(table, roughness, true)?;
+    if let Kind::Scatter(layout) = reflection.kind()
+        && layout.phi() > 1
+    {
+        return Err(Error::failed(format_args!(
+            "the table is anisotropic ({} incident azimuths), which MERL's format cannot hold; export a bsdf, or estimate with \
+             --incident {}x1, which averages around the normal",
+            layout.phi(),
+            layout.theta()
+        )));
+    }
+    let count = THETA_H * THETA_D * PHI_D;
+    let mut bytes = Vec::with_capacity(12 + 24 * count);
+    for size in [THETA_H, THETA_D, PHI_D] {
+        bytes.extend(u32::try_from(size).unwrap_or(0).to_le_bytes());
+    }
+    let colours: Vec<[f64; 3]> = (0..count)
+        .map(|place| colour(&reflection, directions(place / (THETA_D * PHI_D), place / PHI_D % THETA_D, place % PHI_D)))
+        .collect();
+    for c in 0..3 {
+        bytes.extend(colours.iter().flat_map(|colour| (colour[c].max(0.0) / SCALE[c]).to_le_bytes()));
+    }
+    Ok(bytes)
+}
+
+/// The mean of f both ways, since the format makes no difference between them.
+fn colour(reflection: &Reflection, [wi, wo]: [DVec3; 2]) -> [f64; 3] {
+    if wi.z < DEEPEST || wo.z < DEEPEST {
+        return [0.0; 3];
+    }
+    let lifted = |w: DVec3| DVec3::new(w.x, w.y, w.z.max(HORIZON)).normalize();
+    let (wi, wo) = (lifted(wi), lifted(wo));
+    let mut ways = [[0.0; 3]; 2];
+    reflection.eval(wi, wo, &mut ways[0]);
+    reflection.eval(wo, wi, &mut ways[1]);
+    std::array::from_fn(|c| 0.5 * (ways[0][c] + ways[1][c]))
+}

@@ -1,0 +1,10 @@
+//! Tables in the formats of engines and renderers, one file per format.
+
+pub mod bsdf;
+pub mod ggx;
+pub mod lut;
+pub mod merl;
+mod reflection;
+mod warp;
+
+pub use reflection::Reflection;

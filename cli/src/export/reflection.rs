@@ -1,0 +1,126 @@
+//! f(wi, wo) of either kind of table, in every channel of it.
+
+use glam::{DVec3, Vec3};
+use goniochrome::table::{ScatterLayout, ScatterTable as Lookup};
+
+use super::ggx::Ggx;
+use crate::error::{Error, Result};
+use crate::table_file::Table;
+
+/// A BRDF to export: RGB, or a channel for each wavelength.
+pub struct Reflection {
+    /// Number of channels.
+    pub channels: usize,
+    /// Wavelengths in nm; none for RGB.
+    pub wavelength_nm: Vec<f64>,
+    values: Vec<f32>,
+    kind: Kind,
+}
+
+/// Where the values come from.
+pub enum Kind {
+    /// A mirror-like table, through a lobe.
+    Lobe {
+        /// The lobe.
+        ggx: Ggx,
+        /// The table's angles in radians.
+        theta: Vec<f64>,
+    },
+    /// A table of tilted facets.
+    Scatter(ScatterLayout),
+}
+
+impl Reflection {
+    /// The BRDF of a table. A mirror-like table needs a roughness, another has none.
+    ///
+    /// # Errors
+    /// A roughness that is missing or has no use.
+    pub fn new(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Self> {
+        let values_of = |count: usize, colours: &[[f32; 3]], spectral: &dyn Fn(usize) -> f32| -> Vec<f32> {
+            if rgb { colours.as_flattened().to_vec() } else { (0..count).map(spectral).collect() }
+        };
+        let channels = |wavelengths: &[f64]| if rgb { 3 } else { wavelengths.len() };
+        let wavelengths = |wavelengths: &[f64]| if rgb { Vec::new() } else { wavelengths.to_vec() };
+        match (table, roughness) {
+            (Table::Mirror(_), None) => Err(Error::usage(
+                "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \
+                 give the width of the GGX lobe that shall stand in for it, as --roughness 0.1",
+            )),
+            (Table::Scatter(_), Some(_)) => Err(Error::usage(
+                "--roughness is for mirror-like tables; this one holds the scattering of tilted facets as it is: leave it out",
+            )),
+            (Table::Mirror(table), Some(alpha)) => Ok(Self {
+                channels: channels(&table.wavelength_nm),
+                wavelength_nm: wavelengths(&table.wavelength_nm),
+                values: values_of(table.reflectance_s.len(), &table.rgb, &|i| {
+                    0.5 * (table.reflectance_s[i] + table.reflectance_p[i])
+                }),
+                kind: Kind::Lobe {
+                    ggx: Ggx { alpha },
+                    theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
+                },
+            }),
+            (Table::Scatter(table), None) => {
+                let (bins, count) = (table.layout.bins().count(), table.wavelength_nm.len());
+                let spectral = |i: usize| {
+                    let (pair, wavelength) = (i / count, i % count);
+                    table.row(pair / bins, wavelength)[pair % bins]
+                };
+                Ok(Self {
+                    channels: channels(&table.wavelength_nm),
+                    wavelength_nm: wavelengths(&table.wavelength_nm),
+                    values: values_of(table.brdf.len(), &table.rgb, &spectral),
+                    kind: Kind::Scatter(table.layout),
+                })
+            }
+        }
+    }
+
+    /// Where the values come from.
+    #[must_use]
+    pub fn kind(&self) -> &Kind {
+        &self.kind
+    }
+
+    /// The look-up of the values; only a [`Kind::Scatter`] has one.
+    fn lookup(&self, layout: ScatterLayout) -> Lookup<'_> {
+        Lookup::new(&self.values, layout, self.channels).expect("a checked table fits its layout")
+    }
+
+    /// ρ at an angle, linear between the table's and held beyond them.
+    fn interpolate(&self, theta: &[f64], at: f64, out: &mut [f64]) {
+        let above = theta.partition_point(|known| *known < at).clamp(1, theta.len().max(2) - 1).min(theta.len() - 1);
+        let below = above.saturating_sub(1);
+        let width = theta[above] - theta[below];
+        let weight = if width > 0.0 { ((at - theta[below]) / width).clamp(0.0, 1.0) } else { 0.0 };
+        for (c, out) in out.iter_mut().enumerate() {
+            let at = |row: usize| f64::from(self.values[row * self.channels + c]);
+            *out = at(below) + weight * (at(above) - at(below));
+        }
+    }
+
+    /// ρ of a mirror-like table at the half vector's angle.
+    pub(super) fn reflectance(&self, cos_d: f64, out: &mut [f64]) {
+        if let Kind::Lobe { theta, .. } = &self.kind {
+            self.interpolate(theta, cos_d.clamp(0.0, 1.0).acos(), out);
+        }
+    }
+
+    /// f in each channel, in 1/sr; both directions above the horizon.
+    pub fn eval(&self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
+        match &self.kind {
+            Kind::Lobe { ggx, .. } => {
+                let m = (wi + wo).normalize();
+                self.reflectance(wi.dot(m), out);
+                let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);
+                out.iter_mut().for_each(|value| *value *= lobe);
+            }
+            Kind::Scatter(layout) => {
+                let mut values = vec![0.0; self.channels];
+                let single = |w: DVec3| Vec3::new(w.x as f32, w.y as f32, w.z as f32);
+                self.lookup(*layout).eval(single(wi), single(wo), &mut values);
+                out.iter_mut().zip(values).for_each(|(out, value)| *out = f64::from(value));
+            }
+        }
+    }
+}
