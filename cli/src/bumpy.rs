@@ -97,6 +97,13 @@ impl<'s> Bumpy<'s> {
         Error::failed(format_args!("{}: material {}: {error}", self.scene.name, self.scene.media[index].name))
     }
 
+    /// The shortest period in whose direction facets are tilted; infinite for a flat surface.
+    #[must_use]
+    pub fn structured_period_nm(&self) -> f64 {
+        let tilted = |axis: usize| self.facets.iter().any(|facet| facet.normal[axis].abs() > TILT);
+        (0..2).filter(|&axis| tilted(axis)).map(|axis| self.period_nm[axis]).fold(f64::INFINITY, f64::min)
+    }
+
     /// Interfaces that facets have.
     #[must_use]
     pub fn interface_count(&self) -> usize {
@@ -113,11 +120,12 @@ impl<'s> Bumpy<'s> {
     }
 }
 
+/// Normals of horizontal triangles differ by the rounding of single-precision files over the length of an edge.
+const TILT: f64 = 1e-6;
+
 /// Whether a scene has facets that are not horizontal, so that it needs the general tracer.
 #[must_use]
 pub fn has_tilted_facets(scene: &Scene) -> bool {
-    /// Normals of horizontal triangles differ by the rounding of single-precision files over the length of an edge.
-    const TILT: f64 = 1e-6;
     let Shape::Cell { mesh, .. } = &scene.shape else { return false };
     let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
     mesh.triangles.iter().any(|triangle| {

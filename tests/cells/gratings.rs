@@ -71,7 +71,9 @@ fn worst(letter: &str) -> Vec<(f64, f64)> {
             // The angle is printed from a cosine: near the normal its digits halve.
             assert!((order.theta_deg.to_radians().sin() - k_x.abs()).abs() < 1e-7, "direction of order {m}");
             if rigorous > STRONG {
-                worst = worst.max((0.5 * (order.efficiency.s.value + order.efficiency.p.value) - rigorous).abs());
+                let ours = 0.5 * (order.efficiency.s.value + order.efficiency.p.value);
+                println!("    order {m:3}: {ours:.4}, rigorous {rigorous:.4}");
+                worst = worst.max((ours - rigorous).abs());
             }
         }
         println!("{} {} nm {}°: {worst:.4}", grating.name, data.wavelength_nm, data.theta_deg);

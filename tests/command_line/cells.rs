@@ -135,3 +135,11 @@ fn options_that_do_not_apply_are_refused() {
         user.refused(line, 2, &[says]);
     }
 }
+
+#[test]
+fn orders_of_narrow_grooves_come_with_a_warning() {
+    let user = User::new();
+    let warned = user.ok("orders compact-disc --wavelengths 450,650 --rays 1024 --csv cd.csv").stderr;
+    assert!(warned.contains("1600 nm") && warned.contains("unreliable"), "{warned}");
+    assert_eq!(user.ok("orders compact-disc --wavelengths 300 --rays 1024 --csv cd.csv").stderr, "");
+}

@@ -3,10 +3,11 @@
 use crate::args::OrdersArgs;
 use crate::bumpy::Bumpy;
 use crate::commands::{direction, write_csv};
-use crate::diffraction::{Request, default_hits, orders};
+use crate::diffraction::{Request, default_hits, orders, unreliable};
 use crate::error::{Error, Result};
 use crate::grid::Wavelengths;
 use crate::output;
+use crate::progress::remark;
 use crate::scene::load;
 
 pub fn run(args: &OrdersArgs) -> Result<()> {
@@ -24,6 +25,9 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
         threads: args.threads.map_or_else(crate::parallel::available, usize::from),
     };
     let found = orders(&bumpy, direction(args.theta, args.phi)?, wavelengths, &request)?;
+    if let Some(warning) = unreliable(&bumpy, wavelengths) {
+        remark(false, warning);
+    }
     let rows = found.iter().map(|order| {
         let [m, n] = order.index;
         let mut row = vec![m.to_string(), n.to_string(), order.wavelength_nm.to_string()];

@@ -8,10 +8,10 @@ use crate::args::{ScatterArgs, spelled};
 use crate::bumpy::Bumpy;
 use crate::coherent::{scatter_bins, scatter_orders};
 use crate::commands::direction;
-use crate::diffraction::default_hits;
+use crate::diffraction::{default_hits, unreliable};
 use crate::error::{Error, Result};
 use crate::output;
-use crate::progress::bar;
+use crate::progress::{bar, remark};
 use crate::scatter::{BATCHES, Coherence, Estimate, Request, Scattered, scatter};
 use crate::scene::load;
 
@@ -41,6 +41,11 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         }
         request.rays *= 2;
         found = once(&bumpy, wi, args, &request)?;
+    }
+    if request.coherence == Coherence::Cell
+        && let Some(warning) = unreliable(&bumpy, &[args.wavelength])
+    {
+        remark(args.quiet, warning);
     }
     let text = serde_json::to_string_pretty(&report(args, &request, &found)).map_err(Error::failed)?;
     output::write_text(&args.json, &(text + "\n"))
