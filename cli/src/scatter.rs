@@ -127,8 +127,9 @@ impl<V: Lanes> Workspace<V> {
 const _: () = assert!(STATES * size_of::<Slot<State<F32>, Field<F32>>>() <= 64 * 1024);
 const _: () = assert!(STATES * size_of::<Slot<State<F64>, Field<F64>>>() <= 64 * 1024);
 
-/// Paths below this power are no longer split.
-const PATHS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
+/// Paths below this power are no longer split. Less would cost more than it saves in noise: at 80 degrees 0.01 takes the bumpy
+/// soap film 1.7 times as long for the same standard error.
+const PATHS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
 /// Waves in flight below this power are dropped: up to 2√1e-13 = 6e-7 in reflectance for each wave that rings.
 pub(crate) const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 

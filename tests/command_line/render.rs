@@ -112,7 +112,7 @@ fn a_mirror_sphere_shows_the_environment_that_its_directions_say() {
     let size = [64, 32];
     let texel = |x: usize, y: usize| {
         [
-            0.5 + 0.5 * (TAU * x as f32 as f64 / 64.0).sin() as f32,
+            0.5 + 0.5 * (TAU * f64::from(x as u32) / 64.0).sin() as f32,
             y as f32 / 16.0,
             if (x, y) == (40, 9) { 20.0 } else { 0.1 },
         ]
@@ -130,11 +130,11 @@ fn a_mirror_sphere_shows_the_environment_that_its_directions_say() {
         let wi = ray - 2.0 * ray.dot(normal) * normal;
         let (u, v) = (0.5 - wi.y.atan2(wi.x) / TAU, wi.z.clamp(-1.0, 1.0).acos() / PI);
         let (x, y) = (64.0 * u - 0.5, (32.0 * v - 0.5).clamp(0.0, 31.0));
-        for c in 0..3 {
+        for (c, &component) in pixel[..3].iter().enumerate() {
             let at = |i: f64, j: f64| f64::from(texel(i.rem_euclid(64.0) as usize, (j as usize).min(31))[c]);
             let (i, j) = (x.floor(), y.floor());
             let row = |j| at(i, j) + (x - i) * (at(i + 1.0, j) - at(i, j));
-            sum += (row(j) + (y - j) * (row(j + 1.0) - row(j)) - f64::from(pixel[c])).abs();
+            sum += (row(j) + (y - j) * (row(j + 1.0) - row(j)) - f64::from(component)).abs();
             count += 1;
         }
     }
@@ -205,11 +205,11 @@ fn a_scattering_plane_reflects_what_its_table_integrates_to() {
         let (rows, columns) = (400, 800);
         let mut albedo = [0.0; 3];
         for i in 0..rows * columns {
-            let theta = ((i / columns) as f64 + 0.5) / rows as f64 * FRAC_PI_2;
-            let phi = ((i % columns) as f64 + 0.5) / columns as f64 * TAU;
+            let theta = (f64::from(i / columns) + 0.5) / f64::from(rows) * FRAC_PI_2;
+            let phi = (f64::from(i % columns) + 0.5) / f64::from(columns) * TAU;
             let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
             let f = core.rgb(wi.as_vec3(), wo);
-            let share = theta.cos() * theta.sin() * (FRAC_PI_2 / rows as f64) * (TAU / columns as f64);
+            let share = theta.cos() * theta.sin() * (FRAC_PI_2 / f64::from(rows)) * (TAU / f64::from(columns));
             (0..3).for_each(|c| albedo[c] += share * f64::from(f[c]));
         }
         let mean = |env: &str, samples: u32| {
