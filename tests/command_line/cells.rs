@@ -120,6 +120,50 @@ fn every_kind_of_picture_shows_a_cell() {
     user.refused("plot one.exr --kind map -o b.svg", 2, &["--kind map", "one wavelength"]);
 }
 
+/// Rounding of single precision in a sum of four products.
+const ROUNDINGS: f64 = 1e-6;
+
+#[test]
+fn a_reciprocal_table_is_the_mean_of_both_ways() {
+    let user = user();
+    let common = "--incident 8x8 --bins 8x16 --rays 256 --wavelengths 550 --coherence none -q";
+    user.ok(&format!("estimate bumps.toml -o traced.exr {common}"));
+    user.ok(&format!("estimate bumps.toml -o mean.exr {common} --reciprocal"));
+    let [traced, mean] = ["traced.exr", "mean.exr"].map(|name| table(&user, name));
+    let layout = traced.layout;
+    let (mut averaged, mut less_noise, mut compared) = (0, 0, 0);
+    for incident in 0..64 {
+        let [theta_i, phi_i] = layout.incident(incident);
+        for bin in 0..128 {
+            let [cos_o, relative] = layout.outgoing(bin);
+            let [there, found] = [&traced, &mean].map(|table| f64::from(table.row(incident, 0)[bin]));
+            // Inside the grid f(wo, wi) can be looked up; outside f stays.
+            let inside = cos_o < layout.incident(0)[0].cos() && cos_o > layout.incident(63)[0].cos();
+            let inside = inside && theta_i.cos() > layout.outgoing(0)[0] && theta_i.cos() < layout.outgoing(127)[0];
+            let expected = if inside {
+                let from = layout.incident_nodes(cos_o.acos() as f32, (phi_i + relative) as f32);
+                let to = layout.outgoing_nodes(theta_i.cos() as f32, -relative as f32);
+                let pairs = from.iter().flat_map(|i| to.map(|o| (i, o)));
+                let back: f64 =
+                    pairs.map(|(i, o)| f64::from(i.weight * o.weight * traced.row(i.index, 0)[o.index])).sum();
+                averaged += 1;
+                0.5 * (there + back)
+            } else {
+                there
+            };
+            assert!((found - expected).abs() <= ROUNDINGS * (1.0 + expected), "{incident} {bin}: {found} {expected}");
+            let [before, after] = [&traced, &mean].map(|table| table.luminance_error[incident * 128 + bin]);
+            if inside && before > 0.0 {
+                compared += 1;
+                less_noise += usize::from(after < before);
+            }
+        }
+    }
+    assert!(averaged > 2000, "{averaged}");
+    // Errors of both ways are alike on average: the mean has the smaller one nearly everywhere.
+    assert!(less_noise * 10 > compared * 9, "{less_noise} of {compared}");
+}
+
 #[test]
 fn options_that_do_not_apply_are_refused() {
     let user = user();
