@@ -235,7 +235,7 @@ impl<'a, V: Lanes> Polygons<'a, V> {
             }
             _ if evanescent => None,
             Next::Lost => {
-                self.lost += power.s.max(power.p);
+                self.lost += (power.s + power.p) * V::splat(0.5);
                 None
             }
             up_or_down => {
