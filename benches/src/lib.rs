@@ -1,4 +1,7 @@
-//! Stacks that several benches share.
+//! What several benches share.
+
+pub mod clock;
+pub mod random;
 
 use goniochrome::complex::ComplexLanes;
 use goniochrome::interface::{Below, Model};

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Node};
+use goniochrome::bvh::{Bvh, Corners, Node};
 use goniochrome::cell::Facet;
 use goniochrome::interface::{Below, Interface};
 use goniochrome::medium::{Medium, MediumError, MediumIndex};
@@ -33,6 +33,7 @@ pub struct Bumpy<'s> {
 pub struct CellBuffer<'b> {
     nodes: Vec<Node>,
     order: Vec<u32>,
+    corners: Vec<Corners>,
     coatings: Vec<&'b [Film]>,
 }
 
@@ -69,6 +70,7 @@ impl<'s> Bumpy<'s> {
         CellBuffer {
             nodes: vec![Node::default(); Bvh::required_nodes(count)],
             order: vec![0; count],
+            corners: vec![Corners::EMPTY; count],
             coatings: self.coatings.iter().map(Vec::as_slice).collect(),
         }
     }
@@ -78,9 +80,10 @@ impl<'s> Bumpy<'s> {
     /// # Errors
     /// What the core refuses, with the scene's name.
     pub fn cell<'b>(&'b self, buffer: &'b mut CellBuffer<'b>) -> Result<MeshCell<'b>> {
-        let CellBuffer { nodes, order, coatings } = buffer;
+        let CellBuffer { nodes, order, corners, coatings } = buffer;
         let named = |error: &dyn std::fmt::Display| Error::failed(format_args!("{}: {error}", self.scene.name));
-        let bvh = Bvh::build(&self.vertices, &self.triangles, nodes, order).map_err(|error| named(&error))?;
+        let bvh =
+            Bvh::build(&self.vertices, &self.triangles, nodes, order, corners).map_err(|error| named(&error))?;
         MeshCell::new(bvh, &self.facet_of, &self.facets, &self.interfaces, self.period_nm, self.above)
             .and_then(|cell| cell.with_coatings(coatings))
             .map_err(|error| named(&error))

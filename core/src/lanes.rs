@@ -21,6 +21,11 @@ pub type F32 = width::Single;
 /// Double precision: half as many.
 pub type F64 = width::Double;
 
+/// Eight boxes of the bounding volume hierarchy.
+pub(crate) type Eight = wide::f32x8;
+/// The corners of a triangle, and a place left over.
+pub(crate) type Four = wide::f64x4;
+
 /// The instruction set that was compiled in, for `--version` and the C interface.
 #[must_use]
 pub const fn simd_level() -> &'static str {

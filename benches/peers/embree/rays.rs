@@ -1,43 +1,47 @@
-//! `rays FOLDER REPEATS`: traces the primary rays of the default camera on the teapot, one thread, and writes mesh, rays and hits
-//! as raw little-endian arrays for another program to repeat; prints seconds as JSON.
+//! `rays FOLDER REPEATS LEVEL primary|incoherent`: traces rays on a teapot of `LEVEL`² quads a patch, one thread, and writes mesh,
+//! rays and hits as raw little-endian arrays for another program to repeat; prints seconds as JSON.
+//!
+//! Primary rays are those of the default camera. Incoherent ones start at random points of the mesh's bounding sphere and run
+//! through random points of its box, in random order.
 
 use std::env;
 use std::error::Error;
+use std::f64::consts::TAU;
 use std::fs;
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use goniochrome::bvh::{Bvh, Node, Ray};
+use glam::DVec3;
+use goniochrome::bvh::{Bvh, Corners, Hit, Node, Ray};
+use goniochrome_benches::clock::processor_time;
+use goniochrome_benches::random::Random;
 use goniochrome_cli::render::camera::{Camera, View};
-use goniochrome_cli::render::mesh::{DEFAULT_LEVEL, Mesh};
+use goniochrome_cli::render::mesh::Mesh;
+
+const INCOHERENT: usize = 1 << 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let [folder, repeats] = &arguments[..] else { return Err("usage: rays FOLDER REPEATS".into()) };
-    let mesh = Mesh::teapot(DEFAULT_LEVEL);
+    let [folder, repeats, level, kind] = &arguments[..] else {
+        return Err("usage: rays FOLDER REPEATS LEVEL primary|incoherent".into());
+    };
+    let mesh = Mesh::teapot(level.parse()?);
     let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(mesh.triangles.len())];
     let mut order = vec![0; mesh.triangles.len()];
+    let mut corners = vec![Corners::EMPTY; mesh.triangles.len()];
     let start = Instant::now();
-    let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order)?;
+    let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners)?;
     let build = start.elapsed().as_secs_f64();
 
-    let (centre, radius) = mesh.bounding_sphere();
-    let camera = Camera::new(&View::default(), centre, radius)?;
-    let [width, height] = camera.size;
-    let middle = |i: u32| (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
-    let rays: Vec<Ray> = (0..width * height)
-        .map(|i| {
-            let (x, y) = middle(i);
-            Ray { origin: camera.eye, direction: camera.direction(x, y), t_min: 0.0, t_max: f64::INFINITY }
-        })
-        .collect();
+    // Both programs shall see the same rays, and the other one sees single precision.
+    let rays: Vec<Ray> = if kind == "primary" { primary(&mesh)? } else { incoherent(&mesh) };
     let mut seconds = Vec::new();
-    let mut hits = Vec::new();
+    let mut hits: Vec<Option<Hit>> = Vec::new();
     for _ in 0..repeats.parse::<usize>()? {
-        let start = Instant::now();
-        hits = black_box(&rays).iter().map(|ray| bvh.closest(ray, |_| true)).collect();
-        seconds.push(start.elapsed().as_secs_f64());
+        let (found, time) = processor_time(|| black_box(&rays).iter().map(|ray| bvh.closest(ray, |_| true)).collect());
+        hits = found;
+        seconds.push(time.as_secs_f64());
     }
 
     let write = |name: &str, bytes: Vec<u8>| fs::write(Path::new(folder).join(name), bytes);
@@ -46,8 +50,43 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     write("vertices.f32", points(&mut mesh.positions.iter().map(|p| p.to_array())))?;
     write("triangles.i32", mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect())?;
+    write("origins.f32", points(&mut rays.iter().map(|ray| ray.origin.to_array())))?;
     write("directions.f32", points(&mut rays.iter().map(|ray| ray.direction.to_array())))?;
     write("distances.f64", hits.iter().flat_map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t).to_le_bytes()).collect())?;
-    println!("{}", serde_json::json!({ "seconds": seconds, "build": build, "eye": camera.eye.to_array() }));
+    println!("{}", serde_json::json!({ "seconds": seconds, "build": build }));
     Ok(())
+}
+
+fn ray(origin: DVec3, direction: DVec3) -> Ray {
+    let single = |v: DVec3| v.as_vec3().as_dvec3();
+    Ray { origin: single(origin), direction: single(direction), t_min: 0.0, t_max: f64::INFINITY }
+}
+
+fn primary(mesh: &Mesh) -> Result<Vec<Ray>, Box<dyn Error>> {
+    let (centre, radius) = mesh.bounding_sphere();
+    let camera = Camera::new(&View::default(), centre, radius)?;
+    let [width, height] = camera.size;
+    let middle = |i: u32| (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
+    Ok((0..width * height)
+        .map(|i| {
+            let (x, y) = middle(i);
+            ray(camera.eye, camera.direction(x, y))
+        })
+        .collect())
+}
+
+fn incoherent(mesh: &Mesh) -> Vec<Ray> {
+    let (centre, radius) = mesh.bounding_sphere();
+    let least = mesh.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let most = mesh.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let mut random = Random::new(1);
+    (0..INCOHERENT)
+        .map(|_| {
+            let (z, phi) = (2.0 * random.unit() - 1.0, TAU * random.unit());
+            let s = (1.0 - z * z).sqrt();
+            let from = centre + radius * DVec3::new(s * phi.cos(), s * phi.sin(), z);
+            let through = DVec3::new(random.unit(), random.unit(), random.unit());
+            ray(from, (least + through * (most - least) - from).normalize())
+        })
+        .collect()
 }

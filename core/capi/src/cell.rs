@@ -6,7 +6,7 @@ use crate::stack::GONIO_MIRROR;
 use crate::status::{Status, answer};
 use glam::DVec3;
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Node};
+use goniochrome::bvh::{Bvh, Corners, Node};
 use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
 use goniochrome::complex::ComplexLanes;
@@ -128,6 +128,7 @@ pub extern "C" fn gonio_cell_memory_size(triangle_count: usize, interface_count:
     let sizes = [
         room_for::<Node>(Bvh::required_nodes(triangle_count)),
         room_for::<u32>(triangle_count),
+        room_for::<Corners>(triangle_count),
         room_for::<u32>(triangle_count),
         room_for::<Facet>(triangle_count),
         room_for::<CoreInterface>(interface_count),
@@ -194,6 +195,7 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
     let count = triangles.len();
     let nodes = block.take(Bvh::required_nodes(count), |_| Node::EMPTY)?;
     let order = block.take(count, |_| 0)?;
+    let corners = block.take(count, |_| Corners::EMPTY)?;
     let facet_of = block.take(count, |_| 0)?;
     let facets = block.take(count, |_| Facet::horizontal(0.0, 0))?;
     for interface in interfaces {
@@ -208,7 +210,7 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
     let interfaces = block.take(interfaces.len(), |i| interfaces.get(i).map_or(none, core_interface))?;
     let ambient = media.index(mesh.ambient)?;
 
-    let bvh = Bvh::build(vertices, triangles, nodes, order)?;
+    let bvh = Bvh::build(vertices, triangles, nodes, order, corners)?;
     let found = group(vertices, triangles, kinds, facet_of, facets)?;
     let facets = facets.get(..found).ok_or(Status::Memory)?;
     let cell = MeshCell::new(bvh, facet_of, facets, interfaces, mesh.period_nm, ambient)?;

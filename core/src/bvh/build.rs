@@ -1,6 +1,6 @@
 //! Construction: ranges of `order` are split in place until they are leaves.
 
-use super::{Bvh, BvhError, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH, corners};
+use super::{Bvh, BvhError, Corners, Frame, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH, vertices_of};
 use core::cmp::Ordering;
 use glam::DVec3;
 
@@ -11,16 +11,18 @@ pub(super) fn build<'a>(
     vertices: &'a [DVec3],
     triangles: &'a [[u32; 3]],
     nodes: &'a mut [Node],
-    order: &'a mut [u32],
+    order: &mut [u32],
+    corners: &'a mut [Corners],
 ) -> Result<Bvh<'a>, BvhError> {
     check(vertices, triangles)?;
     let required = Bvh::required_nodes(triangles.len());
-    if nodes.len() < required || order.len() < triangles.len() {
-        return Err(BvhError::Memory { nodes: required, order: triangles.len() });
+    let memory = BvhError::Memory { nodes: required, order: triangles.len() };
+    if nodes.len() < required || order.len().min(corners.len()) < triangles.len() {
+        return Err(memory);
     }
     let mut kept = 0;
     for triangle in 0..triangles.len() as u32 {
-        let [a, b, c] = corners(vertices, triangles, triangle);
+        let [a, b, c] = vertices_of(vertices, triangles, triangle);
         // Scaled, so that the product of small edges does not underflow.
         let (ab, ac) = (b - a, c - a);
         let (length_ab, length_ac) = (ab.abs().max_element(), ac.abs().max_element());
@@ -31,21 +33,21 @@ pub(super) fn build<'a>(
             kept += 1;
         }
     }
-    let memory = BvhError::Memory { nodes: required, order: triangles.len() };
     let order = order.get_mut(..kept).ok_or(memory)?;
-    let mut builder = Builder { vertices, triangles, order, centre: DVec3::ZERO };
+    let mut builder = Builder { vertices, triangles, order, frame: Frame { centre: DVec3::ZERO, radius: 1.0 } };
     let root = builder.measure(0, kept);
     let size = root.bounds.high - root.bounds.low;
-    let (centre, radius) = if kept == 0 {
-        (DVec3::ZERO, 0.0)
-    } else {
-        // Half an extent, and the rounding of the centre.
-        (root.bounds.low + 0.5 * size, (0.5 + f64::EPSILON) * size.max_element())
-    };
-    builder.centre = centre;
+    if kept > 0 {
+        builder.frame = Frame { centre: root.bounds.low + 0.5 * size, radius: 0.5 * size.max_element() };
+    }
+    let frame = builder.frame;
     let used = builder.split_all(root, nodes);
     let nodes = nodes.get(..used).ok_or(memory)?;
-    Ok(Bvh { vertices, triangles, nodes, order, centre, radius })
+    let corners = corners.get_mut(..kept).ok_or(memory)?;
+    for (corners, &triangle) in corners.iter_mut().zip(&*order) {
+        *corners = Corners::new(vertices_of(vertices, triangles, triangle), triangle);
+    }
+    Ok(Bvh { vertices, triangles, nodes, corners, frame })
 }
 
 fn check(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), BvhError> {
@@ -139,7 +141,7 @@ struct Builder<'b> {
     vertices: &'b [DVec3],
     triangles: &'b [[u32; 3]],
     order: &'b mut [u32],
-    centre: DVec3,
+    frame: Frame,
 }
 
 impl Builder<'_> {
@@ -154,7 +156,7 @@ impl Builder<'_> {
             self.split_into_children(range, depth, &mut children);
             let mut filled = Node::EMPTY;
             for (i, child) in (0..WIDTH).zip(&children).filter(|(_, child)| child.count() > 0) {
-                self.store_bounds(&child.bounds, i, &mut filled);
+                filled.store(i, child.bounds.low, child.bounds.high, &self.frame);
                 if child.count() <= LEAF_TRIANGLES {
                     filled.first[i] = child.begin as u32;
                     filled.count[i] = child.count() as u32;
@@ -193,19 +195,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Single precision, one step outwards: at least half a step more than the rounding.
-    fn store_bounds(&self, bounds: &Bounds, i: usize, node: &mut Node) {
-        let low = (bounds.low - self.centre).to_array();
-        let high = (bounds.high - self.centre).to_array();
-        for axis in 0..3 {
-            node.bounds[axis][0][i] = (low[axis] as f32).next_down();
-            node.bounds[axis][1][i] = (high[axis] as f32).next_up();
-        }
-    }
-
     #[inline]
     fn bounds(&self, triangle: u32) -> Bounds {
-        let [a, b, c] = corners(self.vertices, self.triangles, triangle);
+        let [a, b, c] = vertices_of(self.vertices, self.triangles, triangle);
         Bounds { low: smaller(a, smaller(b, c)), high: larger(a, larger(b, c)) }
     }
 

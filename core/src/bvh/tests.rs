@@ -3,6 +3,7 @@ extern crate std;
 mod meshes;
 
 use super::*;
+use crate::lanes::Four;
 use meshes::{bumpy_sphere, sheet, slab, soup};
 use std::vec::Vec;
 use std::{print, println, vec};
@@ -12,15 +13,16 @@ use std::{print, println, vec};
 struct Mesh(Vec<DVec3>, Vec<[u32; 3]>);
 
 /// The memory of a hierarchy.
-struct Memory(Vec<Node>, Vec<u32>);
+struct Memory(Vec<Node>, Vec<u32>, Vec<Corners>);
 
 impl Mesh {
     fn memory(&self) -> Memory {
-        Memory(vec![Node::EMPTY; Bvh::required_nodes(self.1.len())], vec![0; self.1.len()])
+        let count = self.1.len();
+        Memory(vec![Node::EMPTY; Bvh::required_nodes(count)], vec![0; count], vec![Corners::EMPTY; count])
     }
 
     fn bvh<'a>(&'a self, memory: &'a mut Memory) -> Bvh<'a> {
-        let bvh = Bvh::build(&self.0, &self.1, &mut memory.0, &mut memory.1).unwrap();
+        let bvh = Bvh::build(&self.0, &self.1, &mut memory.0, &mut memory.1, &mut memory.2).unwrap();
         check_structure(&bvh);
         bvh
     }
@@ -65,7 +67,7 @@ impl Random {
 
 /// Depth within bounds, every triangle in one leaf, every box around its triangles. Returns the depth.
 fn check_structure(bvh: &Bvh) -> usize {
-    let mut seen = vec![false; bvh.order.len()];
+    let mut seen = vec![false; bvh.corners.len()];
     let (mut deepest, mut visited) = (0, 0);
     let all = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
     let mut waiting = vec![(0usize, 1usize, all)];
@@ -85,19 +87,19 @@ fn check_structure(bvh: &Bvh) -> usize {
             if count == 0 {
                 waiting.push((first, depth + 1, inner));
             }
-            for (seen, &triangle) in seen[first..][..count].iter_mut().zip(&bvh.order[first..]) {
+            for (seen, corners) in seen[first..][..count].iter_mut().zip(&bvh.corners[first..]) {
                 assert!(!core::mem::replace(seen, true));
-                for vertex in bvh.triangles[triangle as usize] {
-                    let v = (bvh.vertices[vertex as usize] - bvh.centre).to_array();
+                for vertex in bvh.triangles[corners.triangle() as usize] {
+                    let v = ((bvh.vertices[vertex as usize] - bvh.frame.centre) / bvh.frame.radius).to_array();
                     assert!((0..3).all(|axis| inner[0][axis] < v[axis] && v[axis] < inner[1][axis]));
                 }
             }
         }
     }
-    let mut order = bvh.order.to_vec();
+    let mut order: Vec<u32> = bvh.corners.iter().map(Corners::triangle).collect();
     order.sort_unstable();
     order.dedup();
-    assert_eq!(order.len(), bvh.order.len());
+    assert_eq!(order.len(), bvh.corners.len());
     assert!(seen.iter().all(|&s| s));
     assert_eq!(visited, bvh.nodes.len());
     assert!(deepest <= MAX_DEPTH);
@@ -111,12 +113,12 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
 /// The same triangle test, on every triangle.
 fn closest_of_all(mesh: &Mesh, ray: &Ray) -> Option<Hit> {
     let hit = |&[a, b, c]: &[u32; 3]| {
-        let [a, b, c] = [a, b, c].map(|v| mesh.0[v as usize]);
+        let corners = Corners::new([a, b, c].map(|v| mesh.0[v as usize]), 0);
         let d = ray.direction.abs();
         match () {
-            () if d.z >= d.x && d.z >= d.y => Shear::<2>::new(ray).intersect(a, b, c),
-            () if d.y >= d.x => Shear::<1>::new(ray).intersect(a, b, c),
-            () => Shear::<0>::new(ray).intersect(a, b, c),
+            () if d.z >= d.x && d.z >= d.y => Shear::<2>::new(ray).intersect(&corners),
+            () if d.y >= d.x => Shear::<1>::new(ray).intersect(&corners),
+            () => Shear::<0>::new(ray).intersect(&corners),
         }
     };
     let hits = (0..).zip(&mesh.1).filter_map(|(triangle, t)| hit(t).map(|(t, front)| Hit { triangle, t, front }));
@@ -249,10 +251,13 @@ fn boxes_thinner_than_a_rounding_are_not_missed() {
 #[test]
 fn equal_products_are_told_apart() {
     // (1 + ε)(1 − ε) rounds to 1.
-    let (p, q) = ([1.0 + f64::EPSILON, 1.0, 0.0], [1.0, 1.0 - f64::EPSILON, 0.0]);
-    assert!(cross(p, q) < 0.0);
-    assert_eq!(cross(q, p), -cross(p, q));
-    assert_eq!(cross(p, p), 0.0);
+    let crosses = |x, y| corners::crosses(Four::new(x), Four::new(y)).to_array();
+    let (x, y) = ([1.0, 1.0 + f64::EPSILON, 0.0, 0.0], [1.0 - f64::EPSILON, 1.0, 0.0, 0.0]);
+    let [_, _, b_a, _] = crosses(x, y);
+    assert!(b_a < 0.0);
+    let turned = |[a, b, c, none]: [f64; 4]| [b, a, c, none];
+    assert_eq!(crosses(turned(x), turned(y))[2], -b_a);
+    assert_eq!(crosses([x[0]; 4], [y[0]; 4]), [0.0; 4]);
 }
 
 #[test]
@@ -397,7 +402,7 @@ fn triangles_without_area_are_never_hit() {
     let mesh = Mesh(vertices, [flat, vec![[0, 1, 3], [0, 1, 5]]].concat());
     let mut memory = mesh.memory();
     let bvh = mesh.bvh(&mut memory);
-    assert_eq!(bvh.order.len(), 2);
+    assert_eq!(bvh.corners.len(), 2);
     assert!(rays().filter_map(|ray| bvh.closest(&ray, |_| true)).all(|hit| hit.triangle >= 5));
     assert!(rays().any(|ray| bvh.closest(&ray, |_| true).is_some()));
 }
@@ -432,7 +437,7 @@ fn depth_is_bounded_whatever_the_mesh() {
 fn what_is_wrong_is_named() {
     let mesh = sheet(4);
     let refuse = |vertices: &[DVec3], triangles: &[[u32; 3]], nodes: usize, order: usize| {
-        Bvh::build(vertices, triangles, &mut vec![Node::EMPTY; nodes], &mut vec![0; order]).err()
+        Bvh::build(vertices, triangles, &mut vec![Node::EMPTY; nodes], &mut vec![0; order], &mut vec![Corners::EMPTY; order]).err()
     };
     assert_eq!(refuse(&mesh.0, &[], 10, 10), Some(BvhError::Empty));
     let required = Bvh::required_nodes(32);
@@ -470,7 +475,7 @@ fn timing() {
         let mesh = sheet(cells);
         let mut memory = mesh.memory();
         let start = std::time::Instant::now();
-        let bvh = Bvh::build(&mesh.0, &mesh.1, &mut memory.0, &mut memory.1).unwrap();
+        let bvh = Bvh::build(&mesh.0, &mesh.1, &mut memory.0, &mut memory.1, &mut memory.2).unwrap();
         print!(
             "{} triangles, {} nodes: built in {:.3} s",
             mesh.1.len(),

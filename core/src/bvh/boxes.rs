@@ -1,0 +1,155 @@
+//! Boxes of a node's children, and rays made ready to be tested against them.
+
+use super::{Entry, Frame, Ray, Stack, WIDTH};
+use crate::lanes::Eight;
+use glam::DVec3;
+
+/// Half the distance from 1 to the next number in single precision.
+const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
+
+/// Widening of the boxes: of single precision, in units of its roundoff and of what is at hand in the frame's units (the mesh,
+/// 1, plus the ray's nearest approach), the ray's nearest approach is rounded by 1, its components and their inverses by 2,
+/// differences and products by 2, on either side; together 10, held by 16.
+const BOX_SLACK: f64 = 16.0 * ROUNDOFF;
+/// The same for the parameter, where a ray has crossed the mesh at the latest.
+const PARAMETER_SLACK: f64 = 64.0 * ROUNDOFF;
+/// Of double precision, which carries the origin to the nearest approach: in units of the distance from there.
+const ORIGIN_SLACK: f64 = 8.0 * f64::EPSILON;
+/// Components below this, of a direction whose largest is 1, are raised to it: within the mesh the ray moves by less than the
+/// slack.
+const LEAST_COMPONENT: f64 = 1e-20;
+
+/// Boxes of the children, in single precision and units of the frame.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Node {
+    /// Of each axis, the lower and the upper bounds of the children.
+    pub(super) bounds: [[[f32; WIDTH]; 2]; 3],
+    /// A node, or the first of the corners if `count` is not 0.
+    pub(super) first: [u32; WIDTH],
+    /// Triangles of a leaf; 0 for a node.
+    pub(super) count: [u32; WIDTH],
+}
+
+const _: () = assert!(size_of::<Node>() == 32 * WIDTH);
+
+impl Node {
+    /// A node without children: no ray enters an inverted box.
+    pub const EMPTY: Self = Self {
+        bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
+        first: [0; WIDTH],
+        count: [0; WIDTH],
+    };
+
+    /// Single precision, one step outwards: at least half a step more than the rounding.
+    pub(super) fn store(&mut self, i: usize, low: DVec3, high: DVec3, frame: &Frame) {
+        let place = |corner: DVec3| ((corner - frame.centre) / frame.radius).to_array();
+        let (low, high) = (place(low), place(high));
+        for (axis, [lower, upper]) in self.bounds.iter_mut().enumerate() {
+            if let (Some(lower), Some(upper)) = (lower.get_mut(i), upper.get_mut(i)) {
+                *lower = (low[axis] as f32).next_down();
+                *upper = (high[axis] as f32).next_up();
+            }
+        }
+    }
+}
+
+impl Default for Node {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+/// A ray made ready for box tests: in units of the frame, from where it is nearest to the middle of the mesh, its direction
+/// scaled to a largest component of 1.
+pub(super) struct Slabs {
+    first: Eight,
+    /// 1/direction.
+    inverse: [Eight; 3],
+    /// The nearest approach, moved forwards and backwards by the slack.
+    origin_near: [Eight; 3],
+    origin_far: [Eight; 3],
+    /// Of each axis, which of the bounds the ray meets first: 1, the upper, if it runs downwards.
+    near_side: [usize; 3],
+    /// Parameter of the box tests per t, and where the former is 0.
+    scale: f64,
+    shift: f64,
+}
+
+impl Slabs {
+    #[inline]
+    pub(super) fn new(ray: &Ray, frame: &Frame) -> Self {
+        let length = ray.direction.abs().max_element();
+        let direction = ray.direction / length;
+        let origin = (ray.origin - frame.centre) / frame.radius;
+        let shift = -origin.dot(direction) / direction.dot(direction);
+        let nearest = origin + shift * direction;
+        let slack = BOX_SLACK * (1.0 + nearest.abs().max_element()) + ORIGIN_SLACK * origin.abs().max_element();
+        let component = |d: f64| if d.abs() < LEAST_COMPONENT { LEAST_COMPONENT.copysign(d) } else { d };
+        let direction = direction.to_array().map(component);
+        let nearest = nearest.to_array();
+        let moved = |by: f64| {
+            core::array::from_fn(|axis| Eight::splat((nearest[axis] + by.copysign(by * direction[axis])) as f32))
+        };
+        let mut slabs = Self {
+            first: Eight::splat(0.0),
+            inverse: direction.map(|d| Eight::splat((1.0 / d) as f32)),
+            origin_near: moved(slack),
+            origin_far: moved(-slack),
+            near_side: direction.map(|d| usize::from(d < 0.0)),
+            scale: length / frame.radius,
+            shift,
+        };
+        slabs.first = Eight::splat(slabs.parameter(ray.t_min, -1.0));
+        slabs
+    }
+
+    /// Parameter of the box tests at t, moved by the slack.
+    #[inline]
+    fn parameter(&self, t: f64, side: f64) -> f32 {
+        let at = t * self.scale - self.shift;
+        let slack = PARAMETER_SLACK * (1.0 + at.abs()) + ORIGIN_SLACK * self.shift.abs();
+        (if at.is_finite() { at + side * slack } else { at }) as f32
+    }
+
+    /// The parameter at which boxes must be entered for a hit before t.
+    #[inline]
+    pub(super) fn last(&self, t: f64) -> f32 {
+        self.parameter(t, 1.0)
+    }
+
+    /// The child of `node` that the ray enters first, before `far`; the others that it enters go to the stack, the nearest last.
+    #[inline]
+    pub(super) fn enter(&self, node: &Node, far: f32, stack: &mut Stack) -> Option<Entry> {
+        let mut near = self.first;
+        let mut last = Eight::splat(far);
+        for axis in 0..3 {
+            let side = self.near_side[axis] & 1;
+            let plane = |side: usize| Eight::new(node.bounds[axis][side]);
+            // Empty boxes are infinite and stay so; nothing here is NaN.
+            near = near.fast_max((plane(side) - self.origin_near[axis]) * self.inverse[axis]);
+            last = last.fast_min((plane(1 - side) - self.origin_far[axis]) * self.inverse[axis]);
+        }
+        let mut entered = near.simd_le(last).to_bitmask();
+        if entered == 0 {
+            return None;
+        }
+        let near = near.to_array();
+        let mut next = || {
+            let i = entered.trailing_zeros() as usize % WIDTH;
+            entered &= entered - 1;
+            (Entry { near: near[i], first: node.first[i], count: node.count[i] }, entered != 0)
+        };
+        let (mut nearest, mut more) = next();
+        let base = stack.height;
+        while more {
+            let (entry, after) = next();
+            let (closer, farther) = if entry.near < nearest.near { (entry, nearest) } else { (nearest, entry) };
+            nearest = closer;
+            stack.push(farther);
+            stack.sink(base);
+            more = after;
+        }
+        Some(nearest)
+    }
+}
