@@ -82,8 +82,7 @@ impl<'s> Bumpy<'s> {
     pub fn cell<'b>(&'b self, buffer: &'b mut CellBuffer<'b>) -> Result<MeshCell<'b>> {
         let CellBuffer { nodes, order, corners, coatings } = buffer;
         let named = |error: &dyn std::fmt::Display| Error::failed(format_args!("{}: {error}", self.scene.name));
-        let bvh =
-            Bvh::build(&self.vertices, &self.triangles, nodes, order, corners).map_err(|error| named(&error))?;
+        let bvh = Bvh::build(&self.vertices, &self.triangles, nodes, order, corners).map_err(|error| named(&error))?;
         MeshCell::new(bvh, &self.facet_of, &self.facets, &self.interfaces, self.period_nm, self.above)
             .and_then(|cell| cell.with_coatings(coatings))
             .map_err(|error| named(&error))

@@ -1,6 +1,6 @@
 //! Boxes of a node's children, and rays made ready to be tested against them.
 
-use super::{Entry, Frame, Ray, Stack, WIDTH};
+use super::{Child, Entry, Frame, Ray, Stack, WIDTH};
 use crate::lanes::Eight;
 use glam::DVec3;
 
@@ -21,29 +21,21 @@ const LEAST_COMPONENT: f64 = 1e-20;
 
 /// Boxes of the children, in single precision and units of the frame.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
+#[repr(C, align(32))]
 pub struct Node {
     /// Of each axis, the lower and the upper bounds of the children.
     pub(super) bounds: [[[f32; WIDTH]; 2]; 3],
-    /// A node, or the first of the corners if `count` is not 0.
-    pub(super) first: [u32; WIDTH],
-    /// Triangles of a leaf; 0 for a node.
-    pub(super) count: [u32; WIDTH],
+    pub(super) children: [Child; WIDTH],
 }
-
-const _: () = assert!(size_of::<Node>() == 32 * WIDTH);
 
 impl Node {
     /// A node without children: no ray enters an inverted box.
-    pub const EMPTY: Self = Self {
-        bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
-        first: [0; WIDTH],
-        count: [0; WIDTH],
-    };
+    pub const EMPTY: Self =
+        Self { bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], children: [Child::ROOT; WIDTH] };
 
     /// Single precision, one step outwards: at least half a step more than the rounding.
     pub(super) fn store(&mut self, i: usize, low: DVec3, high: DVec3, frame: &Frame) {
-        let place = |corner: DVec3| ((corner - frame.centre) / frame.radius).to_array();
+        let place = |corner: DVec3| ((corner - frame.centre) * frame.scale).to_array();
         let (low, high) = (place(low), place(high));
         for (axis, [lower, upper]) in self.bounds.iter_mut().enumerate() {
             if let (Some(lower), Some(upper)) = (lower.get_mut(i), upper.get_mut(i)) {
@@ -80,28 +72,25 @@ impl Slabs {
     #[inline]
     pub(super) fn new(ray: &Ray, frame: &Frame) -> Self {
         let length = ray.direction.abs().max_element();
-        let direction = ray.direction / length;
-        let origin = (ray.origin - frame.centre) / frame.radius;
+        let direction = ray.direction * (1.0 / length);
+        let origin = (ray.origin - frame.centre) * frame.scale;
         let shift = -origin.dot(direction) / direction.dot(direction);
         let nearest = origin + shift * direction;
         let slack = BOX_SLACK * (1.0 + nearest.abs().max_element()) + ORIGIN_SLACK * origin.abs().max_element();
         let component = |d: f64| if d.abs() < LEAST_COMPONENT { LEAST_COMPONENT.copysign(d) } else { d };
         let direction = direction.to_array().map(component);
+        let forwards = direction.map(|d| slack.copysign(d));
         let nearest = nearest.to_array();
-        let moved = |by: f64| {
-            core::array::from_fn(|axis| Eight::splat((nearest[axis] + by.copysign(by * direction[axis])) as f32))
-        };
-        let mut slabs = Self {
-            first: Eight::splat(0.0),
-            inverse: direction.map(|d| Eight::splat((1.0 / d) as f32)),
-            origin_near: moved(slack),
-            origin_far: moved(-slack),
+        let slabs = Self {
+            first: Eight::ZERO,
+            inverse: direction.map(|d| Eight::splat(1.0 / d as f32)),
+            origin_near: core::array::from_fn(|axis| Eight::splat((nearest[axis] + forwards[axis]) as f32)),
+            origin_far: core::array::from_fn(|axis| Eight::splat((nearest[axis] - forwards[axis]) as f32)),
             near_side: direction.map(|d| usize::from(d < 0.0)),
-            scale: length / frame.radius,
+            scale: length * frame.scale,
             shift,
         };
-        slabs.first = Eight::splat(slabs.parameter(ray.t_min, -1.0));
-        slabs
+        Self { first: Eight::splat(slabs.parameter(ray.t_min, -1.0)), ..slabs }
     }
 
     /// Parameter of the box tests at t, moved by the slack.
@@ -120,7 +109,7 @@ impl Slabs {
 
     /// The child of `node` that the ray enters first, before `far`; the others that it enters go to the stack, the nearest last.
     #[inline]
-    pub(super) fn enter(&self, node: &Node, far: f32, stack: &mut Stack) -> Option<Entry> {
+    pub(super) fn enter(&self, node: &Node, far: f32, stack: &mut Stack) -> Option<Child> {
         let mut near = self.first;
         let mut last = Eight::splat(far);
         for axis in 0..3 {
@@ -138,7 +127,7 @@ impl Slabs {
         let mut next = || {
             let i = entered.trailing_zeros() as usize % WIDTH;
             entered &= entered - 1;
-            (Entry { near: near[i], first: node.first[i], count: node.count[i] }, entered != 0)
+            (Entry { near: near[i], child: node.children[i] }, entered != 0)
         };
         let (mut nearest, mut more) = next();
         let base = stack.height;
@@ -150,6 +139,6 @@ impl Slabs {
             stack.sink(base);
             more = after;
         }
-        Some(nearest)
+        Some(nearest.child)
     }
 }

@@ -1,6 +1,9 @@
 //! Construction: ranges of `order` are split in place until they are leaves.
 
-use super::{Bvh, BvhError, Corners, Frame, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH, vertices_of};
+use super::{
+    Bvh, BvhError, COUNTS, Child, Corners, Frame, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH,
+    vertices_of,
+};
 use core::cmp::Ordering;
 use glam::DVec3;
 
@@ -34,11 +37,11 @@ pub(super) fn build<'a>(
         }
     }
     let order = order.get_mut(..kept).ok_or(memory)?;
-    let mut builder = Builder { vertices, triangles, order, frame: Frame { centre: DVec3::ZERO, radius: 1.0 } };
+    let mut builder = Builder { vertices, triangles, order, frame: Frame { centre: DVec3::ZERO, scale: 1.0 } };
     let root = builder.measure(0, kept);
     let size = root.bounds.high - root.bounds.low;
     if kept > 0 {
-        builder.frame = Frame { centre: root.bounds.low + 0.5 * size, radius: 0.5 * size.max_element() };
+        builder.frame = Frame { centre: root.bounds.low + 0.5 * size, scale: 2.0 / size.max_element() };
     }
     let frame = builder.frame;
     let used = builder.split_all(root, nodes);
@@ -54,8 +57,7 @@ fn check(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), BvhError> {
     if triangles.is_empty() {
         return Err(BvhError::Empty);
     }
-    // The last index marks a ray that has hit nothing.
-    if u32::try_from(triangles.len()).is_err() {
+    if triangles.len() > (u32::MAX / COUNTS) as usize {
         return Err(BvhError::TooMany);
     }
     // NaN is not in the range either.
@@ -158,10 +160,9 @@ impl Builder<'_> {
             for (i, child) in (0..WIDTH).zip(&children).filter(|(_, child)| child.count() > 0) {
                 filled.store(i, child.bounds.low, child.bounds.high, &self.frame);
                 if child.count() <= LEAF_TRIANGLES {
-                    filled.first[i] = child.begin as u32;
-                    filled.count[i] = child.count() as u32;
+                    filled.children[i] = Child::leaf(child.begin, child.count());
                 } else if let Some(task) = tasks.get_mut(waiting) {
-                    filled.first[i] = used as u32;
+                    filled.children[i] = Child::node(used);
                     *task = Task { range: *child, node: used, depth: depth + 1 };
                     waiting += 1;
                     used += 1;

@@ -1,6 +1,6 @@
 //! Triangles as leaves hold them, and rays made ready to be tested against them.
 
-use super::Ray;
+use super::{Hit, LEAF_TRIANGLES, Ray};
 use crate::lanes::Four;
 use glam::DVec3;
 
@@ -10,7 +10,8 @@ use glam::DVec3;
 pub struct Corners {
     /// x, y and z of each corner; the last column is 0.
     coordinates: [[f64; 4]; 3],
-    triangle: u32,
+    /// Its index.
+    pub(super) triangle: u32,
 }
 
 impl Corners {
@@ -19,12 +20,6 @@ impl Corners {
 
     pub(super) fn new([a, b, c]: [DVec3; 3], triangle: u32) -> Self {
         Self { coordinates: [[a.x, b.x, c.x, 0.0], [a.y, b.y, c.y, 0.0], [a.z, b.z, c.z, 0.0]], triangle }
-    }
-
-    /// Its index.
-    #[inline]
-    pub(super) fn triangle(&self) -> u32 {
-        self.triangle
     }
 }
 
@@ -37,8 +32,10 @@ impl Default for Corners {
 /// The lanes that hold corners.
 const CORNERS: u32 = 0b111;
 
-/// A ray made ready for triangle tests: the shear that turns it into the axis `KZ`.
-pub(super) struct Shear<const KZ: usize> {
+/// A ray made ready for triangle tests: the shear that turns it into the axis along which it is longest.
+pub(super) struct Shear {
+    /// That axis last.
+    axes: [usize; 3],
     origin: [Four; 3],
     x: Four,
     y: Four,
@@ -47,44 +44,80 @@ pub(super) struct Shear<const KZ: usize> {
     mirrored: bool,
 }
 
-impl<const KZ: usize> Shear<KZ> {
-    /// The axes with `KZ` last.
-    const AXES: [usize; 3] = [(KZ + 1) % 3, (KZ + 2) % 3, KZ % 3];
+/// A leaf as the ray sees it.
+struct Seen {
+    /// u, v and w of each triangle.
+    areas: [Four; LEAF_TRIANGLES],
+    /// Of the corners.
+    z: [Four; LEAF_TRIANGLES],
+    /// Triangles whose areas are of one sign, 0 included.
+    met: u32,
+}
 
+impl Shear {
     #[inline]
     pub(super) fn new(ray: &Ray) -> Self {
-        let [x, y, z] = Self::AXES.map(|axis| ray.direction.to_array()[axis]);
-        Self {
-            origin: Self::AXES.map(|axis| Four::splat(ray.origin.to_array()[axis])),
-            x: Four::splat(x / z),
-            y: Four::splat(y / z),
-            z,
-            mirrored: z < 0.0,
-        }
+        let [x, y, z] = ray.direction.abs().to_array();
+        let axes = if z >= x && z >= y {
+            [0, 1, 2]
+        } else if y >= x {
+            [2, 0, 1]
+        } else {
+            [1, 2, 0]
+        };
+        let [x, y, z] = axes.map(|axis| ray.direction.to_array()[axis]);
+        let origin = axes.map(|axis| Four::splat(ray.origin.to_array()[axis]));
+        Self { axes, origin, x: Four::splat(x / z), y: Four::splat(y / z), z, mirrored: z < 0.0 }
     }
 
-    /// t and whether the front is hit. With the corners projected, u = c × b, v = a × c, w = b × a must be of one
-    /// sign, 0 included; t = (u a_z + v b_z + w c_z)/((u + v + w) d_z).
+    /// Where the ray meets the triangles of a leaf.
     ///
-    /// A corner is projected alike for every triangle that has it.
+    /// With the corners projected, u = c × b, v = a × c, w = b × a must be of one sign, 0 included; t = (u a_z + v b_z + w
+    /// c_z)/((u + v + w) d_z).
     #[inline]
-    pub(super) fn intersect(&self, corners: &Corners) -> Option<(f64, bool)> {
-        let relative = |i: usize| Four::new(corners.coordinates[Self::AXES[i]]) - self.origin[i];
-        let z = relative(2);
-        let (x, y) = (relative(0) - self.x * z, relative(1) - self.y * z);
-        let areas = crosses(x, y);
-        let (below, above) = (areas.simd_lt(Four::ZERO), areas.simd_gt(Four::ZERO));
-        if below.to_bitmask() & CORNERS != 0 && above.to_bitmask() & CORNERS != 0 {
-            return None;
+    pub(super) fn hits<'l>(&self, leaf: &'l [Corners]) -> impl Iterator<Item = Hit> + use<'l> {
+        let Seen { areas, z, mut met } = self.see(leaf);
+        let (length, mirrored) = (self.z, self.mirrored);
+        core::iter::from_fn(move || {
+            while met != 0 {
+                let i = met.trailing_zeros() as usize % LEAF_TRIANGLES;
+                met &= met - 1;
+                let ([u, v, w, _], [a, b, c, _]) = (areas[i].to_array(), z[i].to_array());
+                // Signs are exact, so the sum vanishes only if the triangle is seen edge-on.
+                let sum = u + v + w;
+                if sum != 0.0 {
+                    let t = (u * a + v * b + w * c) / sum / length;
+                    let triangle = leaf.get(i)?.triangle;
+                    return Some(Hit { triangle, t, front: (sum > 0.0) != mirrored });
+                }
+            }
+            None
+        })
+    }
+
+    /// All triangles without a branch, since which are met cannot be foretold.
+    #[inline]
+    fn see(&self, leaf: &[Corners]) -> Seen {
+        let mut seen = Seen { areas: [Four::ZERO; LEAF_TRIANGLES], z: [Four::ZERO; LEAF_TRIANGLES], met: 0 };
+        for i in 0..LEAF_TRIANGLES {
+            let Some(corners) = leaf.get(i) else { break };
+            let [x, y, z] = self.project(corners);
+            let areas = crosses(x, y);
+            let below = areas.simd_lt(Four::ZERO).to_bitmask() & CORNERS;
+            let above = areas.simd_gt(Four::ZERO).to_bitmask() & CORNERS;
+            seen.met |= u32::from(below == 0 || above == 0) << i;
+            seen.areas[i] = areas;
+            seen.z[i] = z;
         }
-        let ([u, v, w, _], [a, b, c, _]) = (areas.to_array(), z.to_array());
-        // Signs are exact, so the sum vanishes only if the triangle is seen edge-on.
-        let sum = u + v + w;
-        if sum == 0.0 {
-            return None;
-        }
-        let t = (u * a + v * b + w * c) / sum / self.z;
-        Some((t, (sum > 0.0) != self.mirrored))
+        seen
+    }
+
+    /// The corners in the frame of the ray. One corner is projected alike for every triangle that has it.
+    #[inline]
+    fn project(&self, corners: &Corners) -> [Four; 3] {
+        let along = |i: usize| Four::new(corners.coordinates.get(self.axes[i]).copied().unwrap_or_default());
+        let [x, y, z] = [along(0) - self.origin[0], along(1) - self.origin[1], along(2) - self.origin[2]];
+        [x - self.x * z, y - self.y * z, z]
     }
 }
 

@@ -35,9 +35,9 @@ const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 /// Coordinates beyond this are refused: boxes and their areas must stay finite.
 const MAX_COORDINATE: f64 = (1u128 << 120) as f64;
 
-// Halving by count gives each child a WIDTHth, rounded up, and places every mesh that 32-bit indices can name.
+// Halving by count gives each child a WIDTHth, rounded up, and places every mesh that a child can name.
 const _: () = assert!(WIDTH.is_power_of_two() && WIDTH >= 2);
-const _: () = assert!((LEAF_TRIANGLES as u128) * (WIDTH as u128).pow(MAX_DEPTH as u32) > u32::MAX as u128);
+const _: () = assert!((LEAF_TRIANGLES as u128) * (WIDTH as u128).pow(MAX_DEPTH as u32) > (u32::MAX / COUNTS) as u128);
 
 /// The half-line origin + t · direction between two parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ pub enum BvhError {
         /// The triangle.
         triangle: usize,
     },
-    /// More triangles than 32 bits count.
+    /// 2²⁹ triangles or more.
     TooMany,
     /// The memory is too small.
     Memory {
@@ -95,7 +95,7 @@ impl core::fmt::Display for BvhError {
             Self::Empty => write!(f, "the mesh has no triangles"),
             Self::NotFinite { vertex } => write!(f, "vertex {vertex} has a coordinate that is not finite or too large"),
             Self::NoVertex { triangle } => write!(f, "triangle {triangle} names a vertex that the mesh does not have"),
-            Self::TooMany => write!(f, "the mesh has more triangles than 32 bits count"),
+            Self::TooMany => write!(f, "the mesh has 536870912 triangles or more"),
             Self::Memory { nodes, order } => {
                 write!(f, "the hierarchy needs memory for {nodes} nodes and {order} triangles")
             }
@@ -120,18 +120,44 @@ pub struct Bvh<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     centre: DVec3,
-    /// Half the largest extent of the mesh; not 0.
-    radius: f64,
+    /// 2 over the largest extent of the mesh.
+    scale: f64,
+}
+
+/// A node, or the corners of a leaf: where they begin, and how many there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Child(u32);
+
+/// Values of a count, 0 to [`LEAF_TRIANGLES`], rounded up to a power of 2.
+const COUNTS: u32 = 8;
+const _: () = assert!(LEAF_TRIANGLES < COUNTS as usize);
+
+impl Child {
+    const ROOT: Self = Self::node(0);
+
+    const fn node(place: usize) -> Self {
+        Self(place as u32 * COUNTS)
+    }
+
+    const fn leaf(first: usize, count: usize) -> Self {
+        Self(first as u32 * COUNTS + count as u32)
+    }
+
+    const fn place(self) -> usize {
+        (self.0 / COUNTS) as usize
+    }
+
+    /// Triangles of a leaf; 0 for a node.
+    const fn count(self) -> usize {
+        (self.0 % COUNTS) as usize
+    }
 }
 
 /// A child whose box the ray enters at `near`.
 #[derive(Clone, Copy)]
 struct Entry {
     near: f32,
-    /// A node, or the first of the corners if `count` is not 0.
-    first: u32,
-    /// Triangles of a leaf; 0 for a node.
-    count: u32,
+    child: Child,
 }
 
 impl<'a> Bvh<'a> {
@@ -169,15 +195,10 @@ impl<'a> Bvh<'a> {
     /// where the ray sees the triangle thinner than the rounding of its vertices.
     #[must_use]
     pub fn closest(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
-        let [x, y, z] = ray.direction.abs().to_array();
-        if !ray.origin.is_finite() || !ray.direction.is_finite() || ray.direction == DVec3::ZERO {
-            None
-        } else if z >= x && z >= y {
-            self.traverse::<2>(ray, accept)
-        } else if y >= x {
-            self.traverse::<1>(ray, accept)
+        if ray.origin.is_finite() && ray.direction.is_finite() && ray.direction != DVec3::ZERO {
+            self.traverse(ray, accept)
         } else {
-            self.traverse::<0>(ray, accept)
+            None
         }
     }
 
@@ -193,36 +214,34 @@ impl<'a> Bvh<'a> {
         self.triangles
     }
 
-    /// [`Bvh::closest`] for rays whose direction is longest along axis `KZ`.
+    /// [`Bvh::closest`] of a ray that has a direction.
     #[inline]
-    fn traverse<const KZ: usize>(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+    fn traverse(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         let slabs = Slabs::new(ray, &self.frame);
-        let shear = Shear::<KZ>::new(ray);
+        let shear = Shear::new(ray);
         let mut stack = Stack::new();
         let mut best = Hit { triangle: u32::MAX, t: ray.t_max, front: false };
         let mut far = slabs.last(best.t);
-        let mut entry = Entry { near: 0.0, first: 0, count: 0 };
+        let mut child = Child::ROOT;
         loop {
-            if entry.count == 0 {
-                let node = self.nodes.get(entry.first as usize).unwrap_or(&Node::EMPTY);
+            if child.count() == 0 {
+                let node = self.nodes.get(child.place()).unwrap_or(&Node::EMPTY);
                 if let Some(nearest) = slabs.enter(node, far, &mut stack) {
-                    entry = nearest;
+                    child = nearest;
                     continue;
                 }
             } else {
-                let first = entry.first as usize;
-                for corners in self.corners.get(first..first + entry.count as usize).unwrap_or_default() {
-                    let Some((t, front)) = shear.intersect(corners) else { continue };
-                    let hit = Hit { triangle: corners.triangle(), t, front };
-                    let nearer = t < best.t || (t == best.t && hit.triangle < best.triangle);
-                    if nearer && t >= ray.t_min && accept(&hit) {
+                let leaf = self.corners.get(child.place()..child.place() + child.count()).unwrap_or_default();
+                for hit in shear.hits(leaf) {
+                    let nearer = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
+                    if nearer && hit.t >= ray.t_min && accept(&hit) {
                         best = hit;
-                        far = slabs.last(t);
+                        far = slabs.last(hit.t);
                     }
                 }
             }
             match stack.pop_before(far) {
-                Some(waiting) => entry = waiting,
+                Some(waiting) => child = waiting,
                 None => return (best.triangle != u32::MAX).then_some(best),
             }
         }
@@ -238,7 +257,7 @@ struct Stack {
 impl Stack {
     #[inline]
     fn new() -> Self {
-        Self { entries: [Entry { near: 0.0, first: 0, count: 0 }; STACK], height: 0 }
+        Self { entries: [Entry { near: 0.0, child: Child::ROOT }; STACK], height: 0 }
     }
 
     #[inline]
@@ -263,19 +282,14 @@ impl Stack {
         }
     }
 
-    #[inline]
-    fn pop(&mut self) -> Option<Entry> {
-        self.height = self.height.checked_sub(1)?;
-        self.entries.get(self.height).copied()
-    }
-
     /// The uppermost that is entered before `far`.
     #[inline]
-    fn pop_before(&mut self, far: f32) -> Option<Entry> {
+    fn pop_before(&mut self, far: f32) -> Option<Child> {
         loop {
-            let entry = self.pop()?;
+            self.height = self.height.checked_sub(1)?;
+            let entry = self.entries.get(self.height)?;
             if entry.near <= far {
-                return Some(entry);
+                return Some(entry.child);
             }
         }
     }

@@ -78,7 +78,7 @@ fn check_structure(bvh: &Bvh) -> usize {
         for i in 0..WIDTH {
             let side = |s: usize| core::array::from_fn(|axis| f64::from(node.bounds[axis][s][i]));
             let inner: [[f64; 3]; 2] = [side(0), side(1)];
-            let (first, count) = (node.first[i] as usize, node.count[i] as usize);
+            let (first, count) = (node.children[i].place(), node.children[i].count());
             if inner[0][0] == f64::INFINITY {
                 assert_eq!(count, 0);
                 continue;
@@ -89,14 +89,14 @@ fn check_structure(bvh: &Bvh) -> usize {
             }
             for (seen, corners) in seen[first..][..count].iter_mut().zip(&bvh.corners[first..]) {
                 assert!(!core::mem::replace(seen, true));
-                for vertex in bvh.triangles[corners.triangle() as usize] {
-                    let v = ((bvh.vertices[vertex as usize] - bvh.frame.centre) / bvh.frame.radius).to_array();
+                for vertex in bvh.triangles[corners.triangle as usize] {
+                    let v = ((bvh.vertices[vertex as usize] - bvh.frame.centre) * bvh.frame.scale).to_array();
                     assert!((0..3).all(|axis| inner[0][axis] < v[axis] && v[axis] < inner[1][axis]));
                 }
             }
         }
     }
-    let mut order: Vec<u32> = bvh.corners.iter().map(Corners::triangle).collect();
+    let mut order: Vec<u32> = bvh.corners.iter().map(|corners| corners.triangle).collect();
     order.sort_unstable();
     order.dedup();
     assert_eq!(order.len(), bvh.corners.len());
@@ -112,16 +112,11 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
 
 /// The same triangle test, on every triangle.
 fn closest_of_all(mesh: &Mesh, ray: &Ray) -> Option<Hit> {
-    let hit = |&[a, b, c]: &[u32; 3]| {
-        let corners = Corners::new([a, b, c].map(|v| mesh.0[v as usize]), 0);
-        let d = ray.direction.abs();
-        match () {
-            () if d.z >= d.x && d.z >= d.y => Shear::<2>::new(ray).intersect(&corners),
-            () if d.y >= d.x => Shear::<1>::new(ray).intersect(&corners),
-            () => Shear::<0>::new(ray).intersect(&corners),
-        }
+    let shear = Shear::new(ray);
+    let hit = |(triangle, corners): (u32, &[u32; 3])| {
+        shear.hits(&[Corners::new(corners.map(|v| mesh.0[v as usize]), triangle)]).next()
     };
-    let hits = (0..).zip(&mesh.1).filter_map(|(triangle, t)| hit(t).map(|(t, front)| Hit { triangle, t, front }));
+    let hits = (0..).zip(&mesh.1).filter_map(hit);
     let inside = hits.filter(|hit| (ray.t_min..=ray.t_max).contains(&hit.t));
     inside.reduce(|best, hit| if hit.t < best.t { hit } else { best })
 }
@@ -437,7 +432,14 @@ fn depth_is_bounded_whatever_the_mesh() {
 fn what_is_wrong_is_named() {
     let mesh = sheet(4);
     let refuse = |vertices: &[DVec3], triangles: &[[u32; 3]], nodes: usize, order: usize| {
-        Bvh::build(vertices, triangles, &mut vec![Node::EMPTY; nodes], &mut vec![0; order], &mut vec![Corners::EMPTY; order]).err()
+        Bvh::build(
+            vertices,
+            triangles,
+            &mut vec![Node::EMPTY; nodes],
+            &mut vec![0; order],
+            &mut vec![Corners::EMPTY; order],
+        )
+        .err()
     };
     assert_eq!(refuse(&mesh.0, &[], 10, 10), Some(BvhError::Empty));
     let required = Bvh::required_nodes(32);
