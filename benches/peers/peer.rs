@@ -1,13 +1,13 @@
-//! `peer METHOD PRECISION REPEATS`: times the estimate of the 20-layer beetle, and prints seconds and results as JSON.
+//! `peer METHOD PRECISION REPEATS`: times the estimate of the 20-layer beetle, and prints seconds of processor time and results as JSON.
 
 use goniochrome::interface::Model;
+use goniochrome_benches::clock::processor_time;
 use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
 use goniochrome_cli::planar::Planar;
 use goniochrome_cli::scene::load;
 use std::env;
 use std::error::Error;
 use std::hint::black_box;
-use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -29,9 +29,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut seconds = Vec::new();
     let mut result = spectra(&planar, &theta, &wavelengths, &request, &|| ())?;
     for _ in 0..repeats.parse::<usize>()? {
-        let start = Instant::now();
-        result = spectra(&planar, black_box(&theta), &wavelengths, &request, &|| ())?;
-        seconds.push(start.elapsed().as_secs_f64());
+        let run = || spectra(&planar, black_box(&theta), &wavelengths, &request, &|| ());
+        let (found, time) = processor_time(run);
+        result = found?;
+        seconds.push(time.as_secs_f64());
     }
     let column = |of: fn(&goniochrome_cli::estimate::Sample) -> f64| result.samples.iter().map(of).collect::<Vec<_>>();
     let out = serde_json::json!({
