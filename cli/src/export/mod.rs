@@ -2,6 +2,7 @@
 
 pub mod bsdf;
 pub mod ggx;
+pub mod gltf;
 pub mod lut;
 pub mod merl;
 mod reflection;
