@@ -70,5 +70,5 @@ CASES = [
 if __name__ == "__main__":
     for case in CASES:
         outside, film, cosine, nm, f0 = case
-        rgb = ", ".join(f"{c:.7f}" for c in iridescent_fresnel(*case))
+        rgb = ", ".join(str(round(c, 7)) for c in iridescent_fresnel(*case))
         print(f"([{outside}, {film}, {cosine}, {nm}], {list(f0)}, [{rgb}]),")

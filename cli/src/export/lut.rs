@@ -113,17 +113,23 @@ impl Lut {
 
 fn row(scene: &Scene, width: usize) -> Result<Vec<[f32; 3]>> {
     let planar = Planar::new(scene)?;
+    let wavelengths = Wavelengths::every(5.0).resolve(&planar)?;
+    let theta_deg: Vec<f64> = angles(width).collect();
+    let colours = exact_rgb(&planar, &theta_deg, &wavelengths)?;
+    Ok(colours.into_iter().map(|rgb| rgb.map(|c| c as f32)).collect())
+}
+
+/// Linear sRGB in D65 by the closed form, unclipped.
+pub(super) fn exact_rgb(planar: &Planar<'_>, theta_deg: &[f64], wavelengths: &[f64]) -> Result<Vec<[f64; 3]>> {
     let request = Request {
         model: Model::Physical,
         method: Method::Stack,
         precision: Precision::F64,
         threads: parallel::available(),
     };
-    let wavelengths = Wavelengths::every(5.0).resolve(&planar)?;
-    let theta_deg: Vec<f64> = angles(width).collect();
-    let spectra = spectra(&planar, &theta_deg, &wavelengths, &request, &|| ())?;
+    let spectra = spectra(planar, theta_deg, wavelengths, &request, &|| ())?;
     let colours = colours(&spectra, Illuminant::D65, RgbSpace::Srgb, Quadrature::Interpolated)?;
-    Ok(colours.into_iter().map(|colour| colour.rgb.map(|c| c as f32)).collect())
+    Ok(colours.into_iter().map(|colour| colour.rgb).collect())
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ pub mod ggx;
 pub mod gltf;
 pub mod lut;
 pub mod merl;
+pub mod png;
 mod reflection;
 mod warp;
 
