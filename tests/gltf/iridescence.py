@@ -1,9 +1,12 @@
 """iridescent_fresnel of KHR_materials_iridescence in double precision, written from the extension's text alone.
 
-Independent of cli/src/export/gltf/iridescence.rs, whose test holds what this prints. Needs nothing but Python 3.
+Independent of cli/src/export/gltf/iridescence.rs, whose test holds what this prints. Given files of `export --to gltf`, it
+computes the colours of their materials and compares them with those that they state. Needs nothing but Python 3.
 """
 import cmath
+import json
 import math
+import sys
 
 # Gaussian fits of the CIE 1931 curves over wave numbers (Belcour & Barla 2017, table 1): amplitude, mean (1/m), variance (1/m²).
 X_RED, X_BLUE = (5.4856e-13, 1.6810e6, 4.3278e9), (9.7470e-14, 2.2399e6, 4.5282e9)
@@ -54,6 +57,32 @@ def iridescent_fresnel(outside, film, cosine, thickness_nm, base_f0):
     return [max(c, 0.0) for c in total]
 
 
+def material_rgb(material, theta_deg):
+    """Specular reflectance of a glTF material with KHR_materials_iridescence, linear sRGB."""
+    film = material["extensions"]["KHR_materials_iridescence"]
+    base = material["pbrMetallicRoughness"]
+    ior = material["extensions"].get("KHR_materials_ior", {}).get("ior", 1.5)
+    f0 = base["baseColorFactor"][:3] if base["metallicFactor"] == 1 else [((ior - 1) / (ior + 1)) ** 2] * 3
+    cosine = math.cos(math.radians(theta_deg))
+    iridescent = iridescent_fresnel(1.0, film["iridescenceIor"], cosine, film["iridescenceThicknessMaximum"], f0)
+    factor = film["iridescenceFactor"]
+    return [(1 - factor) * schlick(f, cosine) + factor * i for f, i in zip(f0, iridescent)]
+
+
+# Single precision there (see the test of iridescence.rs), and five digits in the file.
+TOLERANCE = 6e-5 + 0.5e-5
+
+
+def check(path):
+    material = json.load(open(path))["materials"][0]
+    colours = material["extras"]["goniochrome"]["colours"]
+    assert len(colours) > 1
+    worst = max(abs(a - b) for stated in colours
+                for a, b in zip(stated["gltf_rgb"], material_rgb(material, stated["theta_deg"])))
+    print(f"{path}: stated colours are the formula's within {worst:.1e} (at most {TOLERANCE:.1e})")
+    return worst <= TOLERANCE
+
+
 CASES = [
     # outside, film, cos θ, nm, F0
     (1.0, 1.33, 1.0, 100.0, (0.04, 0.04, 0.04)),
@@ -68,6 +97,8 @@ CASES = [
 ]
 
 if __name__ == "__main__":
+    if sys.argv[1:]:
+        sys.exit(not all([check(path) for path in sys.argv[1:]]))
     for case in CASES:
         outside, film, cosine, nm, f0 = case
         rgb = ", ".join(str(round(c, 7)) for c in iridescent_fresnel(*case))
