@@ -13,6 +13,7 @@ pub mod fit;
 pub mod iridescence;
 mod simplex;
 
+use goniochrome::colour::VISIBLE_NM;
 use serde_json::{Value, json};
 
 use self::difference::{Colour, Summary, lab};
@@ -150,8 +151,11 @@ impl Fitted {
 
 /// Fine enough for the film's fringes, and never coarser than 1 nm.
 fn wavelengths(planar: &Planar<'_>) -> Result<Vec<f64>> {
-    let auto = "auto".parse::<Wavelengths>().map_err(Error::failed)?.resolve(planar)?;
+    let name = &planar.scene().name;
+    let too_thick =
+        |_| Error::failed(format_args!("{name}: the film is too thick to interfere; leave iridescence out"));
     let every = Wavelengths::every(1.0).resolve(planar)?;
+    let auto = Wavelengths::Auto(VISIBLE_NM.map(f64::from)).resolve(planar).map_err(too_thick)?;
     Ok(if auto.len() > every.len() { auto } else { every })
 }
 
@@ -183,6 +187,13 @@ mod tests {
         /// What the README says.
         const STATED: f64 = 3.67;
         assert!(fits.p95 < own.p95 && fits.p95 <= STATED);
+    }
+
+    #[test]
+    fn a_millimetre_is_no_thin_film() {
+        let toml = "[stack]\nambient = 1\nlayers = [{ material = 1.33, thickness_nm = 1e6 }]\nsubstrate = 1.5\n";
+        let error = Fitted::new(&parse("film", toml).unwrap()).unwrap_err().to_string();
+        assert_eq!(error, "film: the film is too thick to interfere; leave iridescence out");
     }
 
     #[test]
