@@ -1,7 +1,8 @@
 //! Linear RGB reflectance over cos θ and, where a layer's thickness is varied, over that: a texture for shaders.
 //!
 //! Texel centres lie at the ends: column x of N is cos θ = x/(N − 1), from grazing to facing; row y of M, from the top of the
-//! image, is parameter y/(M − 1). Values are kept as they are, negative ones (out of gamut) too, as half floats in OpenEXR.
+//! image, is parameter y/(M − 1). Values are kept as they are, negative ones (out of gamut) too, as half floats in OpenEXR;
+//! [`super::png`] brings them into the gamut.
 
 use std::io::Cursor;
 
