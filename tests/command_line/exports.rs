@@ -15,6 +15,9 @@ fn every_format_is_written_from_a_mirror_like_table() {
     user.ok("export t.exr --to lut --shader t.wgsl -o lut.exr --quiet");
     assert!(String::from_utf8(user.read("t.wgsl")).unwrap().contains("fn goniochrome_reflectance("));
     user.ok("export soap-bubble --to lut --vary 1=100:300:3 --width 8 -o vary.exr --quiet");
+    user.ok("export t.exr --to lut --width 8 -o lut.png --quiet");
+    // The signature, then IHDR: 8 × 1 texels of 16 bits, RGB.
+    assert!(user.read("lut.png").starts_with(b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x08\0\0\0\x01\x10\x02"));
 }
 
 #[test]
@@ -34,7 +37,9 @@ fn what_a_format_cannot_hold_is_refused_with_the_remedy() {
         ("export soap-bubble --to lut --vary 2=1:2:2 -o a.exr", ["has 1 layers", "1 is the top"]),
         ("export soap-bubble --to lut --vary 1=2:1:2 -o a.exr", ["--vary", "FROM < TO"]),
         ("export soap-bubble --to merl --roughness 0.5 -o a.binary", ["takes a table", "goniochrome estimate"]),
-        ("export t.exr --to lut -o a.bsdf", ["writes .exr", "name it so"]),
+        ("export t.exr --to lut -o a.bsdf", ["writes .exr or .png", "name it so"]),
+        ("export t.exr --to gltf -o a.json", ["writes .gltf", "name it so"]),
+        ("export t.exr --to gltf --roughness 0.5 -o a.gltf", ["--roughness is for", "merl and bsdf"]),
         ("export t.exr --to lut -o a.exr --shader a.txt", [".glsl", ".wgsl"]),
         ("export t.exr --to lut -o t.exr", ["would overwrite the input", "t.exr"]),
         ("export t.exr --to voxels -o a.exr", ["voxels", "possible values"]),
@@ -54,4 +59,39 @@ fn an_anisotropic_table_is_refused_by_merl_and_an_isotropic_one_needs_no_roughne
     user.refused("export iso.exr --to merl --roughness 0.5 -o a.binary", 2, &["leave it out"]);
     user.ok("export iso.exr --to merl -o iso.binary --quiet");
     assert_eq!(user.read("iso.binary").len(), 34_992_012);
+}
+
+#[test]
+fn a_table_and_its_scene_give_the_same_gltf() {
+    let user = User::new();
+    let film = "[stack]\nambient = 'air'\nlayers = [{ material = 1.33, thickness_nm = 250 }]\nsubstrate = 'N-BK7'\n";
+    user.write("film.toml", film);
+    user.ok("estimate film.toml -o film.exr --angles 16 --wavelengths 400:700:50 --quiet");
+    let said = user.ok("export film.exr --to gltf -o film.gltf").stderr;
+    assert!(said.contains("from the exact colour at 0 to 85°") && said.contains(" 45°  exact "), "{said}");
+    assert_eq!(user.ok("export film.toml --to gltf -o same.gltf --quiet").stderr, "");
+    assert_eq!(user.read("film.gltf"), user.read("same.gltf"));
+}
+
+#[test]
+fn what_gltf_cannot_hold_is_refused_with_the_reason() {
+    let film = "[stack]\nambient = 1\nlayers = [{ material = 'x', thickness_nm = 250 }]\nsubstrate = 1.5\n";
+    let user = User::with(&[
+        ("n.yml", "DATA:\n  - type: formula 5\n    wavelength_range: 0.3 0.9\n    coefficients: 1.33\n"),
+        ("file.toml", &format!("{film}[materials.x]\nfile = 'n.yml'\n")),
+    ]);
+    user.ok("estimate paper-fig4 -o t.exr --angles 4 --wavelengths 400,550 --quiet");
+    user.ok("estimate file.toml -o paper.exr --model paper --angles 4 --wavelengths 400,550 --quiet");
+    user.ok("estimate file.toml -o file.exr --angles 4 --wavelengths 400,550 --quiet");
+    user.ok("estimate bumpy-glass -o bumpy.exr --incident 2x1 --wavelengths 450,550 --bins 4x8 --rays 32 --quiet");
+    for (line, says) in [
+        ("export t.exr --to gltf -o a.gltf", ["is a single film", "export a lut"]),
+        ("export bumpy.exr --to gltf -o a.gltf", ["scatters", "export a bsdf"]),
+        ("export bumpy-glass --to gltf -o a.gltf", ["is a plane film", "bumpy-glass"]),
+        ("export paper.exr --to gltf -o a.gltf", ["--model paper", "make the table without"]),
+        ("export file.exr --to gltf -o a.gltf", ["name files", "export the scene file itself"]),
+    ] {
+        user.refused(line, 1, &says);
+    }
+    user.ok("export file.toml --to gltf -o file.gltf --quiet");
 }

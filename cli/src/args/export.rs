@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 pub struct ExportArgs {
-    /// A table made by `estimate` (.exr); for lut also a scene file or the name of a preset
+    /// A table made by `estimate` (.exr); for lut and gltf also a scene file or the name of a preset
     pub source: String,
     /// The format
     #[arg(long, value_enum)]
@@ -42,12 +42,14 @@ pub struct ExportArgs {
 /// What `export` writes.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum ExportKind {
-    /// RGB reflectance over cos θ for shaders (.exr, half floats)
+    /// RGB reflectance over cos θ for shaders (.exr, half floats, or .png, 16 bits)
     Lut,
     /// The format of the MERL BRDF database (.binary)
     Merl,
     /// The RGL tensor file of Mitsuba's `measured` (.bsdf)
     Bsdf,
+    /// A glTF 2.0 material: the best fit of `KHR_materials_iridescence` to a single film, and how far off it is (.gltf)
+    Gltf,
     /// The bytes that the library and its C interface load at run time (.gonio)
     Blob,
 }

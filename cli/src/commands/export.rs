@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use crate::args::export::{ExportArgs, ExportKind};
 use crate::args::spelled;
 use crate::blob;
+use crate::colours::screen_rgb;
 use crate::error::{Error, Result};
+use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
-use crate::export::{bsdf, merl};
+use crate::export::{bsdf, merl, png};
 use crate::output;
 use crate::progress::remark;
-use crate::scene::load;
+use crate::scene::{Scene, load, parse};
 use crate::table_file::{self, Table};
 
 /// Texels over cos θ.
@@ -26,6 +28,9 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     output::check_destination(&args.output, &inputs)?;
     if args.to == ExportKind::Lut {
         return lut(args, &inputs);
+    }
+    if args.to == ExportKind::Gltf {
+        return gltf(args);
     }
     let path = Path::new(&args.source);
     if !is_table(path) {
@@ -51,7 +56,11 @@ pub fn run(args: &ExportArgs) -> Result<()> {
 }
 
 fn is_table(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"))
+    has_extension(path, "exr")
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
 /// Refuses what the format has no use for, so that nothing the user asks for is silently ignored.
@@ -82,14 +91,15 @@ fn check_options(args: &ExportArgs) -> Result<()> {
 
 /// Refuses names that say another format.
 fn check_name(args: &ExportArgs) -> Result<()> {
-    let wanted = match args.to {
-        ExportKind::Lut => "exr",
-        ExportKind::Merl => "binary",
-        ExportKind::Bsdf => "bsdf",
+    let wanted: &[&str] = match args.to {
+        ExportKind::Lut => &["exr", "png"],
+        ExportKind::Merl => &["binary"],
+        ExportKind::Bsdf => &["bsdf"],
+        ExportKind::Gltf => &["gltf"],
         ExportKind::Blob => return Ok(()), // any name will do
     };
-    if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case(wanted)) {
-        let (output, kind) = (args.output.display(), spelled(args.to));
+    if !wanted.iter().any(|extension| has_extension(&args.output, extension)) {
+        let (output, kind, wanted) = (args.output.display(), spelled(args.to), wanted.join(" or ."));
         return Err(Error::usage(format_args!("{output}: --to {kind} writes .{wanted}; name it so")));
     }
     Ok(())
@@ -103,12 +113,20 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     }
     let width = usize::from(args.width.unwrap_or(WIDTH));
     let path = Path::new(&args.source);
+    let to_png = has_extension(&args.output, "png");
     let lut = if is_table(path) {
         if args.vary.is_some() {
             return Err(Error::usage("--vary needs a scene; a table holds one thickness alone"));
         }
         match table_file::read(path)? {
-            Table::Mirror(table) => Lut::of_table(&table, width),
+            Table::Mirror(table) => {
+                let mut lut = Lut::of_table(&table, width);
+                if to_png {
+                    // Its chunks say sRGB, whatever the table's space.
+                    lut.texels = screen_rgb(&table.metadata, &lut.texels);
+                }
+                lut
+            }
             Table::Scatter(_) => {
                 return Err(Error::failed(format_args!(
                     "{}: the table scatters into all directions, a lut holds mirror-like reflection alone; export a bsdf",
@@ -121,7 +139,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         output::check_destination(&args.output, &scene.files)?;
         Lut::of_scene(&scene, width, args.vary)?
     };
-    let bytes = lut.exr()?;
+    let bytes = if to_png { png::encode(&lut)? } else { lut.exr()? };
     match (&args.shader, shader) {
         (Some(path), Some(text)) => {
             output::write_file_and(&args.output, &bytes, || output::write_file(path, text.as_bytes()))?;
@@ -131,6 +149,42 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     let height = lut.texels.len() / width;
     remark(args.quiet, format_args!("{}: {width} × {height} texels", args.output.display()));
     Ok(())
+}
+
+fn gltf(args: &ExportArgs) -> Result<()> {
+    let path = Path::new(&args.source);
+    let scene = if is_table(path) { scene_of_table(path)? } else { load(&args.source)? };
+    output::check_destination(&args.output, &scene.files)?;
+    let fitted = Fitted::new(&scene)?;
+    output::write_text(&args.output, &fitted.json())?;
+    for line in fitted.report() {
+        remark(args.quiet, format_args!("{}: {line}", args.output.display()));
+    }
+    Ok(())
+}
+
+/// The scene in a table's header.
+fn scene_of_table(path: &Path) -> Result<Scene> {
+    let name = path.display();
+    let Table::Mirror(table) = table_file::read(path)? else {
+        return Err(Error::failed(format_args!(
+            "{name}: the table scatters into all directions, and glTF's iridescence is a plane film; export a bsdf"
+        )));
+    };
+    let entry = |key: &str| table.metadata.get(key).map(String::as_str);
+    if entry("model") == Some("paper") {
+        return Err(Error::failed(format_args!(
+            "{name}: made with --model paper, and glTF's film obeys physics; make the table without"
+        )));
+    }
+    let toml = entry("scene_toml")
+        .ok_or_else(|| Error::failed(format_args!("{name}: its header holds no scene; export the scene itself")))?;
+    let mut scene = parse(&format!("scene in {name}"), toml)
+        .map_err(|error| Error::failed(format_args!("{error}; export the scene file itself")))?;
+    if let Some(known) = entry("scene") {
+        known.clone_into(&mut scene.name);
+    }
+    Ok(scene)
 }
 
 /// The shader function in the language that a file's name says.

@@ -1,7 +1,8 @@
 //! Linear RGB reflectance over cos θ and, where a layer's thickness is varied, over that: a texture for shaders.
 //!
 //! Texel centres lie at the ends: column x of N is cos θ = x/(N − 1), from grazing to facing; row y of M, from the top of the
-//! image, is parameter y/(M − 1). Values are kept as they are, negative ones (out of gamut) too, as half floats in OpenEXR.
+//! image, is parameter y/(M − 1). Values are kept as they are, negative ones (out of gamut) too, as half floats in OpenEXR;
+//! [`super::png`] brings them into the gamut.
 
 use std::io::Cursor;
 
@@ -113,17 +114,23 @@ impl Lut {
 
 fn row(scene: &Scene, width: usize) -> Result<Vec<[f32; 3]>> {
     let planar = Planar::new(scene)?;
+    let wavelengths = Wavelengths::every(5.0).resolve(&planar)?;
+    let theta_deg: Vec<f64> = angles(width).collect();
+    let colours = exact_rgb(&planar, &theta_deg, &wavelengths)?;
+    Ok(colours.into_iter().map(|rgb| rgb.map(|c| c as f32)).collect())
+}
+
+/// Linear sRGB in D65 by the closed form, unclipped.
+pub(super) fn exact_rgb(planar: &Planar<'_>, theta_deg: &[f64], wavelengths: &[f64]) -> Result<Vec<[f64; 3]>> {
     let request = Request {
         model: Model::Physical,
         method: Method::Stack,
         precision: Precision::F64,
         threads: parallel::available(),
     };
-    let wavelengths = Wavelengths::every(5.0).resolve(&planar)?;
-    let theta_deg: Vec<f64> = angles(width).collect();
-    let spectra = spectra(&planar, &theta_deg, &wavelengths, &request, &|| ())?;
+    let spectra = spectra(planar, theta_deg, wavelengths, &request, &|| ())?;
     let colours = colours(&spectra, Illuminant::D65, RgbSpace::Srgb, Quadrature::Interpolated)?;
-    Ok(colours.into_iter().map(|colour| colour.rgb.map(|c| c as f32)).collect())
+    Ok(colours.into_iter().map(|colour| colour.rgb).collect())
 }
 
 #[cfg(test)]

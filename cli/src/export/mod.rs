@@ -2,8 +2,10 @@
 
 pub mod bsdf;
 pub mod ggx;
+pub mod gltf;
 pub mod lut;
 pub mod merl;
+pub mod png;
 mod reflection;
 mod warp;
 

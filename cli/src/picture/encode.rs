@@ -53,7 +53,9 @@ pub fn wavelength_colour(wavelength_nm: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", byte(0), byte(1), byte(2))
 }
 
-fn in_gamut(linear: [f32; 3]) -> [f64; 3] {
+/// Linear RGB brought into [0, 1] by the policy of this module.
+#[must_use]
+pub fn in_gamut(linear: [f32; 3]) -> [f64; 3] {
     let rgb = linear.map(f64::from);
     let luminance: f64 = rgb.iter().zip(LUMINANCE).map(|(c, weight)| c * weight).sum();
     if !(luminance > 0.0 && luminance.is_finite()) {

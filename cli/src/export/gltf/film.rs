@@ -1,0 +1,149 @@
+//! Which scenes are what `KHR_materials_iridescence` describes: one clear film in air, on a base of any kind.
+
+use goniochrome::interface::Below;
+use goniochrome::medium::MediumIndex;
+use num_complex::Complex64;
+
+use crate::error::{Error, Result};
+use crate::planar::Planar;
+
+/// A film as the extension sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// The film's index at 550 nm.
+    pub ior: f64,
+    /// Its thickness.
+    pub thickness_nm: f64,
+    /// What it lies on.
+    pub base: Base,
+}
+
+/// What a film lies on, in the terms of glTF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Base {
+    /// Not metallic: `KHR_materials_ior`, under a black base colour, since what enters a half-space does not return.
+    Dielectric {
+        /// Its index.
+        ior: f64,
+    },
+    /// Metallic: the base colour is the reflectance under air at normal incidence, linear sRGB.
+    Metal {
+        /// Each in [0, 1].
+        f0: [f64; 3],
+    },
+}
+
+/// Where indices are looked at: the observer's range without its faint ends, and the wavelengths that stand for R, G, B.
+const SEEN_NM: [f64; 7] = [420.0, 465.0, 500.0, 550.0, 580.0, 610.0, 660.0];
+const RGB_NM: [f64; 3] = [610.0, 550.0, 465.0];
+const MIDDLE_NM: f64 = 550.0;
+
+/// The extension's outside has the index 1; air has 1.0003.
+const OUTSIDE: f64 = 1e-3;
+/// Light that a film may swallow on its way there and back, facing; the extension's film is clear.
+const SWALLOWED: f64 = 0.01;
+/// Below this k, a base is a dielectric: it reflects k²/(n + 1)² more than a clear one, less than 1e-6.
+const CLEAR_K: f64 = 1e-3;
+
+impl Film {
+    /// The film of a scene.
+    ///
+    /// # Errors
+    /// What the extension cannot describe, with the reason.
+    pub fn of(planar: &Planar<'_>) -> Result<Self> {
+        let name = &planar.scene().name;
+        let refuse =
+            |why: String| Err(Error::failed(format_args!("{name}: {why}; export a lut, which holds any stack")));
+        let mut buffer = planar.buffer();
+        let stack = planar.stack(&mut buffer)?;
+        let films = stack.planes() - 1;
+        if films != 1 {
+            return refuse(format!("glTF's iridescence is a single film, and this stack has {films} layers"));
+        }
+        let outside = index(planar, stack.ambient(), MIDDLE_NM)?;
+        if (outside - 1.0).norm() > OUTSIDE {
+            let outside = outside.re;
+            return refuse(format!("glTF's film lies under air, and this one under a medium of index {outside:.3}"));
+        }
+        let film = stack.film(0);
+        for nm in SEEN_NM {
+            let eta = index(planar, film.medium, nm)?;
+            let swallowed = 1.0 - (-8.0 * std::f64::consts::PI * eta.im * film.thickness_nm / nm).exp();
+            if swallowed > SWALLOWED {
+                let percent = 100.0 * swallowed;
+                return refuse(format!(
+                    "glTF's film is clear, and this one absorbs {percent:.0} % of the light at {nm} nm on its way there and back"
+                ));
+            }
+            if eta.re < 1.0 {
+                return refuse(format!("glTF's film has an index of 1 or more, and this one {:.3} at {nm} nm", eta.re));
+            }
+        }
+        Ok(Self {
+            ior: index(planar, film.medium, MIDDLE_NM)?.re,
+            thickness_nm: film.thickness_nm,
+            base: base(planar, stack.substrate())?,
+        })
+    }
+}
+
+fn base(planar: &Planar<'_>, below: Below) -> Result<Base> {
+    let Below::Medium(medium) = below else { return Ok(Base::Metal { f0: [1.0; 3] }) };
+    let mut clear = true;
+    for nm in SEEN_NM {
+        let eta = index(planar, medium, nm)?;
+        clear &= eta.im < CLEAR_K && eta.re >= 1.0;
+    }
+    if clear {
+        return Ok(Base::Dielectric { ior: index(planar, medium, MIDDLE_NM)?.re });
+    }
+    let mut f0 = [0.0; 3];
+    for (f0, nm) in f0.iter_mut().zip(RGB_NM) {
+        let eta = index(planar, medium, nm)?;
+        *f0 = ((eta - 1.0) / (eta + 1.0)).norm_sqr();
+    }
+    Ok(Base::Metal { f0 })
+}
+
+fn index(planar: &Planar<'_>, medium: MediumIndex, nm: f64) -> Result<Complex64> {
+    let place = usize::from(medium);
+    planar.media()[place].eta(nm).map_err(|error| planar.medium_error(place, &error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene;
+
+    fn film(stack: &str) -> Result<Film> {
+        let scene = scene::parse("film", &format!("[stack]\n{stack}\n")).unwrap();
+        Film::of(&Planar::new(&scene).unwrap())
+    }
+
+    #[test]
+    fn single_films_are_taken() {
+        let soap = "ambient = 'air'\nlayers = [{ material = 1.33, thickness_nm = 320 }]\nsubstrate = ";
+        let on = |base: &str| film(&format!("{soap}{base}")).unwrap();
+        assert_eq!(on("1.5"), Film { ior: 1.33, thickness_nm: 320.0, base: Base::Dielectric { ior: 1.5 } });
+        assert_eq!(on("'mirror'").base, Base::Metal { f0: [1.0; 3] });
+        let Base::Metal { f0: [r, g, b] } = on("'Au'").base else { panic!("gold is a metal") };
+        assert!(r > 0.9 && (0.5..0.95).contains(&g) && b < 0.5, "{r} {g} {b}");
+    }
+
+    #[test]
+    fn what_is_no_clear_single_film_in_air_is_refused_with_the_reason() {
+        let layer = "{ material = 1.33, thickness_nm = 320 }";
+        for (stack, says) in [
+            (format!("ambient = 1\nlayers = [{layer}, {layer}]\nsubstrate = 1.5"), "has 2 layers"),
+            ("ambient = 1\nlayers = []\nsubstrate = 1.5".into(), "has 0 layers"),
+            (format!("ambient = 1.5\nlayers = [{layer}]\nsubstrate = 1"), "under a medium of index 1.500"),
+            ("ambient = 1\nlayers = [{ material = 'Au', thickness_nm = 20 }]\nsubstrate = 1".into(), "absorbs"),
+            ("ambient = 1\nlayers = [{ material = 0.9, thickness_nm = 20 }]\nsubstrate = 1".into(), "0.900 at 420 nm"),
+        ] {
+            let error = film(&stack).unwrap_err();
+            assert_eq!(error.exit_code(), 1);
+            let line = error.to_string();
+            assert!(line.contains(says) && line.ends_with("export a lut, which holds any stack"), "{stack}: {line}");
+        }
+    }
+}

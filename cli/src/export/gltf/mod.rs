@@ -1,0 +1,220 @@
+//! Materials of glTF 2.0: single films as `KHR_materials_iridescence`.
+//!
+//! The extension knows one clear film in air on a dielectric or a metal, with Schlick's Fresnel terms, phases of 0 or π
+//! and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics, so those are
+//! written whose colours come nearest, and how near that is stands in the material's `extras` and on the terminal.
+//!
+//! Colours are compared as ΔE2000 at 0, 1, … 85° in D65, where a perfect mirror is L* = 100: see [`difference`]. Exact
+//! colours may leave the gamut of sRGB and are not clipped.
+
+pub mod difference;
+pub mod film;
+pub mod fit;
+pub mod iridescence;
+mod simplex;
+
+use goniochrome::colour::VISIBLE_NM;
+use serde_json::{Value, json};
+
+use self::difference::{Colour, Summary, lab};
+use self::film::{Base, Film};
+use self::fit::{LAST_DEG, Parameters, angles, fit, round};
+use super::lut::exact_rgb;
+use crate::error::{Error, Result};
+use crate::grid::Wavelengths;
+use crate::planar::Planar;
+use crate::scene::Scene;
+
+/// Angles at which `extras` and the terminal show both colours.
+const SHOWN_DEG: [u16; 7] = [0, 15, 30, 45, 60, 75, 85];
+
+/// A material, and how far it is from the truth.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The scene's name.
+    pub name: String,
+    /// What the film is.
+    pub film: Film,
+    /// What is written.
+    pub parameters: Parameters,
+    /// ΔE2000 of it.
+    pub residual: Summary,
+    /// ΔE2000 of the film's own values in the extension's formula.
+    pub unfitted: Summary,
+    /// Exact linear sRGB at each angle of [`angles`].
+    pub exact: Vec<[f64; 3]>,
+}
+
+impl Fitted {
+    /// The nearest material to a scene.
+    ///
+    /// # Errors
+    /// Scenes that the extension cannot describe, with the reason.
+    pub fn new(scene: &Scene) -> Result<Self> {
+        let planar = Planar::new(scene)
+            .map_err(|error| Error::failed(format_args!("glTF's iridescence is a plane film: {error}")))?;
+        let film = Film::of(&planar)?;
+        let exact = exact_rgb(&planar, &angles(), &wavelengths(&planar)?)?;
+        let colours: Vec<Colour> = exact.iter().map(|rgb| lab(*rgb)).collect();
+        let (parameters, residual) = fit(&film, &colours);
+        let unfitted = Summary::of(&Parameters::of(&film).differences(&colours));
+        Ok(Self { name: scene.name.clone(), film, parameters, residual, unfitted, exact })
+    }
+
+    /// A glTF 2.0 file with this material alone.
+    #[must_use]
+    pub fn json(&self) -> String {
+        let Parameters { factor, ior, thickness_nm, base } = self.parameters;
+        let (metallic, colour) = match base {
+            Base::Dielectric { .. } => (0, [0.0; 3]),
+            Base::Metal { f0 } => (1, f0),
+        };
+        let mut extensions = json!({
+            "KHR_materials_iridescence": {
+                "iridescenceFactor": factor,
+                "iridescenceIor": ior,
+                "iridescenceThicknessMaximum": thickness_nm,
+            },
+        });
+        if let Base::Dielectric { ior } = base {
+            extensions["KHR_materials_ior"] = json!({ "ior": ior });
+        }
+        let used: Vec<&String> = extensions.as_object().into_iter().flat_map(|object| object.keys()).collect();
+        let file = json!({
+            "asset": { "version": "2.0", "generator": concat!("goniochrome ", env!("CARGO_PKG_VERSION")) },
+            "extensionsUsed": used,
+            "materials": [{
+                "name": self.name,
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": [colour[0], colour[1], colour[2], 1.0],
+                    "metallicFactor": metallic,
+                    "roughnessFactor": 0,
+                },
+                "extensions": extensions,
+                "extras": { "goniochrome": self.extras() },
+            }],
+        });
+        format!("{file:#}\n")
+    }
+
+    fn extras(&self) -> Value {
+        let summary = |of: Summary| json!({ "mean": round(of.mean), "p95": round(of.p95), "max": round(of.largest) });
+        let colours: Vec<Value> = self
+            .shown()
+            .map(|(theta, exact, gltf, delta)| {
+                let [exact, gltf] = [exact, gltf].map(|rgb| rgb.map(round));
+                json!({ "theta_deg": theta, "exact_rgb": exact, "gltf_rgb": gltf, "delta_e_2000": round(delta) })
+            })
+            .collect();
+        json!({
+            "film": { "ior_550nm": self.film.ior, "thickness_nm": self.film.thickness_nm },
+            "compared": format!("0 to {LAST_DEG} degrees by 1, linear sRGB, D65; L* = 100 is a perfect mirror"),
+            "delta_e_2000": summary(self.residual),
+            "delta_e_2000_of_the_films_own_values": summary(self.unfitted),
+            "colours": colours,
+        })
+    }
+
+    /// θ in degrees, exact and glTF's linear sRGB, ΔE2000.
+    fn shown(&self) -> impl Iterator<Item = (u16, [f64; 3], [f64; 3], f64)> {
+        SHOWN_DEG.into_iter().map(|theta| {
+            let exact = self.exact[usize::from(theta)];
+            let gltf = self.parameters.rgb(theta.into()).map(f64::from);
+            (theta, exact, gltf, difference::delta_e(lab(exact), lab(gltf)))
+        })
+    }
+
+    /// What the terminal shows: the parameters, the residual, and both colours at some angles.
+    #[must_use]
+    pub fn report(&self) -> Vec<String> {
+        let Parameters { factor, ior, thickness_nm, base } = self.parameters;
+        let base = match base {
+            Base::Dielectric { ior } => format!("on ior {ior:.3}"),
+            Base::Metal { f0: [r, g, b] } => format!("on a metal of {r:.3}, {g:.3}, {b:.3}"),
+        };
+        let Summary { mean, p95, largest } = self.residual;
+        let own = self.unfitted.p95;
+        let mut lines = vec![
+            format!("{thickness_nm:.1} nm of ior {ior:.3} {base}, factor {factor:.3}"),
+            format!(
+                "from the exact colour at 0 to {LAST_DEG}°: mean ΔE2000 {mean:.2}, p95 {p95:.2}, largest {largest:.2} \
+                 (p95 {own:.2} with the film's own values)"
+            ),
+        ];
+        let rgb = |[r, g, b]: [f64; 3]| format!("{r:7.4} {g:7.4} {b:7.4}");
+        lines.extend(self.shown().map(|(theta, exact, gltf, delta)| {
+            format!("{theta:3}°  exact {}  glTF {}  ΔE2000 {delta:5.2}", rgb(exact), rgb(gltf))
+        }));
+        lines
+    }
+}
+
+/// Fine enough for the film's fringes, and never coarser than 1 nm.
+fn wavelengths(planar: &Planar<'_>) -> Result<Vec<f64>> {
+    let name = &planar.scene().name;
+    let too_thick =
+        |_| Error::failed(format_args!("{name}: the film is too thick to interfere; leave iridescence out"));
+    let every = Wavelengths::every(1.0).resolve(planar)?;
+    let auto = Wavelengths::Auto(VISIBLE_NM.map(f64::from)).resolve(planar).map_err(too_thick)?;
+    Ok(if auto.len() > every.len() { auto } else { every })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+
+    fn fitted(thickness_nm: f64, base: &str) -> Fitted {
+        let toml = format!(
+            "[stack]\nambient = 1.0\nlayers = [{{ material = 1.33, thickness_nm = {thickness_nm:?} }}]\nsubstrate = {base}\n"
+        );
+        Fitted::new(&parse("film", &toml).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_film_on_glass_is_fitted_better_than_by_its_own_values() {
+        let (mut fits, mut own) = (Vec::new(), Vec::new());
+        for nm in (100..=800).step_by(25) {
+            let film = fitted(f64::from(nm), "1.5");
+            let exact: Vec<Colour> = film.exact.iter().map(|rgb| lab(*rgb)).collect();
+            fits.extend(film.parameters.differences(&exact));
+            own.extend(Parameters::of(&film.film).differences(&exact));
+        }
+        let (fits, own) = (Summary::of(&fits), Summary::of(&own));
+        println!(
+            "n = 1.33 on 1.5, 100 to 800 nm by 25, 0 to {LAST_DEG}°: fitted {fits:?}, with its own values {own:?}"
+        );
+        /// What the README says.
+        const STATED: f64 = 3.67;
+        assert!(fits.p95 < own.p95 && fits.p95 <= STATED);
+    }
+
+    #[test]
+    fn a_millimetre_is_no_thin_film() {
+        let toml = "[stack]\nambient = 1\nlayers = [{ material = 1.33, thickness_nm = 1e6 }]\nsubstrate = 1.5\n";
+        let error = Fitted::new(&parse("film", toml).unwrap()).unwrap_err().to_string();
+        assert_eq!(error, "film: the film is too thick to interfere; leave iridescence out");
+    }
+
+    #[test]
+    fn a_mirror_stays_white() {
+        let film = fitted(300.0, "\"mirror\"");
+        assert!(film.residual.largest < 0.1, "{:?}", film.residual);
+        assert_eq!(film.parameters, Parameters::of(&film.film));
+    }
+
+    #[test]
+    fn the_file_says_what_was_fitted() {
+        let film = fitted(300.0, "1.5");
+        let file: Value = serde_json::from_str(&film.json()).unwrap();
+        let material = &file["materials"][0];
+        assert_eq!(file["extensionsUsed"], json!(["KHR_materials_ior", "KHR_materials_iridescence"]));
+        let film_of = &material["extensions"]["KHR_materials_iridescence"];
+        assert_eq!(film_of["iridescenceThicknessMaximum"], json!(film.parameters.thickness_nm));
+        assert_eq!(material["pbrMetallicRoughness"]["metallicFactor"], json!(0));
+        assert_eq!(material["extras"]["goniochrome"]["delta_e_2000"]["p95"], json!(round(film.residual.p95)));
+        let metal: Value = serde_json::from_str(&fitted(300.0, "\"Au\"").json()).unwrap();
+        assert_eq!(metal["extensionsUsed"], json!(["KHR_materials_iridescence"]));
+        assert_eq!(metal["materials"][0]["pbrMetallicRoughness"]["metallicFactor"], json!(1));
+    }
+}

@@ -1,0 +1,94 @@
+"""Runs the three shaders of tests/shaders/run on a texture, and compares them with the library's own look-up.
+
+Arguments: the folder of the shaders, the texture (.exr or .png), and the command that looks points up.
+"""
+import os
+import subprocess
+import sys
+
+os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"  # read by Mesa when it is loaded
+
+import moderngl
+import numpy
+import OpenEXR
+import png
+
+# Issued as the goal: half floats keep values below 2 within 2^-11, and 16 bits within 2^-17.
+TOLERANCE = 1 / 1024
+SIDE = 64  # points a row and a column of the list
+
+VERTEX = """
+#version 330
+void main() {
+    gl_Position = vec4(vec2[3](vec2(-1, -1), vec2(3, -1), vec2(-1, 3))[gl_VertexID], 0.0, 1.0);
+}
+"""
+
+
+def points():
+    """Random ones, the corners and the edges of the range, and some beyond it."""
+    random = numpy.random.default_rng(1).random((SIDE * SIDE, 2))
+    ends = numpy.array([-0.5, 0.0, 1e-4, 0.5, 1.0 - 1e-4, 1.0, 1.5])
+    corners = numpy.stack(numpy.meshgrid(ends, ends), -1).reshape(-1, 2)
+    random[: len(corners)] = corners
+    random[len(corners) : len(corners) + SIDE, 0] = numpy.linspace(0, 1, SIDE)  # the texels' own places
+    return random.astype("f4")
+
+
+def texture(context, path):
+    if path.endswith(".png"):
+        width, height, rows, info = png.Reader(filename=path).read()
+        assert (info["bitdepth"], info["planes"], info["gamma"]) == (16, 3, 1.0), info
+        texels = numpy.stack([numpy.array(row, "u2").reshape(-1, 3) for row in rows])
+        dtype = "nu2"
+    else:
+        with OpenEXR.File(path, separate_channels=True) as file:
+            texels = numpy.stack([file.channels()[c].pixels for c in "RGB"], -1)
+        assert texels.dtype == numpy.float16
+        dtype = "f2"
+    height, width, _ = texels.shape
+    lut = context.texture((width, height), 3, numpy.ascontiguousarray(texels).tobytes(), alignment=1, dtype=dtype)
+    lut.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    lut.repeat_x = lut.repeat_y = False
+    return lut, (width, height)
+
+
+def run(context, shader, lut, at):
+    program = context.program(VERTEX, open(shader).read())
+    names = [name for name in program if isinstance(program[name], moderngl.Uniform)]
+    # spirv-cross and naga have their own names, which hold the variable's or its binding; one texture may have several.
+    of_points = [name for name in names if "points" in name or "binding_2" in name]
+    assert len(of_points) == 1 and len(names) > 1, names
+    for name in names:
+        program[name] = int(name in of_points)
+    listed = context.texture((SIDE, SIDE), 2, at.tobytes(), dtype="f4")
+    listed.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    lut.use(0)
+    listed.use(1)
+    target = context.framebuffer([context.texture((SIDE, SIDE), 4, dtype="f4")])
+    target.use()
+    context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+    return numpy.frombuffer(target.read(components=4, dtype="f4"), "f4").reshape(-1, 4)[:, :3]
+
+
+def main():
+    folder, path, *look_up = sys.argv[1:]
+    at = points()
+    asked = "\n".join(f"{float(cos):.9g},{float(parameter):.9g}" for cos, parameter in at)
+    said = subprocess.run(look_up, input=asked, capture_output=True, text=True, check=True).stdout
+    want = numpy.array([[float(c) for c in line.split(",")] for line in said.split()])
+    assert want.shape == (SIDE * SIDE, 3) and numpy.ptp(want) > 0.1, "the points show colours"
+    context = moderngl.create_context(standalone=True, backend="egl", libgl="libGL.so.1", libegl="libEGL.so.1")
+    lut, size = texture(context, path)
+    failed = False
+    for language in ("glsl", "hlsl", "wgsl"):
+        got = run(context, f"{folder}/{language}.frag", lut, at)
+        worst = float(numpy.abs(got - want).max())
+        failed |= not worst <= TOLERANCE  # no number is a failure too
+        print(f"{os.path.basename(path)} {size[0]} × {size[1]}, {language} on {context.info['GL_RENDERER']}: "
+              f"largest difference {worst:.1e} of {len(at)} points (at most {TOLERANCE:.1e})")
+    sys.exit("a shader function differs from the library's look-up" if failed else 0)
+
+
+if __name__ == "__main__":
+    main()
