@@ -1,7 +1,10 @@
 //! What several benches share.
 
 pub mod clock;
+pub mod counted;
+pub mod criterion;
 pub mod random;
+pub mod stages;
 
 use goniochrome::complex::ComplexLanes;
 use goniochrome::interface::{Below, Model};

@@ -6,7 +6,6 @@
 
 use std::env;
 use std::error::Error;
-use std::f64::consts::TAU;
 use std::fs;
 use std::hint::black_box;
 use std::path::Path;
@@ -15,7 +14,7 @@ use std::time::Instant;
 use glam::DVec3;
 use goniochrome::bvh::{Bvh, Corners, Hit, Node, Ray};
 use goniochrome_benches::clock::processor_time;
-use goniochrome_benches::random::Random;
+use goniochrome_benches::stages;
 use goniochrome_cli::render::camera::{Camera, View};
 use goniochrome_cli::render::mesh::Mesh;
 
@@ -35,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let build = start.elapsed().as_secs_f64();
 
     // Both programs shall see the same rays, and the other one sees single precision.
-    let rays: Vec<Ray> = if kind == "primary" { primary(&mesh)? } else { incoherent(&mesh) };
+    let rays: Vec<Ray> = if kind == "primary" { primary(&mesh)? } else { stages::incoherent(&mesh, INCOHERENT) };
     let mut seconds = Vec::new();
     let mut hits: Vec<Option<Hit>> = Vec::new();
     for _ in 0..repeats.parse::<usize>()? {
@@ -73,20 +72,4 @@ fn primary(mesh: &Mesh) -> Result<Vec<Ray>, Box<dyn Error>> {
             ray(camera.eye, camera.direction(x, y))
         })
         .collect())
-}
-
-fn incoherent(mesh: &Mesh) -> Vec<Ray> {
-    let (centre, radius) = mesh.bounding_sphere();
-    let least = mesh.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let most = mesh.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let mut random = Random::new(1);
-    (0..INCOHERENT)
-        .map(|_| {
-            let (z, phi) = (2.0 * random.unit() - 1.0, TAU * random.unit());
-            let s = (1.0 - z * z).sqrt();
-            let from = centre + radius * DVec3::new(s * phi.cos(), s * phi.sin(), z);
-            let through = DVec3::new(random.unit(), random.unit(), random.unit());
-            ray(from, (least + through * (most - least) - from).normalize())
-        })
-        .collect()
 }

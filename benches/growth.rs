@@ -1,38 +1,16 @@
 //! Ray tracing through planar stacks: loops closed, hit by hit, and the literal splitter that does not merge.
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use goniochrome::lanes::{F32, Lanes};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use goniochrome::lanes::F32;
 use goniochrome::layers::{Summation, Workspace, trace_layers};
 use goniochrome::trace::Limits;
-use goniochrome_benches::{Layered, MOST_PLANES, beetle, contrast, group, three_films};
+use goniochrome_benches::{Layered, MOST_PLANES, contrast, group};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
 /// Power in flight, enough for 1e-5 in reflectance.
 const LIMITS: Limits = Limits { in_flight: 1e-12, ..Limits::SINGLE };
-
-fn methods(c: &mut Criterion) {
-    let mut workspace = Box::new(Workspace::<F32, MOST_PLANES>::new());
-    let mut benches = c.benchmark_group("trace");
-    for (name, stack) in [("three-films", three_films()), ("beetle", beetle())] {
-        benches.throughput(Throughput::Elements((F32::WIDTH * stack.layers.len()) as u64));
-        stack.with_optics::<F32, _>(0.5, &group::<F32>(), |optics| {
-            let closed = optics.reflectance(optics.reflection()).s.lane(0);
-            benches.bench_function(BenchmarkId::new("closed-form", name), |b| b.iter(|| black_box(optics).response()));
-            for (method, summation) in
-                [("closed-loops", Summation::ClosedLoops), ("generations", Summation::Generations(LIMITS))]
-            {
-                let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
-                assert!((traced.ledger.reflected.s.lane(0) - closed).abs() < 1e-5);
-                benches.bench_function(BenchmarkId::new(method, name), |b| {
-                    b.iter(|| trace_layers(black_box(optics), summation, workspace.memory()));
-                });
-            }
-        });
-    }
-    benches.finish();
-}
 
 /// Growth with layers, one wavelength per lane; visits are printed, since they are what grows.
 fn growth(c: &mut Criterion) {
@@ -115,5 +93,5 @@ impl Literal {
     }
 }
 
-criterion_group!(all, methods, growth);
+criterion_group!(all, growth);
 criterion_main!(all);

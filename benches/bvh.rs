@@ -1,0 +1,12 @@
+//! The stage of that name in `goniochrome_benches::stages`.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use goniochrome_benches::criterion::time;
+use goniochrome_benches::stages::bvh;
+
+fn benches(c: &mut Criterion) {
+    bvh(&mut time(c, ""));
+}
+
+criterion_group!(all, benches);
+criterion_main!(all);

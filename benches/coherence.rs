@@ -1,0 +1,14 @@
+//! The stage of that name in `goniochrome_benches::stages`, in single and double precision.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use goniochrome::lanes::{F32, F64};
+use goniochrome_benches::criterion::time;
+use goniochrome_benches::stages::coherence;
+
+fn benches(c: &mut Criterion) {
+    coherence::<F32>(&mut time(c, "f32"));
+    coherence::<F64>(&mut time(c, "f64"));
+}
+
+criterion_group!(all, benches);
+criterion_main!(all);

@@ -1,0 +1,178 @@
+//! `scaling [PLOT.svg]`: how cost grows with layers, wavelengths, polygons, rays and threads: exponents fitted by least squares to
+//! the logarithms, and a plot.
+
+use std::env;
+use std::error::Error;
+use std::fs;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use glam::DVec3;
+use goniochrome::bins::DirectionBins;
+use goniochrome::bvh::{Bvh, Corners, Node};
+use goniochrome::interface::Model;
+use goniochrome::lanes::F32;
+use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome_benches::clock::processor_time;
+use goniochrome_benches::{MOST_PLANES, contrast, group, stages};
+use goniochrome_cli::bumpy::Bumpy;
+use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
+use goniochrome_cli::planar::Planar;
+use goniochrome_cli::render::mesh::Mesh;
+use goniochrome_cli::scatter::{Coherence, Request as Scatter, scatter};
+use goniochrome_cli::scene::load;
+
+/// Cost in seconds against a size.
+struct Curve {
+    name: &'static str,
+    points: Vec<[f64; 2]>,
+}
+
+impl Curve {
+    fn of(name: &'static str, sizes: &[usize], mut cost: impl FnMut(usize) -> f64) -> Self {
+        let least =
+            |size: usize, cost: &mut dyn FnMut(usize) -> f64| (0..3).map(|_| cost(size)).fold(f64::MAX, f64::min);
+        Self { name, points: sizes.iter().map(|&size| [size as f64, least(size, &mut cost)]).collect() }
+    }
+
+    /// The slope of ln cost over ln size.
+    fn exponent(&self) -> f64 {
+        let logs: Vec<[f64; 2]> = self.points.iter().map(|point| point.map(f64::ln)).collect();
+        let count = logs.len() as f64;
+        let mean: [f64; 2] = std::array::from_fn(|axis| logs.iter().map(|log| log[axis]).sum::<f64>() / count);
+        let sum = |other: usize| logs.iter().map(|log| (log[0] - mean[0]) * (log[other] - mean[other])).sum::<f64>();
+        sum(1) / sum(0)
+    }
+}
+
+fn layers(summation: Summation) -> impl FnMut(usize) -> f64 {
+    move |layers| {
+        let mut workspace = Box::new(Workspace::<F32, MOST_PLANES>::new());
+        contrast(layers).with_optics::<F32, _>(0.0, &group::<F32>(), |optics| {
+            let repeats = 2000 / layers + 1;
+            let run = || {
+                for _ in 0..repeats {
+                    black_box(trace_layers(black_box(optics), summation, workspace.memory()).expect("the stack fits"));
+                }
+            };
+            processor_time(run).1.as_secs_f64() / repeats as f64
+        })
+    }
+}
+
+fn wavelengths(count: usize) -> f64 {
+    let scene = load("jewel-beetle").expect("a preset");
+    let planar = Planar::new(&scene).expect("a planar scene");
+    let theta: Vec<f64> = (0..90).map(f64::from).collect();
+    let wavelengths: Vec<f64> = (0..count).map(|i| 380.0 + 400.0 * i as f64 / count as f64).collect();
+    let request = Request { model: Model::Physical, method: Method::Trace, precision: Precision::F32, threads: 1 };
+    let run = || {
+        for _ in 0..8 {
+            black_box(spectra(&planar, &theta, &wavelengths, &request, &|| ()).expect("a good grid"));
+        }
+    };
+    processor_time(run).1.as_secs_f64() / 8.0
+}
+
+/// Seconds of a ray through a teapot of so many quads along a patch.
+fn polygons(level: usize) -> [f64; 2] {
+    let mesh = Mesh::teapot(level as u32);
+    let count = mesh.triangles.len();
+    let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
+    let (mut order, mut corners) = (vec![0; count], vec![Corners::EMPTY; count]);
+    let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners).expect("a good mesh");
+    let rays = stages::incoherent(&mesh, 200_000);
+    let run = || {
+        for ray in &rays {
+            black_box(bvh.closest(ray, |_| true));
+        }
+    };
+    let least = (0..3).map(|_| processor_time(run).1.as_secs_f64()).fold(f64::MAX, f64::min);
+    [count as f64, least / rays.len() as f64]
+}
+
+/// Processor and wall-clock seconds of so many starting rays in the bumpy soap film.
+fn rays(count: usize, threads: usize) -> [f64; 2] {
+    let scene = load("bumpy-soap-film").expect("a preset");
+    let bumpy = Bumpy::new(&scene).expect("a cell");
+    let request = Scatter {
+        coherence: Coherence::None,
+        rays: count as u32,
+        seed: 1,
+        bins: DirectionBins { cos: 16, phi: 32 },
+        precision: Precision::F32,
+        threads,
+    };
+    let wi = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
+    let start = Instant::now();
+    let (found, used) = processor_time(|| scatter(&bumpy, wi, &[450.0, 550.0, 650.0], &request, &|| ()));
+    black_box(found.expect("a good cell"));
+    [used.as_secs_f64(), start.elapsed().as_secs_f64()]
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let plot = env::args().nth(1);
+    let few = goniochrome::trace::Limits { in_flight: 1e-12, ..goniochrome::trace::Limits::SINGLE };
+    let curves = [
+        Curve::of("layers, loops closed", &[4, 8, 15, 30, 60], layers(Summation::ClosedLoops)),
+        Curve::of("layers, hit by hit", &[4, 8, 15, 30, 60], layers(Summation::Generations(few))),
+        Curve::of("wavelengths", &[16, 32, 64, 128, 256, 512], wavelengths),
+        Curve { name: "polygons (one ray)", points: [9, 20, 40, 80, 125].map(polygons).to_vec() },
+        Curve::of("starting rays", &[256, 1024, 4096], |count| rays(count, 1)[0]),
+    ];
+    println!("cost ~ size^exponent, least processor time of 3");
+    for curve in &curves {
+        let points: Vec<String> =
+            curve.points.iter().map(|[size, cost]| format!("{size:.0}: {:.3} µs", cost * 1e6)).collect();
+        println!("{:22} {:5.2}   {}", curve.name, curve.exponent(), points.join(", "));
+    }
+    let wall = |threads: usize| (0..3).map(|_| rays(4096, threads)[1]).fold(f64::MAX, f64::min);
+    println!("two threads are {:.2} times as fast as one (wall clock, 4096 starting rays)", wall(1) / wall(2));
+    if let Some(plot) = plot {
+        fs::write(Path::new(&plot), svg(&curves))?;
+    }
+    Ok(())
+}
+
+/// Both axes logarithmic, each curve from 1 at its first point.
+fn svg(curves: &[Curve]) -> String {
+    const COLOURS: [&str; 5] = ["#0b6e99", "#c4472b", "#3f8f4f", "#8a5fb0", "#b5851a"];
+    let (width, height, left, bottom, decade) = (760.0, 420.0, 60.0, 380.0, 80.0);
+    let x = |growth: f64| left + decade * 1.7 * growth.log10();
+    let y = |growth: f64| bottom - decade * growth.log10();
+    let mut out = format!(
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' font-family='Inter, sans-serif' font-size='13'>\
+         <rect width='100%' height='100%' fill='white'/>"
+    );
+    for power in 0..=4 {
+        let (at, label) = (10f64.powi(power), format!("×{}", 10u32.pow(power as u32)));
+        out += &format!(
+            "<path d='M{left} {0:.1}H520' stroke='#ddd'/><text x='{1}' y='{2:.1}' text-anchor='end'>{label}</text>",
+            y(at),
+            left - 6.0,
+            y(at) + 4.0
+        );
+        if power <= 3 {
+            out += &format!(
+                "<path d='M{0:.1} 40V{bottom}' stroke='#ddd'/><text x='{0:.1}' y='{1}' text-anchor='middle'>{label}</text>",
+                x(at),
+                bottom + 18.0
+            );
+        }
+    }
+    for (i, curve) in curves.iter().enumerate() {
+        let colour = COLOURS[i % COLOURS.len()];
+        let first = curve.points[0];
+        let line: Vec<String> =
+            curve.points.iter().map(|p| format!("{:.1},{:.1}", x(p[0] / first[0]), y(p[1] / first[1]))).collect();
+        let name = format!("{} ^{:.2}", curve.name, curve.exponent());
+        out += &format!(
+            "<polyline points='{}' fill='none' stroke='{colour}' stroke-width='2'/>\
+             <text x='535' y='{}' fill='{colour}'>{name}</text>",
+            line.join(" "),
+            60 + 22 * i
+        );
+    }
+    out + "<text x='290' y='414' text-anchor='middle'>size</text><text x='60' y='28'>cost, relative to the smallest</text></svg>"
+}

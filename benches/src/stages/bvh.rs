@@ -1,0 +1,52 @@
+use std::f64::consts::TAU;
+use std::hint::black_box;
+
+use glam::DVec3;
+use goniochrome::bvh::{Bvh, Corners, Node, Ray};
+use goniochrome_cli::render::mesh::Mesh;
+
+use super::{Visit, Work};
+use crate::random::Random;
+
+const RAYS: usize = 1000;
+
+/// Building the hierarchy of a teapot of 5112 triangles, and incoherent rays through it.
+pub fn bvh(visit: Visit<'_>) {
+    let mesh = Mesh::teapot(9);
+    let count = mesh.triangles.len();
+    let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
+    let (mut order, mut corners) = (vec![0; count], vec![Corners::EMPTY; count]);
+    visit(&Work { stage: "bvh", name: "build", unit: "triangles", amount: count as f64 }, &mut || {
+        let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners);
+        black_box(bvh.expect("a good mesh"));
+    });
+    let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners).expect("a good mesh");
+    let rays = incoherent(&mesh, RAYS);
+    let hits = rays.iter().filter(|ray| bvh.closest(ray, |_| true).is_some()).count();
+    assert!((RAYS / 2..RAYS).contains(&hits), "{hits}");
+    visit(&Work { stage: "bvh", name: "closest hit", unit: "rays", amount: RAYS as f64 }, &mut || {
+        for ray in black_box(&rays) {
+            black_box(bvh.closest(ray, |_| true));
+        }
+    });
+}
+
+/// Rays from random points of the mesh's bounding sphere through random points of its box, in random order.
+#[must_use]
+pub fn incoherent(mesh: &Mesh, count: usize) -> Vec<Ray> {
+    let (centre, radius) = mesh.bounding_sphere();
+    let least = mesh.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let most = mesh.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let mut random = Random::new(1);
+    let single = |v: DVec3| v.as_vec3().as_dvec3();
+    (0..count)
+        .map(|_| {
+            let (z, phi) = (2.0 * random.unit() - 1.0, TAU * random.unit());
+            let s = (1.0 - z * z).sqrt();
+            let origin = single(centre + radius * DVec3::new(s * phi.cos(), s * phi.sin(), z));
+            let through = DVec3::new(random.unit(), random.unit(), random.unit());
+            let direction = single((least + through * (most - least) - origin).normalize());
+            Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+        })
+        .collect()
+}

@@ -1,0 +1,79 @@
+use std::hint::black_box;
+
+use glam::DVec3;
+use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
+use goniochrome::coherence::Side;
+use goniochrome::complex::ComplexLanes;
+use goniochrome::lanes::Lanes;
+use goniochrome::medium::MediaLanes;
+use goniochrome::polygons::{Incident, Polygons, free_slot};
+use goniochrome::sampling::{Random, sobol};
+use goniochrome::trace::{Facets, Limits, Spill, follow_paths, trace};
+use goniochrome_cli::bumpy::Bumpy;
+use goniochrome_cli::scene::load;
+
+use super::{Visit, Work};
+use crate::group;
+
+const RAYS: u32 = 64;
+const WAVES: usize = 8;
+const PATHS: usize = 28;
+const PATH_LIMITS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
+const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
+
+/// Power that came out.
+struct Total(f64);
+
+impl Histogram for Total {
+    fn add(&mut self, lane: usize, _: Side, _: usize, power: f64) {
+        self.0 += if lane == 0 { power } else { 0.0 };
+    }
+}
+
+/// Starting rays through the bumpy soap film at 30 degrees, whose paths add as powers or interfere.
+pub fn cell<V: Lanes>(visit: Visit<'_>) {
+    let scene = load("bumpy-soap-film").expect("a preset");
+    let bumpy = Bumpy::new(&scene).expect("a cell");
+    let mut buffer = bumpy.buffer();
+    let cell = bumpy.cell(&mut buffer).expect("a good cell");
+    let media = bumpy.media();
+    let mut eta = vec![ComplexLanes::zero(); media.len()];
+    let media = MediaLanes::<V>::evaluate(&media, &group::<V>(), &mut eta).expect("media with data");
+    let wi = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
+    let bins = DirectionBins { cos: 8, phi: 16 };
+    let mut slots = vec![free_slot(); WAVES + PATHS];
+    let mut memory = vec![Exit::none(); 512];
+    for (name, coherent) in [("powers", false), ("waves", true)] {
+        let mut run = || {
+            let light = Incident::new(wi, media.eta()[usize::from(cell.above())]);
+            let mut polygons = Polygons::new(cell, media, light, coherent);
+            let mut exits = Exits::new(&mut memory, bins, &media);
+            let (mut total, mut visits) = (Total(0.0), 0);
+            for ray in 0..RAYS {
+                let [u, v] = sobol(ray, 1);
+                let (state, field) = polygons.start(u, v).expect("no hole");
+                exits.begin(state.point_nm());
+                let mut random = Random::new(ray, 1);
+                let done = if coherent {
+                    let (waves, paths) = slots.split_at_mut(WAVES);
+                    let spill = Spill::new(paths, PATH_LIMITS, &mut random);
+                    trace(&mut polygons, state, field, waves, WAVE_LIMITS, Some(spill), &mut exits)
+                } else {
+                    polygons.apart(true);
+                    let paths = &mut slots;
+                    follow_paths(&mut polygons, state, field, paths, PATH_LIMITS, &mut random, &mut exits)
+                };
+                visits += done.visits;
+                exits.settle(&mut total);
+            }
+            (total.0 / f64::from(RAYS), visits)
+        };
+        let (power, visits) = run();
+        // Without loss powers add to 1 in every ray; waves do so on average alone.
+        assert!((power - 1.0).abs() < if coherent { 0.2 } else { 1e-4 }, "{name}: {power}");
+        let amount = visits as f64 * V::WIDTH as f64;
+        visit(&Work { stage: "trace cell", name, unit: "wavelength·states", amount }, &mut || {
+            black_box(run());
+        });
+    }
+}

@@ -1,0 +1,31 @@
+use std::hint::black_box;
+
+use goniochrome::interface::Model;
+use goniochrome::lanes::Lanes;
+use goniochrome::stack::{Optics, OpticsArrays};
+
+use super::{Visit, Work};
+use crate::{MOST_PLANES, beetle, group};
+
+/// The closed form of the 20-layer beetle at 30 degrees: preparation of the stack, and the recursion.
+pub fn stack<V: Lanes>(visit: Visit<'_>) {
+    let stack = beetle();
+    let amount = (V::WIDTH * stack.layers.len()) as f64;
+    let work = |name| Work { stage: "stack", name, unit: "wavelength·layers", amount };
+    stack.with::<V, _>(&group::<V>(), |stack, media| {
+        let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
+        visit(&work("prepare"), &mut || {
+            black_box(Optics::new(stack, media, black_box(0.5), Model::Physical, memory.memory()).model());
+        });
+    });
+    stack.with_optics::<V, _>(0.5, &group::<V>(), |optics| {
+        let r = optics.reflectance(optics.reflection()).s.lane(0);
+        assert!((0.0..1.0).contains(&r));
+        visit(&work("reflection"), &mut || {
+            black_box(black_box(optics).reflection());
+        });
+        visit(&work("response"), &mut || {
+            black_box(black_box(optics).response());
+        });
+    });
+}

@@ -1,0 +1,71 @@
+use std::f64::consts::TAU;
+use std::hint::black_box;
+
+use glam::Vec3;
+use goniochrome::bins::DirectionBins;
+use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome_cli::export::gltf::iridescence::eval_iridescence;
+
+use super::{Visit, Work};
+use crate::random::Random;
+
+const LOOKUPS: usize = 1024;
+/// Angles of `estimate`'s default table.
+const ROWS: usize = 90;
+
+fn work(name: &'static str) -> Work {
+    Work { stage: "table", name, unit: "look-ups", amount: LOOKUPS as f64 }
+}
+
+/// RGB of 2D and 4D tables in random directions, and what they replace: glTF's formula for a film.
+pub fn table(visit: Visit<'_>) {
+    let mut random = Random::new(2);
+    let angles: Vec<f32> = (0..LOOKUPS).map(|_| (random.unit() * 1.55) as f32).collect();
+
+    let values: Vec<f32> = (0..3 * ROWS).map(|i| i as f32 / (3 * ROWS) as f32).collect();
+    let table = MirrorTable::new(&values, 3, 1.55).expect("a good table");
+    assert!(table.rgb(0.8)[1] > table.rgb(0.7)[1]);
+    visit(&work("2D, RGB"), &mut || {
+        for &theta in black_box(&angles) {
+            black_box(table.rgb(theta));
+        }
+    });
+
+    // As a shader does: the cosine is at hand. 400 nm of index 1.33 on glass.
+    let cosines: Vec<f32> = angles.iter().map(|theta| theta.cos()).collect();
+    let film = |cos| eval_iridescence(1.0, 1.33, cos, 400.0, [0.04; 3]);
+    assert!(film(0.5).iter().all(|c| (0.0..0.2).contains(c)));
+    visit(&work("glTF's formula"), &mut || {
+        for &cos in black_box(&cosines) {
+            black_box(film(cos));
+        }
+    });
+
+    let layout = ScatterLayout::new(8, 8, DirectionBins { cos: 16, phi: 32 }).expect("a good layout");
+    let values = vec![1.0 / std::f32::consts::PI; 3 * layout.count()];
+    let table = ScatterTable::new(&values, layout, 3).expect("a good table");
+    let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
+    let sampler = ScatterSampler::new(&table, &mut memory).expect("enough memory");
+    let mut direction = || {
+        let (z, phi) = (0.02 + 0.98 * random.unit(), TAU * random.unit());
+        let s = (1.0 - z * z).sqrt();
+        Vec3::new((s * phi.cos()) as f32, (s * phi.sin()) as f32, z as f32)
+    };
+    let pairs: Vec<(Vec3, Vec3)> = (0..LOOKUPS).map(|_| (direction(), direction())).collect();
+    assert!((table.rgb(pairs[0].0, pairs[0].1)[0] - values[0]).abs() < 1e-6);
+    visit(&work("4D, RGB"), &mut || {
+        for &(wi, wo) in black_box(&pairs) {
+            black_box(table.rgb(wi, wo));
+        }
+    });
+    visit(&work("4D, sample"), &mut || {
+        for &(wi, wo) in black_box(&pairs) {
+            black_box(sampler.sample(wi, [wo.z, wi.z]));
+        }
+    });
+    visit(&work("4D, pdf"), &mut || {
+        for &(wi, wo) in black_box(&pairs) {
+            black_box(sampler.pdf(wi, wo));
+        }
+    });
+}
