@@ -119,7 +119,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Curve::of("layers, hit by hit", &[4, 8, 15, 30, 60], layers(Summation::Generations(few))),
         Curve::of("wavelengths", &[16, 32, 64, 128, 256, 512], wavelengths),
         Curve { name: "polygons (one ray)", points: [9, 20, 40, 80, 125].map(polygons).to_vec() },
-        Curve::of("starting rays", &[256, 1024, 4096], |count| rays(count, 1)[0]),
+        Curve::of("starting rays", &[2048, 8192, 32768], |count| rays(count, 1)[0]),
     ];
     println!("cost ~ size^exponent, least processor time of 3");
     for curve in &curves {
@@ -127,8 +127,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             curve.points.iter().map(|[size, cost]| format!("{size:.0}: {:.3} µs", cost * 1e6)).collect();
         println!("{:22} {:5.2}   {}", curve.name, curve.exponent(), points.join(", "));
     }
-    let wall = |threads: usize| (0..3).map(|_| rays(4096, threads)[1]).fold(f64::MAX, f64::min);
-    println!("two threads are {:.2} times as fast as one (wall clock, 4096 starting rays)", wall(1) / wall(2));
+    let wall = |threads: usize| (0..3).map(|_| rays(32768, threads)[1]).fold(f64::MAX, f64::min);
+    println!("two threads are {:.2} times as fast as one (wall clock, 32768 starting rays)", wall(1) / wall(2));
     if let Some(plot) = plot {
         fs::write(Path::new(&plot), svg(&curves))?;
     }
