@@ -46,7 +46,7 @@ pub enum ExportKind {
     Lut,
     /// The format of the MERL BRDF database (.binary)
     Merl,
-    /// The RGL tensor file of Mitsuba's `measured` (.bsdf)
+    /// The RGL tensor file of Mitsuba's `measured` (.bsdf); up to 64 MiB, for anisotropic tables 256 MiB
     Bsdf,
     /// The bytes that the library and its C interface load at run time (.gonio)
     Blob,

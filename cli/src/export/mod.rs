@@ -5,6 +5,5 @@ pub mod ggx;
 pub mod lut;
 pub mod merl;
 mod reflection;
-mod warp;
 
 pub use reflection::Reflection;
