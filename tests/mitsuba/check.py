@@ -100,6 +100,9 @@ def weights(bsdf, si, of=None, wi=None, wavelengths=None):
 
 
 def sampling(title, bsdf, table, lobe, bare):
+    """Albedo by our samples, and their variance over that of Mitsuba's rough conductor of equal roughness: of aluminium against its own
+    aluminium; of a colour that changes with the angle, which it lacks, against its directions weighted by our BRDF. Variances add
+    up over the channels, since one density serves all of them."""
     rgb = table.wavelengths is None
     channels = range(3) if rgb else np.arange(4) % len(table.wavelengths)
     side = 400
