@@ -46,7 +46,7 @@ pub enum ExportKind {
     Lut,
     /// The format of the MERL BRDF database (.binary)
     Merl,
-    /// The RGL tensor file of Mitsuba's `measured` (.bsdf)
+    /// The RGL tensor file of Mitsuba's `measured` (.bsdf); up to 64 MiB, for anisotropic tables 256 MiB
     Bsdf,
     /// A glTF 2.0 material: the best fit of `KHR_materials_iridescence` to a single film, and how far off it is (.gltf)
     Gltf,

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use super::Reflection;
-use super::reflection::Kind;
+use super::reflection::{Evaluator, Kind};
 use crate::error::{Error, Result};
 use crate::table_file::Table;
 
@@ -57,8 +57,11 @@ pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
     for size in [THETA_H, THETA_D, PHI_D] {
         bytes.extend(u32::try_from(size).unwrap_or(0).to_le_bytes());
     }
+    let mut evaluator = reflection.evaluator();
     let colours: Vec<[f64; 3]> = (0..count)
-        .map(|place| colour(&reflection, directions(place / (THETA_D * PHI_D), place / PHI_D % THETA_D, place % PHI_D)))
+        .map(|place| {
+            colour(&mut evaluator, directions(place / (THETA_D * PHI_D), place / PHI_D % THETA_D, place % PHI_D))
+        })
         .collect();
     for c in 0..3 {
         bytes.extend(colours.iter().flat_map(|colour| (colour[c].max(0.0) / SCALE[c]).to_le_bytes()));
@@ -67,14 +70,14 @@ pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
 }
 
 /// The mean of f both ways, since the format makes no difference between them.
-fn colour(reflection: &Reflection, [wi, wo]: [DVec3; 2]) -> [f64; 3] {
+fn colour(evaluator: &mut Evaluator<'_>, [wi, wo]: [DVec3; 2]) -> [f64; 3] {
     if wi.z < DEEPEST || wo.z < DEEPEST {
         return [0.0; 3];
     }
     let lifted = |w: DVec3| DVec3::new(w.x, w.y, w.z.max(HORIZON)).normalize();
     let (wi, wo) = (lifted(wi), lifted(wo));
     let mut ways = [[0.0; 3]; 2];
-    reflection.eval(wi, wo, &mut ways[0]);
-    reflection.eval(wo, wi, &mut ways[1]);
+    evaluator.eval(wi, wo, &mut ways[0]);
+    evaluator.eval(wo, wi, &mut ways[1]);
     std::array::from_fn(|c| 0.5 * (ways[0][c] + ways[1][c]))
 }

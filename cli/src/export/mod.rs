@@ -7,6 +7,5 @@ pub mod lut;
 pub mod merl;
 pub mod png;
 mod reflection;
-mod warp;
 
 pub use reflection::Reflection;

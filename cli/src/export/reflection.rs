@@ -82,9 +82,16 @@ impl Reflection {
         &self.kind
     }
 
-    /// The look-up of the values; only a [`Kind::Scatter`] has one.
-    fn lookup(&self, layout: ScatterLayout) -> Lookup<'_> {
-        Lookup::new(&self.values, layout, self.channels).expect("a checked table fits its layout")
+    /// What evaluates it, with memory of its own.
+    #[must_use]
+    pub fn evaluator(&self) -> Evaluator<'_> {
+        let lookup = match self.kind {
+            Kind::Lobe { .. } => None,
+            Kind::Scatter(layout) => {
+                Some(Lookup::new(&self.values, layout, self.channels).expect("a checked table fits its layout"))
+            }
+        };
+        Evaluator { reflection: self, lookup, values: vec![0.0; self.channels] }
     }
 
     /// ρ at an angle, linear between the table's and held beyond them.
@@ -105,22 +112,34 @@ impl Reflection {
             self.interpolate(theta, cos_d.clamp(0.0, 1.0).acos(), out);
         }
     }
+}
+
+/// Evaluates a [`Reflection`] over and over.
+pub struct Evaluator<'r> {
+    reflection: &'r Reflection,
+    /// Only a [`Kind::Scatter`] has one.
+    lookup: Option<Lookup<'r>>,
+    values: Vec<f32>,
+}
+
+impl<'r> Evaluator<'r> {
+    /// The BRDF.
+    #[must_use]
+    pub fn reflection(&self) -> &'r Reflection {
+        self.reflection
+    }
 
     /// f in each channel, in 1/sr; both directions above the horizon.
-    pub fn eval(&self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
-        match &self.kind {
-            Kind::Lobe { ggx, .. } => {
-                let m = (wi + wo).normalize();
-                self.reflectance(wi.dot(m), out);
-                let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);
-                out.iter_mut().for_each(|value| *value *= lobe);
-            }
-            Kind::Scatter(layout) => {
-                let mut values = vec![0.0; self.channels];
-                let single = |w: DVec3| Vec3::new(w.x as f32, w.y as f32, w.z as f32);
-                self.lookup(*layout).eval(single(wi), single(wo), &mut values);
-                out.iter_mut().zip(values).for_each(|(out, value)| *out = f64::from(value));
-            }
+    pub fn eval(&mut self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
+        if let Some(lookup) = &self.lookup {
+            let single = |w: DVec3| Vec3::new(w.x as f32, w.y as f32, w.z as f32);
+            lookup.eval(single(wi), single(wo), &mut self.values);
+            out.iter_mut().zip(&self.values).for_each(|(out, value)| *out = f64::from(*value));
+        } else if let Kind::Lobe { ggx, .. } = &self.reflection.kind {
+            let m = (wi + wo).normalize();
+            self.reflection.reflectance(wi.dot(m), out);
+            let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);
+            out.iter_mut().for_each(|value| *value *= lobe);
         }
     }
 }

@@ -1,0 +1,112 @@
+//! Scattering tables keep their albedo: a lobe as thin as the spacing of the file's samples loses or gains some per cent by
+//! interpolation, so each incident direction's spectra are scaled until what interpolation makes of them reflects as much as the
+//! table does.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+use goniochrome::table::ScatterLayout;
+
+use super::grid::Grid;
+use super::spherical;
+use crate::export::reflection::Evaluator;
+
+/// Most that a channel is scaled by. Where colours out of gamut cancel, there is no albedo to keep.
+const MOST: f64 = 1.1;
+/// Gauss's two points in an interval from 0 to 1: exact up to cubics.
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// ∫ f cos θ_o dω_o of the table in each channel, exactly: f is linear over each half bin of cos θ_o, and over each bin of φ_o,
+/// where equally spaced places give the integral.
+pub fn exact(evaluator: &mut Evaluator<'_>, layout: ScatterLayout, wi: DVec3) -> Vec<f64> {
+    let mut total = vec![0.0; evaluator.reflection().channels];
+    let mut values = total.clone();
+    let (halves, turns) = (2 * layout.bins().cos, layout.bins().phi);
+    for half in 0..halves {
+        for part in GAUSS {
+            let cos = (f64::from(half) + part) / f64::from(halves);
+            let weight = 0.5 / f64::from(halves) * TAU / f64::from(turns) * cos;
+            for turn in 0..turns {
+                let wo = spherical(cos.acos(), TAU * f64::from(turn) / f64::from(turns));
+                evaluator.eval(wi, wo, &mut values);
+                total.iter_mut().zip(&values).for_each(|(total, value)| *total += weight * value);
+            }
+        }
+    }
+    total
+}
+
+/// The same of one channel of the file, interpolated between its samples.
+pub fn interpolated(grid: &Grid, wi: DVec3, origin: f64, samples: &[f32]) -> f64 {
+    let [across, along] = &grid.nodes;
+    let mut total = 0.0;
+    for (row, v) in along.windows(2).enumerate() {
+        for part_v in GAUSS {
+            let (sin, cos) = (TAU * (v[0].0 + part_v * (v[1].0 - v[0].0)) - PI + origin).sin_cos();
+            for (column, u) in across.windows(2).enumerate() {
+                let at = |row: usize, column: usize| f64::from(samples[row * across.len() + column]);
+                let mix = |a: f64, b: f64| a + part_v * (b - a);
+                let [left, right] = [column, column + 1].map(|column| mix(at(row, column), at(row + 1, column)));
+                for part_u in GAUSS {
+                    let u = u[0].0 + part_u * (u[1].0 - u[0].0);
+                    let (sin_m, cos_m) = (u * u * FRAC_PI_2).sin_cos();
+                    let m = DVec3::new(sin_m * cos, sin_m * sin, cos_m);
+                    let visible = wi.dot(m);
+                    if 2.0 * visible * m.z > wi.z {
+                        total += u * sin_m * visible * (left + part_u * (right - left));
+                    }
+                }
+            }
+        }
+    }
+    let cells = ((across.len() - 1) * (along.len() - 1)) as f64;
+    // |dω_o| over the square's area is 8π² u sin θ_m (ω_i · m).
+    total * 8.0 * PI * PI / (4.0 * cells)
+}
+
+/// Scales one channel.
+pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64) {
+    let scale = exact / interpolated;
+    if scale.is_finite() {
+        let scale = scale.clamp(1.0 / MOST, MOST) as f32;
+        samples.iter_mut().for_each(|value| *value *= scale);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::bsdf::density::Density;
+
+    #[test]
+    fn a_white_diffuse_reflector_interpolated_has_albedo_one() {
+        const SIDE: usize = 64;
+        let density = || [Density::uniform(), Density::uniform()];
+        let nodes = density().map(|density| density.nodes(SIDE));
+        for theta in [0.0, 0.7, 1.3] {
+            let wi = spherical(theta, 0.0);
+            let cosine = |(u, v): (f64, f64)| {
+                let m = spherical(u * u * FRAC_PI_2, TAU * v - PI);
+                ((2.0 * wi.dot(m) * m.z - wi.z) / PI) as f32
+            };
+            let samples: Vec<f32> =
+                nodes[1].iter().flat_map(|v| nodes[0].iter().map(move |u| (u.0, v.0))).map(cosine).collect();
+            let grid = Grid { theta: vec![theta], phi: vec![0.0], nodes: nodes.clone(), density: density() };
+            let albedo = interpolated(&grid, wi, 0.0, &samples);
+            // Interpolation of a curved function: (π/SIDE)²/8 and the like.
+            assert!((albedo - 1.0).abs() < 2e-3, "{theta}: {albedo}");
+            let mut scaled = samples;
+            keep(&mut scaled, 1.0, albedo);
+            assert!((interpolated(&grid, wi, 0.0, &scaled) - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn what_has_no_albedo_is_left_as_it_is() {
+        let mut samples = [1.0, 2.0];
+        keep(&mut samples, 0.0, 0.0);
+        assert_eq!(samples, [1.0, 2.0]);
+        keep(&mut samples, 5.0, 1.0);
+        assert_eq!(samples, [MOST as f32, 2.0 * MOST as f32]);
+    }
+}

@@ -1,0 +1,157 @@
+//! RGL's tensor file (Dupuy and Jakob 2018): Mitsuba 3's `measured`, pbrt-v4, powitacq.
+//!
+//! Half vectors lie on a unit square: u = sqrt(2 θ_m/π) on the last axis, v = (φ_m + π)/2π, where φ_m counts from φ_i for
+//! isotropic tables. `vndf` warps a uniform square onto it, `luminance` refines the warp, and `spectra` (or `rgb`) hold
+//! f cos θ_o · 4σ/D on the square before the warp, so that f cos θ_o = spectra · `ndf`/(4 `sigma`). The parameters θ_i, φ_i
+//! are the table's incident directions: f counts as reciprocal, since renderers take them as the viewer's.
+//!
+//! A mirror-like table becomes GGX facets: D and σ are the lobe's own, and what is left is smooth. For tilted facets D = 1 and
+//! σ = 1/4. The warp is only a choice of where to sample ([`grid`]); `luminance` alone makes samples follow the BRDF.
+
+mod albedo;
+pub mod density;
+pub mod grid;
+pub mod tensor;
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+
+use self::grid::Grid;
+use self::tensor::{Field, Values};
+use super::Reflection;
+use super::reflection::{Evaluator, Kind};
+use crate::error::Result;
+use crate::parallel;
+use crate::table_file::Table;
+
+/// Samples of D and σ over u: interpolation of D at α = 0.001 errs by 1e-4.
+const FINE: usize = 4096;
+/// Least density of samples over its mean, so that where interpolation leaves some reflection some samples go.
+const LEAST_LUMINANCE: f32 = 1e-4;
+/// How far below the horizon a lobe goes on as the same function, over cos θ_i; it is infinite at 1.
+const EXTENSION: f64 = 0.5;
+
+fn spherical(theta: f64, phi: f64) -> DVec3 {
+    DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+}
+
+/// f cos θ_o in each channel. Below the horizon, where renderers ask for nothing but interpolate, it goes on so that it has no
+/// kink there: a lobe analytically, a table, which is constant next to the horizon, as an odd function. Says whether θ_o is above.
+fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]) -> bool {
+    let wo = 2.0 * wi.dot(m) * m - wi;
+    let cos = if let Kind::Lobe { ggx, .. } = evaluator.reflection().kind() {
+        let cos = wo.z.max(-EXTENSION * wi.z);
+        evaluator.reflection().reflectance(wi.dot(m), out);
+        let lobe = ggx.density(m.z) * ggx.masking(wi.z, cos);
+        out.iter_mut().for_each(|value| *value *= lobe);
+        cos
+    } else {
+        let above = wo.z.abs().max(1e-6);
+        evaluator.eval(wi, DVec3::new(wo.x, wo.y, above), out);
+        above.copysign(wo.z)
+    };
+    out.iter_mut().for_each(|value| *value *= cos);
+    wo.z > 0.0
+}
+
+/// What one incident direction adds to the file.
+struct Slice<'f> {
+    luminance: &'f mut [f32],
+    spectra: &'f mut [f32],
+}
+
+/// Fills the slice of an incident direction.
+fn fill(evaluator: &mut Evaluator<'_>, grid: &Grid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
+    let reflection = evaluator.reflection();
+    let wi = spherical(theta, phi);
+    let origin = if grid.isotropic() { phi } else { 0.0 };
+    let mut values = vec![0.0; reflection.channels];
+    let area = slice.luminance.len();
+    let [across, along] = &grid.nodes;
+    let places = along.iter().flat_map(|v| across.iter().map(move |u| (*u, *v)));
+    for (i, ((u, density_u), (v, density_v))) in places.enumerate() {
+        let theta_m = u * u * FRAC_PI_2;
+        let m = spherical(theta_m, TAU * v - PI + origin);
+        let above = projected(evaluator, wi, m, &mut values);
+        // |dω_o| over the square's area, without its constant.
+        let jacobian = u * theta_m.sin() * wi.dot(m).max(0.0);
+        // Of all densities that serve every channel, the root of the sum of squares has the least sum of variances. It also has
+        // samples where colours out of gamut cancel each other.
+        let strength = if above { values.iter().map(|value| value * value).sum::<f64>().sqrt() } else { 0.0 };
+        slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
+        let scale = match reflection.kind() {
+            Kind::Lobe { ggx, .. } => 4.0 * ggx.visible_area(wi.z) / ggx.density(m.z),
+            Kind::Scatter(_) => 1.0,
+        };
+        for (c, value) in values.iter().enumerate() {
+            slice.spectra[c * area + i] = (value * scale) as f32;
+        }
+    }
+    if let Kind::Scatter(layout) = reflection.kind() {
+        let exact = albedo::exact(evaluator, *layout, wi);
+        for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact) {
+            albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel));
+        }
+    }
+    let mean = slice.luminance.iter().sum::<f32>() / area as f32;
+    // A black direction still needs a density.
+    let least = if mean > 0.0 { LEAST_LUMINANCE * mean } else { 1.0 };
+    slice.luminance.iter_mut().for_each(|value| *value = value.max(least));
+}
+
+/// The bytes of the file.
+///
+/// # Errors
+/// A roughness that is missing or has no use.
+pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8>> {
+    let reflection = Reflection::new(table, roughness, rgb)?;
+    let grid = Grid::new(&reflection);
+    let (slices, channels, side) = (grid.slices(), reflection.channels, grid.side());
+    let area = side * side;
+    let mut luminance = vec![0.0; slices * area];
+    let mut spectra = vec![0.0; slices * channels * area];
+    let work = luminance.chunks_mut(area).zip(spectra.chunks_mut(channels * area));
+    let work = work.map(|(luminance, spectra)| Slice { luminance, spectra }).enumerate();
+    parallel::for_each(
+        parallel::available(),
+        work,
+        || reflection.evaluator(),
+        |evaluator, (i, slice)| {
+            let incident = [grid.theta[i % grid.theta.len()], grid.phi[i / grid.theta.len()]];
+            fill(evaluator, &grid, incident, slice);
+        },
+    );
+    let (ndf, sigma) = facets(&reflection);
+    let (warp, columns) = grid.warp();
+    let singles = |name, shape: Vec<usize>, values| Field { name, shape, values: Values::Singles(values) };
+    let narrow = |values: &[f64]| values.iter().map(|x| *x as f32).collect::<Vec<f32>>();
+    let description = format!("{}, goniochrome {}", table.name(), env!("CARGO_PKG_VERSION")).into_bytes();
+    let directions = [grid.phi.len(), grid.theta.len()];
+    let shape = |rest: &[usize]| [&directions[..], rest].concat();
+    let mut fields = vec![
+        Field { name: "description", shape: vec![description.len()], values: Values::Bytes(description) },
+        Field { name: "jacobian", shape: vec![1], values: Values::Bytes(vec![1]) },
+        singles("theta_i", vec![grid.theta.len()], narrow(&grid.theta)),
+        singles("phi_i", vec![grid.phi.len()], narrow(&grid.phi)),
+        singles("ndf", vec![2, ndf.len() / 2], ndf),
+        singles("sigma", vec![2, sigma.len() / 2], sigma),
+        singles("vndf", shape(&[warp.len() / columns, columns]), warp.repeat(slices)),
+        singles("luminance", shape(&[side, side]), luminance),
+        singles(if rgb { "rgb" } else { "spectra" }, shape(&[channels, side, side]), spectra),
+    ];
+    if !rgb {
+        let wavelengths = narrow(&reflection.wavelength_nm);
+        fields.push(singles("wavelengths", vec![wavelengths.len()], wavelengths));
+    }
+    Ok(tensor::encode(&fields))
+}
+
+/// D and σ over θ, the same in both rows, since neither depends on φ.
+fn facets(reflection: &Reflection) -> (Vec<f32>, Vec<f32>) {
+    let Kind::Lobe { ggx, .. } = reflection.kind() else { return (vec![1.0; 4], vec![0.25; 4]) };
+    let cos = (0..FINE).map(|i| ((i as f64 / (FINE - 1) as f64).powi(2) * FRAC_PI_2).cos());
+    let twice = |row: Vec<f32>| row.repeat(2);
+    let density = cos.clone().map(|cos| ggx.density(cos) as f32).collect();
+    (twice(density), twice(cos.map(|cos| ggx.visible_area(cos) as f32).collect()))
+}

@@ -1,0 +1,59 @@
+//! The container of RGL's tensor files: a header, a table of named arrays, and each array at a multiple of 8 bytes.
+
+/// An array of the file.
+pub struct Field {
+    /// Its name.
+    pub name: &'static str,
+    /// Lengths of its axes, the last one contiguous.
+    pub shape: Vec<usize>,
+    /// Its values.
+    pub values: Values,
+}
+
+/// The values of a field.
+pub enum Values {
+    /// Bytes.
+    Bytes(Vec<u8>),
+    /// 32-bit floating point.
+    Singles(Vec<f32>),
+}
+
+impl Values {
+    /// The format's number for the type, and the length in bytes.
+    fn kind(&self) -> (u8, usize) {
+        match self {
+            Self::Bytes(bytes) => (1, bytes.len()),
+            Self::Singles(values) => (10, 4 * values.len()),
+        }
+    }
+}
+
+/// The bytes of a file, version 1.0, little endian.
+#[must_use]
+pub fn encode(fields: &[Field]) -> Vec<u8> {
+    let mut file = b"tensor_file\0\x01\x00".to_vec();
+    file.extend((fields.len() as u32).to_le_bytes());
+    let entry = |field: &Field| 2 + field.name.len() + 2 + 1 + 8 + 8 * field.shape.len();
+    let start = (file.len() + fields.iter().map(entry).sum::<usize>()).next_multiple_of(8);
+    let mut offset = start;
+    for field in fields {
+        let (kind, length) = field.values.kind();
+        file.extend((field.name.len() as u16).to_le_bytes());
+        file.extend(field.name.as_bytes());
+        file.extend((field.shape.len() as u16).to_le_bytes());
+        file.push(kind);
+        file.extend((offset as u64).to_le_bytes());
+        field.shape.iter().for_each(|side| file.extend((*side as u64).to_le_bytes()));
+        offset += length.next_multiple_of(8);
+    }
+    file.reserve_exact(offset - file.len());
+    file.resize(start, 0);
+    for field in fields {
+        match &field.values {
+            Values::Bytes(bytes) => file.extend(bytes),
+            Values::Singles(values) => values.iter().for_each(|value| file.extend(value.to_le_bytes())),
+        }
+        file.resize(file.len().next_multiple_of(8), 0);
+    }
+    file
+}
