@@ -22,7 +22,7 @@ pub struct Medium {
 }
 
 /// The media of an object, checked.
-pub struct Media {
+pub(crate) struct Media {
     media: [CoreMedium<'static>; GONIO_MAX_MEDIA],
     count: usize,
 }

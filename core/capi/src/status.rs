@@ -104,7 +104,7 @@ pub extern "C" fn gonio_status_text(status: i32) -> *const c_char {
 }
 
 /// The status of a body that may end early.
-pub fn answer(body: impl FnOnce() -> Result<(), Status>) -> Status {
+pub(crate) fn answer(body: impl FnOnce() -> Result<(), Status>) -> Status {
     body().err().unwrap_or(Status::Ok)
 }
 

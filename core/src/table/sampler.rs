@@ -1,7 +1,7 @@
 //! Drawing outgoing directions as a table reflects them.
 
 use super::layout::{azimuth, polar};
-use super::{Node, ScatterLayout, ScatterTable, TableError, Values};
+use super::{LARGEST, Node, ScatterLayout, ScatterTable, TableError, Values};
 use core::f32::consts::TAU;
 use glam::Vec3;
 
@@ -65,8 +65,8 @@ impl<'a> ScatterSampler<'a> {
         };
         let reflected = memory.at(0);
         let of_row = |row| memory.part(1 + rows + row * columns, columns);
-        reflected >= 0.0
-            && reflected.is_finite()
+        // ∫ cos θ dω over a hemisphere is π, and a little more in sums of bins.
+        (0.0..=4.0 * LARGEST).contains(&reflected)
             && whole(memory.part(1, rows))
             && (0..rows).all(|row| whole(of_row(row)))
     }
