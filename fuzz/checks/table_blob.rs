@@ -132,7 +132,7 @@ fn mirror(table: &MirrorTable<'_>, numbers: &mut Numbers) {
             assert!(x.is_finite(), "{x} at {theta}");
             let channel = c.min(table.channels() - 1);
             assert_eq!(x, table.channel(theta, channel));
-            let (from, to) = (table.channel(0.0, channel), table.channel(theta_max, channel));
+            let (from, to) = (table.channel(0.0, channel), table.channel(2.0, channel));
             if table.rows() == 2 {
                 within(x, [from.min(to), from.max(to)]);
             }

@@ -157,8 +157,9 @@ pub fn trace(program: &mut Program<'_>, cell: Option<&Facets>) {
 
 /// All light is somewhere, and bins hold what is reflected.
 fn holds(power: &Power, bins: Option<&[f64]>, alone: bool) {
-    /// A power is a product of some hundred factors in single precision.
-    const LEDGER: f64 = 1e-4;
+    /// Trapped light meets facets ten thousand times, and each time its power is rounded: where it arrives, in both parts, and in
+    /// their fields.
+    const LEDGER: f64 = 1e4 * 4.0 * (f32::EPSILON as f64 / 2.0);
     /// Two sums of some hundred powers in double precision.
     const SUM: f64 = 1e-12;
     let &Power { reflected, transmitted, absorbed, truncated } = power;
