@@ -178,7 +178,7 @@ impl<V: Lanes> Exits<'_, V> {
             *place = exit;
             self.count += 1;
         } else {
-            self.dropped += (exit.power.s + exit.power.p) * V::splat(0.5);
+            self.dropped += (exit.power.s.abs() + exit.power.p.abs()) * V::splat(0.5);
         }
     }
 }
@@ -276,7 +276,7 @@ fn phase_of<V: Lanes>(
 fn scaled_to_power<V: Lanes>(field: Field<V>, power: Polarised<V>, phase: ComplexLanes<V>) -> Field<V> {
     field.zip(power, |e, power| {
         let square = e.norm_sqr();
-        let scale = V::zero().select_lt(square, (power / square).sqrt(), V::zero());
+        let scale = V::zero().select_lt(square, (power.max(V::zero()) / square).sqrt(), V::zero());
         e.scale(phase.scale(scale))
     })
 }

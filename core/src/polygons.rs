@@ -237,7 +237,8 @@ impl<'a, V: Lanes> Polygons<'a, V> {
             }
             _ if evanescent => None,
             Next::Lost => {
-                self.lost += (power.s + power.p) * V::splat(0.5);
+                // A wave that decays across its way may carry power backwards: an error bar all the same.
+                self.lost += (power.s.abs() + power.p.abs()) * V::splat(0.5);
                 None
             }
             up_or_down => {
