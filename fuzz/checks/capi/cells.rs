@@ -3,6 +3,7 @@
 use super::media::Media;
 use super::out::Out;
 use super::program::Program;
+use goniochrome::lanes::{F32, Lanes};
 use goniochrome_capi::cell::{
     Cell, Interface, Light, Mesh, Power, gonio_cell_make, gonio_cell_memory_size, gonio_cell_trace,
     gonio_trace_memory_size,
@@ -150,25 +151,34 @@ pub fn trace(program: &mut Program<'_>, cell: Option<&Facets>) {
     if done {
         for (wavelength, power) in power.results().iter().enumerate() {
             let bins = with_bins.then(|| &bins.results()[wavelength * count..][..count]);
-            holds(power, bins, light.interference == 0);
+            holds(power, bins);
+        }
+        if light.interference == 0 {
+            ledger_closes(power.results());
         }
     }
 }
 
-/// All light is somewhere, and bins hold what is reflected.
-fn holds(power: &Power, bins: Option<&[f64]>, alone: bool) {
+/// All light is somewhere. Weak paths are drawn by their power in all lanes together, of which those beyond the last wavelength repeat
+/// it: so the lanes' mean is kept by every draw, and each wavelength's own power on average.
+fn ledger_closes(power: &[Power]) {
     /// Trapped light meets facets ten thousand times, and each time its power is rounded: where it arrives, in both parts, and in
     /// their fields.
     const LEDGER: f64 = 1e4 * 4.0 * (f32::EPSILON as f64 / 2.0);
+    let total = |p: &Power| p.reflected + p.transmitted + p.absorbed + p.truncated;
+    let repeated = (F32::WIDTH - power.len()) as f64 * power.last().map_or(0.0, total);
+    let mean = (power.iter().map(total).sum::<f64>() + repeated) / F32::WIDTH as f64;
+    assert!((mean - 1.0).abs() <= LEDGER, "{mean}");
+    assert!(power.iter().all(|p| p.absorbed >= -LEDGER), "power was gained");
+}
+
+/// Numbers, and bins that hold what is reflected.
+fn holds(power: &Power, bins: Option<&[f64]>) {
     /// Two sums of some hundred powers in double precision.
     const SUM: f64 = 1e-12;
     let &Power { reflected, transmitted, absorbed, truncated } = power;
     let parts = [reflected, transmitted, absorbed, truncated];
     assert!(parts.iter().all(|part| part.is_finite()) && reflected >= 0.0 && truncated >= 0.0, "{parts:?}");
-    if alone {
-        let total: f64 = parts.iter().sum();
-        assert!((total - 1.0).abs() <= LEDGER && parts.iter().all(|part| *part >= -LEDGER), "{total}: {parts:?}");
-    }
     if let Some(bins) = bins {
         let sum: f64 = bins.iter().sum();
         assert!(bins.iter().all(|power| *power >= 0.0) && (sum - reflected).abs() <= SUM * (1.0 + sum), "{bins:?}");

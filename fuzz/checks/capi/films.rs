@@ -142,10 +142,10 @@ impl Films {
         }
         let thickness_nm: Vec<f64> = self.layers.iter().map(|layer| layer.thickness_nm).collect();
         let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
-        let twins = Problem { eta: &eta, thickness_nm: &thickness_nm, sin_theta, wavelength_nm: nm }.solve();
-        for (got, twin) in got.into_iter().zip(twins) {
+        let problem = Problem { eta: &eta, thickness_nm: &thickness_nm, sin_theta, wavelength_nm: nm };
+        for (got, twin) in got.into_iter().zip(problem.solve()) {
             // What is returned is rounded to single precision once more.
-            let [bound, _] = twin.rounding(ROUNDOFF);
+            let [bound, _] = twin.perturbed(ROUNDOFF, problem.kept_off(ROUNDOFF));
             let bound = bound + ROUNDOFF * got;
             let near = (got - twin.reflectance).abs() <= bound && got <= 1.0 + bound;
             let blind = bound.is_nan() || bound > FIRST_ORDER;
