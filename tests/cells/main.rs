@@ -6,6 +6,5 @@ mod geometric;
 mod gratings;
 mod height_field;
 mod laws;
-mod probe;
 mod reciprocity;
 mod scene;
