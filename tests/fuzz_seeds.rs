@@ -3,19 +3,9 @@
 #[path = "../fuzz/checks/mod.rs"]
 mod checks;
 
-/// Runs `check` on every file of a target's seeds, which must be some.
-fn replay(target: &str, check: fn(&[u8])) {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds").join(target);
-    let files = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut count = 0;
-    for file in files {
-        let path = file.expect("the folder is readable").path();
-        println!("{}", path.display());
-        check(&std::fs::read(&path).expect("the file is readable"));
-        count += 1;
-    }
-    assert!(count > 0, "{target} has no seeds");
-}
+mod replay;
+
+use replay::replay;
 
 #[test]
 fn seeds_of_exr_table_hold() {
@@ -35,6 +25,11 @@ fn seeds_of_obj_hold() {
 #[test]
 fn seeds_of_scene_file_hold() {
     replay("scene_file", checks::scene_file::check);
+}
+
+#[test]
+fn seeds_of_table_blob_hold() {
+    replay("table_blob", checks::table_blob::check);
 }
 
 #[test]

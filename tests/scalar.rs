@@ -145,6 +145,15 @@ impl Problem<'_> {
         [false, true].map(|p| self.polarised(p))
     }
 
+    /// The relative error of a film's η by which lanes of this roundoff keep its wave off the critical angle (`Wave::in_film`).
+    #[allow(dead_code, reason = "random stacks never come so near, fuzzed ones do")]
+    pub fn kept_off(&self, roundoff: f64) -> f64 {
+        let q_t = self.eta[0].re * self.sin_theta;
+        let films = &self.eta[1..=self.thickness_nm.len()];
+        let near = films.iter().any(|eta| (eta * eta - q_t * q_t).norm() < 2.0 * roundoff * eta.norm_sqr());
+        if near { roundoff } else { 0.0 }
+    }
+
     fn waves(&self, p: bool) -> Vec<Wave> {
         let q_t = self.eta[0].re * self.sin_theta;
         let wave = |(j, eta): (usize, &Complex64)| {

@@ -285,7 +285,14 @@ pub(crate) fn trace_batch<V: Lanes>(
 /// Waves in absorbing bodies narrower than a wavelength may meet loops of gain above 1, whose sum by hits has no end.
 pub(crate) fn refuse_divergence(bumpy: &Bumpy<'_>, found: &Scattered) -> Result<()> {
     let totals = [found.reflected, found.transmitted, found.absorbed, found.truncated];
-    if totals.iter().all(|total| total.value.is_finite()) && found.truncated.value <= 1.0 {
+    converged(bumpy, totals.map(|total| total.value))
+}
+
+/// The same of what was reflected, transmitted, absorbed and truncated.
+pub(crate) fn converged(bumpy: &Bumpy<'_>, totals: [f64; 4]) -> Result<()> {
+    /// Of a sum over wavelengths whose weights add up to 1.
+    const ROUNDING: f64 = 1e-9;
+    if totals.iter().all(|total| total.is_finite()) && totals[3] <= 1.0 + ROUNDING {
         return Ok(());
     }
     Err(Error::failed(format_args!(

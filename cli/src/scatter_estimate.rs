@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::estimate::Precision;
 use crate::groups::{Group, Groups};
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, Request, Tally, Workspace, trace_batch};
+use crate::scatter::{BATCHES, Estimate, Request, Tally, Workspace, converged, trace_batch};
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
 use crate::scene::{Scene, Shape};
 
@@ -131,10 +131,14 @@ fn run<V: Lanes>(
         || Worker(Workspace::<V>::new(bumpy)),
         |worker, (incident, row)| {
             if lost.get().is_some() {
-                return; // what nobody can keep is not worth computing
+                return; // what nobody can keep, or use, is not worth computing
             }
-            *row.energy = worker.direction(cell, &groups, request, incident, row.brdf, row.error);
-            if let Some(Err(error)) = checkpoint.map(|checkpoint| checkpoint.keep(incident, &row.write())) {
+            let energy = worker.direction(cell, &groups, request, incident, row.brdf, row.error);
+            *row.energy = energy;
+            let kept =
+                converged(bumpy, [energy.reflected.value, energy.transmitted, energy.absorbed, energy.truncated])
+                    .and_then(|()| checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(incident, &row.write())));
+            if let Err(error) = kept {
                 let _ = lost.set(error);
             }
             progress();

@@ -58,7 +58,8 @@ impl DirectionBins {
     /// Bounds of a bin: cos θ from and to, φ from and to in radians.
     #[must_use]
     pub fn bounds(&self, bin: usize) -> [f64; 4] {
-        let (row, column) = (bin / self.phi as usize, bin % self.phi as usize);
+        let columns = self.phi.max(1) as usize;
+        let (row, column) = (bin / columns, bin % columns);
         let (cos, phi) = (f64::from(self.cos), f64::from(self.phi));
         [row as f64 / cos, (row + 1) as f64 / cos, TAU * column as f64 / phi, TAU * (column + 1) as f64 / phi]
     }
@@ -177,14 +178,14 @@ impl<V: Lanes> Exits<'_, V> {
             *place = exit;
             self.count += 1;
         } else {
-            self.dropped += (exit.power.s + exit.power.p) * V::splat(0.5);
+            self.dropped += (exit.power.s.abs() + exit.power.p.abs()) * V::splat(0.5);
         }
     }
 }
 
 impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
-        let to_origin = departure.wavevector.dot_real(self.origin_nm - departure.point_nm).scale(self.per_wavelength);
+        let to_origin = phase_of(&departure, self.origin_nm - departure.point_nm, self.per_wavelength);
         self.put(Exit {
             side: departure.side,
             bins: self.grid.of_lanes(&departure.wavevector),
@@ -243,7 +244,7 @@ impl<'m, V: Lanes> BinFields<'m, V> {
 
 impl<V: Lanes> Sink<Departure<V>, Field<V>> for BinFields<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
-        let phase = propagate::<V>((-departure.wavevector.dot_real(departure.point_nm)).scale(self.per_wavelength));
+        let phase = propagate::<V>(phase_of(&departure, -departure.point_nm, self.per_wavelength));
         let field = scaled_to_power(field, departure.power, phase * self.arrival);
         let bins = self.grid.of_lanes(&departure.wavevector);
         let hemisphere = if departure.side == Side::Above { 0 } else { self.grid.count() };
@@ -260,12 +261,22 @@ impl<V: Lanes> Sink<Departure<V>, Field<V>> for BinFields<'_, V> {
     }
 }
 
+/// Turns of a ray's phase over a step. Its amplitude is that of its own place: where it varies across the ray, as in an absorbing
+/// substrate or behind a tilted facet of an absorbing body, a ray is as strong as its tube says, wherever its phase is referred to.
+fn phase_of<V: Lanes>(
+    departure: &Departure<V>,
+    step_nm: DVec3,
+    per_wavelength: V::Precise,
+) -> ComplexLanes<V::Precise> {
+    ComplexLanes::real(departure.wavevector.dot_real(step_nm).re * per_wavelength)
+}
+
 /// A ray's field with its phase referred elsewhere, scaled so that its square is the power it carries, in an absorbing
 /// substrate too.
 fn scaled_to_power<V: Lanes>(field: Field<V>, power: Polarised<V>, phase: ComplexLanes<V>) -> Field<V> {
     field.zip(power, |e, power| {
         let square = e.norm_sqr();
-        let scale = V::zero().select_lt(square, (power / square).sqrt(), V::zero());
+        let scale = V::zero().select_lt(square, (power.max(V::zero()) / square).sqrt(), V::zero());
         e.scale(phase.scale(scale))
     })
 }

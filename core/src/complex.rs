@@ -109,8 +109,25 @@ impl<V: Lanes> ComplexLanes<V> {
     #[inline]
     pub fn div_or_zero(self, d: Self) -> Self {
         let norm = d.norm_sqr();
-        let scale = V::zero().select_lt(norm, V::one() / norm, V::zero());
+        // Below the smallest normal number 1/norm may be infinite, and 0 times it no number.
+        let least =
+            V::splat(if V::UNIT_ROUNDOFF > f64::EPSILON { f32::MIN_POSITIVE.into() } else { f64::MIN_POSITIVE });
+        let scale = least.select_lt(norm, V::one() / norm, V::zero());
         (self * d.conj()).scale(scale)
+    }
+
+    /// The square root that goes away from an interface: with Re ≥ 0 where the square's real part is positive, a wave that travels;
+    /// with Im ≥ 0 where it is not, a wave that decays.
+    ///
+    /// Squares with Im ≥ 0, of waves whose tangential part is real, have one root that does both. Where light from an absorbing body
+    /// meets a tilted facet its tangential part is complex, and a wave beyond that travels may grow across its way, as the light does
+    /// that comes from nearer the body's entrance.
+    #[inline]
+    pub fn sqrt_away(self) -> Self {
+        let upper = self.sqrt_upper();
+        let zero = V::zero();
+        let sign = upper.re.select_lt(zero, zero.select_lt(self.re, -V::one(), V::one()), V::one());
+        upper.scale(sign)
     }
 
     /// The square root with Im ≥ 0, and with Re ≥ 0 where Im = 0: the wave that decays, or travels, away.
@@ -242,6 +259,16 @@ mod tests {
         matches_num_complex::<F32>();
         matches_num_complex::<F64>();
         matches_num_complex::<<F32 as Lanes>::Precise>();
+    }
+
+    #[test]
+    fn the_root_away_travels_on_or_decays() {
+        for (re, im) in [(2.0, 1e-3), (2.0, -1e-3), (2.0, 0.0), (-2.0, 1e-3), (-2.0, -1e-3), (-2.0, 0.0)] {
+            let z = Complex64::new(re, im);
+            let root = ComplexLanes::<F64>::from_fn(|_| z).sqrt_away().lane(0);
+            assert!((root * root - z).norm() < 1e-15, "{root}");
+            assert!(if re > 0.0 { root.re > 0.0 } else { root.im > 0.0 }, "{root}");
+        }
     }
 
     #[test]

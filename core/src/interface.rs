@@ -53,7 +53,8 @@ impl Model {
 /// A medium as a plane wave of given tangential wavevector sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave<V: Lanes> {
-    /// q_n, the part of the wavevector along the normal in units of k₀: Im q_n ≥ 0, and Re q_n ≥ 0 where Im q_n = 0.
+    /// q_n, the part of the wavevector along the normal in units of k₀: Re q_n ≥ 0 where it travels, Im q_n ≥ 0 where it decays; both
+    /// where q_t is real ([`ComplexLanes::sqrt_away`]).
     pub normal: ComplexLanes<V::Precise>,
     /// κ of each polarisation.
     pub admittance: Polarised<ComplexLanes<V>>,
@@ -63,7 +64,7 @@ impl<V: Lanes> Wave<V> {
     /// The wave of tangential wavevector q_t in a medium of index η; q_t·q_t is given.
     #[inline]
     pub fn new(eta: ComplexLanes<V::Precise>, tangential_squared: ComplexLanes<V::Precise>) -> Self {
-        Self::with_normal(eta, (eta.square() - tangential_squared).sqrt_upper())
+        Self::with_normal(eta, (eta.square() - tangential_squared).sqrt_away())
     }
 
     /// [`Wave::new`] for a film. At a film's critical angle q_n → 0 its two waves grow like 1/q_n and cancel: amplitudes lose

@@ -304,9 +304,10 @@ impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
 
     fn split(&mut self, state: &State, &field: &Field<V>) -> Split<State, Side, Field<V>> {
         let j = state.facet as usize;
-        let total = &mut self.totals[j];
-        let total = if state.side == Side::Above { &mut total.down } else { &mut total.up };
-        *total = total.zip(field, |a, b| a + b);
+        if let Some(total) = self.totals.get_mut(j) {
+            let total = if state.side == Side::Above { &mut total.down } else { &mut total.up };
+            *total = total.zip(field, |a, b| a + b);
+        }
 
         let r = self.optics.reflection_at(j);
         let (reflected, refracted) = match state.side {

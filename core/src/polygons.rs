@@ -186,7 +186,9 @@ impl<'a, V: Lanes> Polygons<'a, V> {
         };
         // What cannot pass is reflected whole; from an absorbing medium |r| may differ from 1 then, and the field have a part
         // along its way, which neither s nor p holds. A bare mirror lets nothing pass.
-        let total = refracted.as_ref().map_or(bare, |refracted| is_evanescent(&refracted.wavevector, self.hero));
+        let total = refracted
+            .as_ref()
+            .map_or(bare, |refracted| is_evanescent(&refracted.wavevector, refracted.normal, self.hero));
         let back = if total { arrived } else { reflected.power.zip(arrived, least) };
         limit(reflected, back);
         let Some(refracted) = refracted else { return };
@@ -206,7 +208,7 @@ impl<'a, V: Lanes> Polygons<'a, V> {
     /// Sends a ray from a facet into `medium` and says where it goes, with its field there.
     fn send(&mut self, from: &State<V>, leaving: Leaving<V>) -> Sent<V> {
         let Leaving { wavevector, field, medium, normal, spread, power } = leaving;
-        let evanescent = is_evanescent(&wavevector, self.hero);
+        let evanescent = is_evanescent(&wavevector, normal, self.hero);
         if evanescent && !self.merging {
             return None; // alone it carries no power, and without interference it is alone
         }
@@ -235,7 +237,8 @@ impl<'a, V: Lanes> Polygons<'a, V> {
             }
             _ if evanescent => None,
             Next::Lost => {
-                self.lost += (power.s + power.p) * V::splat(0.5);
+                // A wave that decays across its way may carry power backwards: an error bar all the same.
+                self.lost += (power.s.abs() + power.p.abs()) * V::splat(0.5);
                 None
             }
             up_or_down => {
@@ -430,7 +433,7 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         if !self.merging {
             self.conserve(arrived, &mut reflected, refracted.as_mut(), films.is_empty());
         }
-        if !films.is_empty() && !is_evanescent(&q, self.hero) {
+        if !films.is_empty() && !is_evanescent(&q, normal, self.hero) {
             let through = refracted.as_ref().map_or(Polarised::both(V::zero()), |refracted| refracted.power);
             let kept = arrived.zip(reflected.power, |a, b| a - b).zip(through, |a, b| a - b);
             self.absorbed = self.absorbed.zip(kept, |sum, kept| sum + kept);
@@ -446,9 +449,10 @@ fn real<V: Lanes>(vector: &VectorLanes<V>) -> VectorLanes<V> {
 }
 
 /// Whether the hero lane's wave decays faster along the normal than it travels: a total reflection's far side. In an
-/// absorbing medium waves travel.
+/// absorbing medium waves travel, and so does light from an absorbing body that meets a tilted facet, although its amplitude varies
+/// across its way.
 #[inline]
-fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, hero: usize) -> bool {
+fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, normal: DVec3, hero: usize) -> bool {
     // Most waves travel without loss; single lanes are slow to look at.
     if !(wavevector.x.im.abs() + wavevector.y.im.abs() + wavevector.z.im.abs()).any_above(0.0) {
         return false;
@@ -460,7 +464,8 @@ fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, hero: usize) -> bool {
     // q·q real and Im q ≠ 0 means Re q ⟂ Im q: no loss along the way, only decay across it.
     const PERPENDICULAR: f64 = 1e-9;
     let magnitudes = re.length() * im.length();
-    magnitudes > 0.0 && re.dot(im).abs() <= PERPENDICULAR * magnitudes
+    let decays = re.dot(normal).abs() < im.dot(normal).abs();
+    decays && re.dot(im).abs() <= PERPENDICULAR * magnitudes
 }
 
 impl<V: Lanes> State<V> {

@@ -174,16 +174,18 @@ impl<'a> Stack<'a> {
         self.boundaries.len()
     }
 
-    /// The media above and below plane `j`, 0 at the top.
+    /// The media above and below plane `j`, 0 at the top; those of the whole stack for a plane that it does not have.
     #[must_use]
     pub fn interface(&self, j: usize) -> Interface {
-        self.interfaces[self.boundaries[j].interface as usize]
+        let known = self.boundaries.get(j).and_then(|boundary| self.interfaces.get(boundary.interface as usize));
+        known.copied().unwrap_or(Interface { above: self.ambient, below: self.substrate })
     }
 
-    /// The layer below plane `j`, which must not be the last.
+    /// The layer below plane `j`, which must not be the last; a layer of no thickness for a plane that the stack does not have.
     #[must_use]
     pub fn film(&self, j: usize) -> Film {
-        self.films[self.boundaries[j].film as usize]
+        let known = self.boundaries.get(j).and_then(|boundary| self.films.get(boundary.film as usize));
+        known.copied().unwrap_or(Film { medium: self.ambient, thickness_nm: 0.0 })
     }
 
     /// The medium from which the light comes.

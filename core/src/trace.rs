@@ -113,6 +113,10 @@ const DIVERGED: f64 = 1e12;
 /// curved facets may double the power in flight for a moment.
 const AMPLIFIED: f64 = 4.0;
 
+/// Hits of a starting ray, in units of those of the longest path, after which nothing spills any more: light that stays so long is
+/// trapped, and counts as truncated.
+const TRAPPED: u64 = 16;
+
 /// What a trace cost and what it left undone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<V> {
@@ -203,7 +207,9 @@ pub fn trace<V: Lanes, C: Facets<V>>(
                             continue;
                         };
                         spill.crowded = true;
-                        if let Some(by) = spill.sample(mean) {
+                        if visits > TRAPPED * u64::from(spill.limits.generations) {
+                            dropped += power;
+                        } else if let Some(by) = spill.sample(mean) {
                             let (_, field) = cell.strengthen(Target::State(state), &field, by);
                             let Spill { slots, limits, random, .. } = spill;
                             cell.apart(true);
@@ -238,7 +244,9 @@ const FADED: f64 = 1e-9;
 /// A ray below the power `limits.in_flight` is no longer split: one of its branches is drawn with a probability in
 /// proportion to its power and goes on with the power of both. So the number of paths stays bounded however often they
 /// meet facets, no power is lost, and each direction gets its share on average. Rays beyond `limits.generations` hits, or
-/// without a slot, are dropped into [`Trace::truncated`].
+/// without a slot, are dropped into [`Trace::truncated`]. After `limits.generations` hits of all paths together none is split
+/// any more: a strong path that a cell traps would send a weak one at each of its hits, all of them trapped in their turn. So there
+/// are at most `limits.generations` × (1 + number of slots) hits.
 pub fn follow_paths<V: Lanes, C: Facets<V>>(
     cell: &mut C,
     start: C::State,
@@ -266,7 +274,8 @@ pub fn follow_paths<V: Lanes, C: Facets<V>>(
         let Some(&Slot { generation, state, field }) = slots.get(waiting) else { break };
         trace.visits += 1;
         trace.generations = trace.generations.max(generation);
-        let weak = !cell.power(&state, &field).any_above(limits.in_flight);
+        let enough = trace.visits > u64::from(limits.generations);
+        let weak = enough || !cell.power(&state, &field).any_above(limits.in_flight);
         let mut branches = cell.split(&state, &field);
         if weak {
             draw(cell, &mut branches, random);

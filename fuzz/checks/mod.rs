@@ -9,5 +9,6 @@ pub mod obj;
 #[path = "../../tests/scalar.rs"]
 mod scalar;
 pub mod scene_file;
+pub mod table_blob;
 pub mod trace_cell;
 pub mod trace_stack;

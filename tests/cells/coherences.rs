@@ -61,6 +61,28 @@ fn where_paths_interfere_a_flat_film_is_airys() {
 }
 
 #[test]
+fn a_starting_ray_whose_waves_have_no_sum_is_followed_without_interference() {
+    // Glass, a gap of air, silver: beyond the critical angle the wave in the gap decays, and near the plasmon of silver its reflection is so
+    // strong that every loop through the gap gains.
+    let flat = extruded(&[[0.0, 0.0], [3000.0, 0.0]], 3000.0, &[("glass", 0.0), ("silver", 20.0)]);
+    let interfaces = [("glass", between([1.5, 0.0], [1.0, 0.0])), ("silver", between([1.0, 0.0], [0.055, 3.32]))];
+    let scene = cell(&flat, [3000.0, 3000.0], &interfaces);
+    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bins = DirectionBins { cos: 8, phi: 16 };
+    let request = |coherence| Request { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
+    let found = |coherence| {
+        let found = scatter(&bumpy, towards(THETA_DEG + 10.0, 100.0), &[WAVELENGTH_NM], &request(coherence), &|| ());
+        found.expect("what has no sum is not an error").remove(0)
+    };
+    let (ray, none) = (found(Coherence::Ray), found(Coherence::None));
+    assert_eq!((ray.without_interference.value, none.without_interference.value), (1.0, 0.0));
+    // Without interference the wave in the gap is alone, and everything comes back.
+    for found in [&ray, &none] {
+        assert!((found.reflected.value - 1.0).abs() < 1e-12 && found.imbalance.value.abs() < 1e-12, "{found:?}");
+    }
+}
+
+#[test]
 fn without_interference_the_faces_add_as_powers() {
     let expected = fresnel().map(|r| 2.0 * r / (1.0 + r)).iter().sum::<f64>() / 2.0;
     let found = found(Coherence::None);

@@ -96,3 +96,19 @@ fn surfaces_of_too_many_triangles_are_refused() {
     let says = ["s.toml:3:", "12000000 triangles; at most 1000000"];
     refused(&User::with(&[("s.toml", &scene)]), "scatter s.toml", 1, &says);
 }
+
+#[test]
+fn making_a_table_takes_its_own_size_and_little_more() {
+    /// Incident directions × bins × (40 wavelengths, R, G, B, the error) numbers of four bytes.
+    const TABLE_KIB: u32 = 16 * 65_536 * 44 * 4 / 1024;
+    /// The program, its stack, the file that it writes, and one line of blocks being compressed.
+    const BESIDES_KIB: u32 = 64 << 10;
+    let user = User::new();
+    let options = "--incident 4x4 --bins 256x256 --wavelengths 385:775:10 --rays 32 --threads 1 --quiet";
+    let program = user.program().get_program().to_string_lossy().into_owned();
+    let limit = TABLE_KIB + BESIDES_KIB;
+    let script = format!("ulimit -v {limit}; exec '{program}' estimate bumpy-glass -o t.exr {options}");
+    let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(user.at("")).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(user.at("t.exr").is_file() && !user.at("t.exr.checkpoint").exists());
+}

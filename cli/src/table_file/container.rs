@@ -12,6 +12,7 @@ use exr::prelude::{
     WritableImage,
 };
 
+use super::column::Column;
 use crate::error::{Error, Result};
 
 pub(super) const PREFIX: &str = "goniochrome.";
@@ -22,15 +23,15 @@ pub(super) const WAVELENGTH: &str = "wavelength_nm";
 const MAX_KEY_LENGTH: usize = 255 - PREFIX.len();
 
 /// An image to write: its pixels, and text under our prefix.
-pub(super) struct Contents {
+pub(super) struct Contents<'t> {
     pub size: (usize, usize),
     pub compression: Compression,
     /// Row by row from the top.
-    pub channels: Vec<(String, Vec<f32>)>,
+    pub channels: Vec<(String, Column<'t>)>,
     pub attributes: BTreeMap<String, String>,
 }
 
-impl Contents {
+impl Contents<'_> {
     /// Adds the user's metadata, which must not use the names of what is there already.
     pub fn add_metadata(&mut self, metadata: &BTreeMap<String, String>) -> Result<()> {
         for (key, value) in metadata {
@@ -54,9 +55,7 @@ impl Contents {
         }
         attributes.other.insert(text("spectralLayoutVersion"), AttributeValue::Text(text("1.0")));
         let channels = self.channels.into_iter();
-        let channels = channels
-            .map(|(name, values)| AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(values)))
-            .collect();
+        let channels = channels.map(|(name, column)| AnyChannel::new(Text::new_or_panic(name), column)).collect();
         let encoding = Encoding { compression: self.compression, ..Encoding::UNCOMPRESSED };
         let mut image = Image::from_encoded_channels(self.size, encoding, AnyChannels::sort(channels));
         image.layer_data.attributes = attributes;

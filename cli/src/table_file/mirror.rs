@@ -10,6 +10,7 @@
 
 use exr::prelude::Compression;
 
+use super::column::Column;
 use super::container::{Contents, KIND, Opened, WAVELENGTH, channel_names, format_numbers};
 use crate::error::Result;
 use crate::table::{MirrorTable, check_size};
@@ -41,6 +42,7 @@ pub fn encode(table: &MirrorTable) -> Result<Vec<u8>> {
     ];
     let attributes = attributes.map(|(key, value)| (key.to_owned(), value)).into();
     let size = (table.theta_deg.len(), 1);
+    let channels = channels.into_iter().map(|(name, values)| (name, Column::new(move |x| values[x]))).collect();
     let mut contents = Contents { size, compression: Compression::ZIP1, channels, attributes };
     contents.add_metadata(&table.metadata)?;
     contents.encode()

@@ -4,6 +4,7 @@
 //! (`goniochrome.wavelength_nm`, …), the kind of table (`goniochrome.kind`: `mirror`, see [`mirror`], or `scatter`, see
 //! [`scatter`]) and every entry of the metadata with the prefix `goniochrome.`. Equal tables give equal bytes.
 
+mod column;
 mod container;
 pub mod mirror;
 pub mod scatter;

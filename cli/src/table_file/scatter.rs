@@ -27,6 +27,7 @@ use exr::prelude::Compression;
 use goniochrome::bins::DirectionBins;
 use goniochrome::table::ScatterLayout;
 
+use super::column::Column;
 use super::container::{Contents, KIND, Opened, PREFIX, WAVELENGTH, channel_names, format_numbers};
 use crate::error::{Error, Result};
 use crate::scatter::Estimate;
@@ -58,24 +59,35 @@ fn pixels(layout: &ScatterLayout) -> impl Iterator<Item = usize> {
     })
 }
 
+/// The pair of directions of a pixel: the inverse of [`pixels`].
+fn pair_of(layout: &ScatterLayout, pixel: usize) -> usize {
+    let (width, _) = atlas(layout);
+    let (columns, rows, tiles) = (layout.bins().phi as usize, layout.bins().cos as usize, layout.phi() as usize);
+    let (x, y) = (pixel % width, pixel / width);
+    let incident = (y / rows) * tiles + x / columns;
+    (incident * rows + y % rows) * columns + x % columns
+}
+
 /// The bytes of the EXR file.
 pub fn encode(table: &ScatterTable) -> Result<Vec<u8>> {
     table.check()?;
     let layout = &table.layout;
     let names = channel_names(&table.wavelength_nm)?;
-    let place: Vec<usize> = pixels(layout).collect();
-    let image = |values: &mut dyn Iterator<Item = f32>| {
-        let mut image = vec![0.0; place.len()];
-        values.zip(&place).for_each(|(value, &pixel)| image[pixel] = value);
-        image
-    };
-    let mut channels = vec![(ERROR.to_owned(), image(&mut table.luminance_error.iter().copied()))];
-    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
-        channels.push((name.to_owned(), image(&mut table.rgb.iter().map(|rgb| rgb[c]))));
-    }
+    let bins = layout.bins().count();
+    // A table may fill much of memory: its channels are read where they lie.
+    let of_pair = |at: fn(&ScatterTable, usize) -> f32| Column::new(move |pixel| at(table, pair_of(layout, pixel)));
+    let mut channels = vec![
+        (ERROR.to_owned(), of_pair(|table, pair| table.luminance_error[pair])),
+        ("R".to_owned(), of_pair(|table, pair| table.rgb[pair][0])),
+        ("G".to_owned(), of_pair(|table, pair| table.rgb[pair][1])),
+        ("B".to_owned(), of_pair(|table, pair| table.rgb[pair][2])),
+    ];
     for (w, name) in names.into_iter().enumerate() {
-        let mut values = (0..layout.incident_count()).flat_map(|incident| table.row(incident, w).iter().copied());
-        channels.push((name, image(&mut values)));
+        let at = move |pixel| {
+            let pair = pair_of(layout, pixel);
+            table.row(pair / bins, w)[pair % bins]
+        };
+        channels.push((name, Column::new(at)));
     }
 
     let energies = |of: &dyn Fn(&Energy) -> f64| format_numbers(table.energy.iter().map(of));

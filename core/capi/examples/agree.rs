@@ -182,8 +182,7 @@ fn table(bytes: &[u8]) {
             Contents::Scatter(table, sampler) => {
                 print("pdf", f64::from(sampler.pdf(wi, wo)));
                 let (drawn, pdf) = sampler.sample(wi, u).unwrap();
-                let scale = drawn.z / pdf;
-                (table.rgb(wi, wo), (drawn, pdf), table.rgb(wi, drawn).map(|f| f * scale))
+                (table.rgb(wi, wo), (drawn, pdf), table.rgb(wi, drawn).map(|f| f * drawn.z / pdf))
             }
         };
         print("pdf", f64::from(drawn.1));

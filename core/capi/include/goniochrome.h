@@ -142,11 +142,11 @@ enum gonio_status
      */
     GONIO_STATUS_DIRECTION = 7,
     /*
-     No wavelengths, or one is not positive and finite.
+     No wavelengths, or one is not from 1e-3 to 1e9 nm.
      */
     GONIO_STATUS_WAVELENGTH = 8,
     /*
-     A medium's data are empty, not finite, not increasing in wavelength, or not passive (n > 0, k >= 0).
+     A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0 to 1e6).
      */
     GONIO_STATUS_MEDIUM = 9,
     /*
@@ -158,7 +158,7 @@ enum gonio_status
      */
     GONIO_STATUS_INDEX = 11,
     /*
-     A thickness is negative or not finite.
+     A thickness is not from 0 to 1e9 nm.
      */
     GONIO_STATUS_THICKNESS = 12,
     /*
@@ -166,7 +166,7 @@ enum gonio_status
      */
     GONIO_STATUS_AMBIENT = 13,
     /*
-     The mesh is empty or not finite, or a triangle has no area.
+     The mesh is empty, not finite or beyond 1e9 nm, or a triangle has no area.
      */
     GONIO_STATUS_MESH = 14,
     /*
@@ -290,11 +290,11 @@ typedef struct {
      */
     const double *wavelength_nm;
     /*
-     n > 0 at each wavelength, linear between them.
+     n at each wavelength, linear between them; from 1e-6 to 1e6.
      */
     const double *n;
     /*
-     k >= 0 at each wavelength; NULL for a medium that does not absorb.
+     k at each wavelength, from 0 to 1e6; NULL for a medium that does not absorb.
      */
     const double *k;
     /*
@@ -308,7 +308,7 @@ typedef struct {
  */
 typedef struct {
     /*
-     Three coordinates for each vertex, in nanometres.
+     Three coordinates for each vertex, in nanometres, from -1e9 to 1e9.
      */
     const double *vertices_nm;
     /*
@@ -394,7 +394,7 @@ typedef struct {
  */
 typedef struct {
     /*
-     Thickness in nanometres.
+     Thickness in nanometres, from 0 to 1e9.
      */
     double thickness_nm;
     /*

@@ -1,6 +1,6 @@
 //! Cells of polygons: a mesh in the caller's memory, and where it sends light.
 
-use crate::media::{GONIO_MAX_MEDIA, Media, Medium};
+use crate::media::{GONIO_MAX_MEDIA, MOST_NM, Media, Medium};
 use crate::memory::{Block, Made, Results, list, room_for, shared};
 use crate::stack::GONIO_MIRROR;
 use crate::status::{Status, answer};
@@ -45,7 +45,7 @@ pub struct Interface {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Mesh {
-    /// Three coordinates for each vertex, in nanometres.
+    /// Three coordinates for each vertex, in nanometres, from -1e9 to 1e9.
     pub vertices_nm: *const f64,
     /// Number of vertices.
     pub vertex_count: usize,
@@ -192,6 +192,9 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
             Media::new(mesh.media, mesh.media_count)?,
         )
     };
+    if !vertices.iter().all(|v| v.abs().max_element() <= MOST_NM) {
+        return Err(Status::Mesh);
+    }
     let count = triangles.len();
     let nodes = block.take(Bvh::required_nodes(count), |_| Node::EMPTY)?;
     let order = block.take(count, |_| 0)?;

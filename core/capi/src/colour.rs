@@ -31,7 +31,7 @@ pub const GONIO_SPACE_REC2020: u32 = 2;
 /// ACEScg.
 pub const GONIO_SPACE_ACESCG: u32 = 3;
 
-pub struct ColourObject {
+pub(crate) struct ColourObject {
     wavelengths_nm: [f64; SAMPLES],
     weights: [[f64; 3]; SAMPLES],
     space: RgbSpace,
@@ -76,7 +76,7 @@ impl ColourObject {
 }
 
 /// A colour in the making.
-pub struct Sum<'c> {
+pub(crate) struct Sum<'c> {
     colour: &'c ColourObject,
     xyz: [f64; 3],
 }

@@ -7,13 +7,13 @@
 //! Without unwinding it is `no_std`. The workspace's development profiles unwind, which takes `std`.
 #![cfg_attr(panic = "abort", no_std)]
 
-mod cell;
-mod colour;
-mod media;
+pub mod cell;
+pub mod colour;
+pub mod media;
 mod memory;
-mod stack;
-mod status;
-mod table;
+pub mod stack;
+pub mod status;
+pub mod table;
 
 use core::ffi::{CStr, c_char};
 use goniochrome::lanes::simd_level;

@@ -7,22 +7,29 @@ use goniochrome::medium::{Dispersion, Extrapolate, Medium as CoreMedium};
 /// Most media of a stack or a cell.
 pub const GONIO_MAX_MEDIA: usize = 16;
 
+/// Most n and k, and least n in its inverse: as on the command line. Squares of squares stay within single precision.
+const MOST_INDEX: f64 = 1e6;
+/// Most of a length, and of a wavelength, in nanometres: a metre.
+pub(crate) const MOST_NM: f64 = 1e9;
+/// Least wavelength in nanometres.
+const LEAST_NM: f64 = 1e-3;
+
 /// n + ik of a medium against vacuum wavelength. The arrays must outlive what is made of them.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Medium {
     /// Vacuum wavelengths in nanometres, strictly increasing; not read, and may be NULL, if count is 1.
     pub wavelength_nm: *const f64,
-    /// n > 0 at each wavelength, linear between them.
+    /// n at each wavelength, linear between them; from 1e-6 to 1e6.
     pub n: *const f64,
-    /// k >= 0 at each wavelength; NULL for a medium that does not absorb.
+    /// k at each wavelength, from 0 to 1e6; NULL for a medium that does not absorb.
     pub k: *const f64,
     /// Number of wavelengths; 1 for the same n and k at all of them.
     pub count: usize,
 }
 
 /// The media of an object, checked.
-pub struct Media {
+pub(crate) struct Media {
     media: [CoreMedium<'static>; GONIO_MAX_MEDIA],
     count: usize,
 }
@@ -57,7 +64,7 @@ impl Media {
 
     /// Refuses wavelengths at which a medium cannot be evaluated, or the one that light comes from absorbs.
     pub fn check(&self, wavelengths_nm: &[f64], ambient: u16) -> Result<(), Status> {
-        if wavelengths_nm.is_empty() || !wavelengths_nm.iter().all(|nm| *nm > 0.0 && nm.is_finite()) {
+        if wavelengths_nm.is_empty() || !wavelengths_nm.iter().all(|nm| (LEAST_NM..=MOST_NM).contains(nm)) {
             return Err(Status::Wavelength);
         }
         for &nm in wavelengths_nm {
@@ -86,7 +93,11 @@ unsafe fn checked_medium(medium: &Medium) -> Result<CoreMedium<'static>, Status>
             _ => Dispersion::Table { wavelength_nm: column(medium.wavelength_nm)?, value },
         })
     };
-    let n = dispersion(column(medium.n)?)?;
-    let k = if medium.k.is_null() { Dispersion::Constant(0.0) } else { dispersion(column(medium.k)?)? };
+    let within = |values: &'static [f64], least: f64| match values.iter().all(|x| (least..=MOST_INDEX).contains(x)) {
+        true => Ok(values),
+        false => Err(Status::Medium),
+    };
+    let n = dispersion(within(column(medium.n)?, MOST_INDEX.recip())?)?;
+    let k = if medium.k.is_null() { Dispersion::Constant(0.0) } else { dispersion(within(column(medium.k)?, 0.0)?)? };
     Ok(CoreMedium::new(n, k, Extrapolate::Refuse)?)
 }

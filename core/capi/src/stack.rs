@@ -1,7 +1,7 @@
 //! Planar stacks: reflectance, spectral and RGB.
 
 use crate::colour::{Colour, ColourObject};
-use crate::media::{GONIO_MAX_MEDIA, Media, Medium};
+use crate::media::{GONIO_MAX_MEDIA, MOST_NM, Media, Medium};
 use crate::memory::{Made, Results, list};
 use crate::status::{Status, answer};
 use goniochrome::complex::ComplexLanes;
@@ -33,7 +33,7 @@ pub struct Stack {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Layer {
-    /// Thickness in nanometres.
+    /// Thickness in nanometres, from 0 to 1e9.
     pub thickness_nm: f64,
     /// Which of the media.
     pub medium: u16,
@@ -73,6 +73,9 @@ pub unsafe extern "C" fn gonio_stack_make(
         let substrate = if substrate == GONIO_MIRROR { Below::Mirror } else { Below::Medium(media.index(substrate)?) };
         let mut layers = [Film { medium: 0, thickness_nm: 0.0 }; GONIO_MAX_LAYERS];
         for (place, layer) in layers.iter_mut().zip(given) {
+            if !(0.0..=MOST_NM).contains(&layer.thickness_nm) {
+                return Err(Status::Thickness);
+            }
             *place = Film { medium: media.index(layer.medium)?, thickness_nm: layer.thickness_nm };
         }
         let object = StackObject { media, layers, layer_count, ambient, substrate };

@@ -27,19 +27,19 @@ pub enum Status {
     Angle = 6,
     /// A direction is not finite, is zero, or points below the surface where it must not.
     Direction = 7,
-    /// No wavelengths, or one is not positive and finite.
+    /// No wavelengths, or one is not from 1e-3 to 1e9 nm.
     Wavelength = 8,
-    /// A medium's data are empty, not finite, not increasing in wavelength, or not passive (n > 0, k >= 0).
+    /// A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0 to 1e6).
     Medium = 9,
     /// A medium has no data at a wavelength.
     NoData = 10,
     /// An index names a medium, an interface or a vertex that is not there.
     Index = 11,
-    /// A thickness is negative or not finite.
+    /// A thickness is not from 0 to 1e9 nm.
     Thickness = 12,
     /// The medium that the light comes from absorbs.
     Ambient = 13,
-    /// The mesh is empty or not finite, or a triangle has no area.
+    /// The mesh is empty, not finite or beyond 1e9 nm, or a triangle has no area.
     Mesh = 14,
     /// The period is not positive, or the mesh leaves it.
     Period = 15,
@@ -75,11 +75,11 @@ impl Status {
         c"more elements than there is room for",
         c"cos theta is not in [0, 1]",
         c"a direction is not finite, is zero, or points below the surface",
-        c"no wavelengths, or one is not positive and finite",
+        c"no wavelengths, or one is not from 1e-3 to 1e9 nm",
         c"a medium's data are empty, not finite, not increasing, or not passive",
         c"a medium has no data at a wavelength",
         c"an index names a medium, an interface or a vertex that is not there",
-        c"a thickness is negative or not finite",
+        c"a thickness is not from 0 to 1e9 nm",
         c"the medium that the light comes from absorbs",
         c"the mesh is empty or not finite, or a triangle has no area",
         c"the period is not positive, or the mesh leaves it",
@@ -104,7 +104,7 @@ pub extern "C" fn gonio_status_text(status: i32) -> *const c_char {
 }
 
 /// The status of a body that may end early.
-pub fn answer(body: impl FnOnce() -> Result<(), Status>) -> Status {
+pub(crate) fn answer(body: impl FnOnce() -> Result<(), Status>) -> Status {
     body().err().unwrap_or(Status::Ok)
 }
 

@@ -166,8 +166,9 @@ pub unsafe extern "C" fn gonio_table_sample(
             Contents::Mirror(table) => (Vec3::new(-wi.x, -wi.y, wi.z), 1.0, table.rgb(angle(wi.z.min(1.0)))),
             Contents::Scatter(table, sampler) => {
                 let (wo, pdf) = sampler.sample(wi, u).ok_or(Status::Direction)?;
-                let scale = if pdf > 0.0 { wo.z / pdf } else { 0.0 };
-                (wo, pdf, table.rgb(wi, wo).map(|f| f * scale))
+                // Divided last: 0 stays 0 however improbable the direction.
+                let weight = |f: f32| if pdf > 0.0 { f * wo.z / pdf } else { 0.0 };
+                (wo, pdf, table.rgb(wi, wo).map(weight))
             }
         };
         sample.write([Sample { wo: wo.to_array(), pdf, weight }]);

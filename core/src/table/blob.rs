@@ -25,7 +25,8 @@
 //! | | 4·T·P·(1 + N + N·M) | scatter only: binary32 for each incident direction: Σ over bins of \|f\| cos θ_o times the bin's solid angle, \|f\| the mean over channels; N cumulative probabilities of the rows of bins; in each row, M cumulative probabilities of its columns |
 //!
 //! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and bins are those of [`ScatterLayout`], columns
-//! running fastest. Scatter sides are at most 1024. Values are finite; cumulative probabilities do not decrease and end in
+//! running fastest. Scatter sides are at most 1024. Values are finite and their magnitudes at most 10³⁰, so that what is interpolated
+//! is finite too; the first number of an incident direction is in [0, 4·10³⁰]. Cumulative probabilities do not decrease and end in
 //! exactly 1. A blob has no bytes after its last. A reader refuses what differs in any of this.
 
 use super::values::{half_is_finite, to_half};

@@ -78,7 +78,8 @@ impl ScatterLayout {
     /// θ_i and φ_i of an incident direction in radians.
     #[must_use]
     pub fn incident(&self, index: usize) -> [f64; 2] {
-        let (row, column) = (index / self.phi as usize, index % self.phi as usize);
+        let columns = self.phi.max(1) as usize;
+        let (row, column) = (index / columns, index % columns);
         let theta = (row as f64 + 0.5) / f64::from(self.theta) * core::f64::consts::FRAC_PI_2;
         [theta, core::f64::consts::TAU * (self.first_bin(column) as f64 + 0.5) / f64::from(self.bins.phi)]
     }
@@ -86,13 +87,14 @@ impl ScatterLayout {
     /// The absolute azimuth bin that the incident directions of a column lie in: relative bins count from it.
     #[must_use]
     pub fn first_bin(&self, column: usize) -> usize {
-        column * (self.bins.phi / self.phi) as usize
+        column * (self.bins.phi / self.phi.max(1)) as usize
     }
 
     /// cos θ_o and φ_o − φ_i, in radians, in the middle of a bin.
     #[must_use]
     pub fn outgoing(&self, bin: usize) -> [f64; 2] {
-        let (row, column) = (bin / self.bins.phi as usize, bin % self.bins.phi as usize);
+        let columns = self.bins.phi.max(1) as usize;
+        let (row, column) = (bin / columns, bin % columns);
         let cos = (row as f64 + 0.5) / f64::from(self.bins.cos);
         [cos, core::f64::consts::TAU * column as f64 / f64::from(self.bins.phi)]
     }
@@ -127,7 +129,7 @@ impl ScatterLayout {
     /// ∫ of a bin's share over cos θ dω: what one unit of f in it adds to the albedo.
     pub(super) fn projected_share(&self, bin: usize) -> f32 {
         let rows = self.bins.cos as f32;
-        let row = bin / self.bins.phi as usize;
+        let row = bin / self.bins.phi.max(1) as usize;
         // The tent around the middle of a row has its moment there; those of the first and the last row are cut and held.
         let mut moment = (row as f32 + 0.5) / (rows * rows);
         if rows > 1.0 {

@@ -1,6 +1,6 @@
 //! Tables of mirror-like surfaces: one direction in, one direction out.
 
-use super::{TableError, Values};
+use super::{LARGEST, TableError, Values};
 use core::f64::consts::FRAC_PI_2;
 
 /// ρ(θ) of a mirror-like surface: rows uniform in θ from 0 to `theta_max`, ends included; linear between rows.
@@ -30,7 +30,7 @@ impl<'a> MirrorTable<'a> {
         if !(theta_max > 0.0 && theta_max <= FRAC_PI_2) {
             return Err(TableError::ThetaMax);
         }
-        if let Some(index) = values.iter().position(|x| !x.is_finite()) {
+        if let Some(index) = values.iter().position(|x| !(-LARGEST..=LARGEST).contains(&x)) {
             return Err(TableError::NotFinite { index });
         }
         Ok(Self { values, rows, channels, theta_max, rows_per_radian: ((rows - 1) as f64 / theta_max) as f32 })
@@ -125,5 +125,6 @@ mod tests {
         assert_eq!(MirrorTable::new(&[0.5; 3], 3, 1.0), Err(TableError::Shape));
         assert_eq!(MirrorTable::new(&[0.5; 4], 2, 2.0), Err(TableError::ThetaMax));
         assert_eq!(MirrorTable::new(&[0.5, f32::NAN], 1, 1.0), Err(TableError::NotFinite { index: 1 }));
+        assert_eq!(MirrorTable::new(&[-2.0 * LARGEST, 0.5], 1, 1.0), Err(TableError::NotFinite { index: 0 }));
     }
 }

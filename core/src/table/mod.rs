@@ -20,6 +20,10 @@ pub use sampler::ScatterSampler;
 pub use scatter::ScatterTable;
 use values::Values;
 
+/// Largest magnitude of a value, far above any that is meant: what is interpolated from such values, and an albedo, the sum of at
+/// most 2²⁰ of them, stays within single precision.
+pub const LARGEST: f32 = 1e30;
+
 /// Why a table was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TableError {
@@ -27,7 +31,7 @@ pub enum TableError {
     Shape,
     /// The largest angle is not in (0, π/2].
     ThetaMax,
-    /// A value that is NaN or infinite.
+    /// A value that is NaN, infinite or beyond [`LARGEST`].
     NotFinite {
         /// Place in the slice.
         index: usize,
@@ -48,7 +52,7 @@ impl core::fmt::Display for TableError {
                 write!(f, "a table needs at least two angles, one channel, and as many values as both together")
             }
             Self::ThetaMax => write!(f, "the largest angle must lie in (0, 90] degrees"),
-            Self::NotFinite { index } => write!(f, "value {index} is not finite"),
+            Self::NotFinite { index } => write!(f, "value {index} is not a number from −{LARGEST:e} to {LARGEST:e}"),
             Self::Layout => write!(
                 f,
                 "a grid needs at least one direction each way, at most 1024 a side, and a number of outgoing azimuths that is a \

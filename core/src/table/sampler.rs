@@ -1,7 +1,7 @@
 //! Drawing outgoing directions as a table reflects them.
 
 use super::layout::{azimuth, polar};
-use super::{Node, ScatterLayout, ScatterTable, TableError, Values};
+use super::{LARGEST, Node, ScatterLayout, ScatterTable, TableError, Values};
 use core::f32::consts::TAU;
 use glam::Vec3;
 
@@ -65,8 +65,8 @@ impl<'a> ScatterSampler<'a> {
         };
         let reflected = memory.at(0);
         let of_row = |row| memory.part(1 + rows + row * columns, columns);
-        reflected >= 0.0
-            && reflected.is_finite()
+        // ∫ cos θ dω over a hemisphere is π, and a little more in sums of bins.
+        (0.0..=4.0 * LARGEST).contains(&reflected)
             && whole(memory.part(1, rows))
             && (0..rows).all(|row| whole(of_row(row)))
     }
@@ -160,20 +160,25 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
     let cos = |row: usize| (row as f64 + 0.5) / rows as f64;
     let of_row = |row: usize| (0..columns).map(|column| mean(row * columns + column)).sum::<f64>() * cos(row);
     let total: f64 = (0..rows).map(of_row).sum();
-    memory[0] = (total * core::f64::consts::TAU / (rows * columns) as f64) as f32;
+    let mut put = |place: usize, sum: f64| {
+        if let Some(memory) = memory.get_mut(place) {
+            *memory = sum as f32;
+        }
+    };
+    put(0, total * core::f64::consts::TAU / (rows * columns) as f64);
     let mut sum = 0.0;
     for row in 0..rows {
         let here = of_row(row);
         sum += if total > 0.0 { here / total } else { 2.0 * cos(row) / rows as f64 };
-        memory[1 + row] = sum as f32;
+        put(1 + row, sum);
         let mut sum = 0.0;
         for column in 0..columns {
             sum += if here > 0.0 { mean(row * columns + column) * cos(row) / here } else { 1.0 / columns as f64 };
-            memory[1 + rows + row * columns + column] = sum as f32;
+            put(1 + rows + row * columns + column, sum);
         }
-        memory[rows + (row + 1) * columns] = 1.0;
+        put(rows + (row + 1) * columns, 1.0);
     }
-    memory[rows] = 1.0;
+    put(rows, 1.0);
 }
 
 /// The probability of one place.

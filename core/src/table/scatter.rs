@@ -1,7 +1,7 @@
 //! f(wi, wo) of a surface that reflects into every direction.
 
 use super::layout::{azimuth, polar};
-use super::{Node, ScatterLayout, TableError, Values};
+use super::{LARGEST, Node, ScatterLayout, TableError, Values};
 use glam::Vec3;
 
 /// A BRDF on a grid of directions, in 1/sr, for each channel: RGB (components may be negative, out of gamut) or wavelengths.
@@ -31,7 +31,7 @@ impl<'a> ScatterTable<'a> {
         if values.len() != required {
             return Err(TableError::Length { required });
         }
-        match values.iter().position(|x| !x.is_finite()) {
+        match values.iter().position(|x| !(-LARGEST..=LARGEST).contains(&x)) {
             Some(index) => Err(TableError::NotFinite { index }),
             None => Ok(Self { layout, values, channels }),
         }

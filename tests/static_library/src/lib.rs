@@ -1,42 +1,14 @@
-//! The core as a static library without `std`: what `run` looks through for symbols of an allocator.
+//! The core as a static library without `std`: what `run` looks through for symbols of an allocator and of panics. Its functions take
+//! what only the caller knows, so that no path can be decided when it is compiled.
 #![no_std]
 
+mod cell;
+mod film;
+mod table;
+
 use core::panic::PanicInfo;
-use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
-use goniochrome::complex::ComplexLanes;
-use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::{F32, Lanes};
-use goniochrome::layers::{Summation, Workspace, trace_layers};
-use goniochrome::medium::{MediaLanes, Medium};
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
-use goniochrome::trace::Limits;
 
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
     loop {}
-}
-
-/// Luminance of a film of index `n` in air, traced both ways and in closed form; NaN if something is refused.
-#[unsafe(no_mangle)]
-pub extern "C" fn film_luminance(n: f64, thickness_nm: f64, sin_theta: f64) -> f64 {
-    luminance(n, thickness_nm, sin_theta).unwrap_or(f64::NAN)
-}
-
-fn luminance(n: f64, thickness_nm: f64, sin_theta: f64) -> Option<f64> {
-    let media = [Medium::constant(1.0.into()).ok()?, Medium::constant(n.into()).ok()?];
-    let wavelengths: [f64; F32::WIDTH] = core::array::from_fn(|i| 400.0 + 15.0 * i as f64);
-    let mut eta = [ComplexLanes::zero(); 2];
-    let lanes = MediaLanes::<F32>::evaluate(&media, &wavelengths, &mut eta).ok()?;
-    let mut arrays = StackArrays::<2>::new();
-    let stack = Stack::new(0, [Film { medium: 1, thickness_nm }], Below::Medium(0), arrays.memory()).ok()?;
-    let mut memory = OpticsArrays::<F32, 2>::new();
-    let optics = Optics::new(stack, &lanes, sin_theta, Model::Physical, memory.memory());
-    let mut workspace = Workspace::<F32>::new();
-    let mut sum = optics.reflectance(optics.reflection()).s;
-    for summation in [Summation::ClosedLoops, Summation::Generations(Limits::SINGLE)] {
-        sum += trace_layers(&optics, summation, workspace.memory()).ok()?.ledger.reflected.p;
-    }
-    let mut weights = [[0.0; 3]; F32::WIDTH];
-    xyz_weights(&wavelengths, Illuminant::D65, Quadrature::Interpolated, &mut weights).ok()?;
-    Some(RgbSpace::Srgb.from_xyz(xyz(&weights, (0..F32::WIDTH).map(|i| sum.lane(i))))[1])
 }

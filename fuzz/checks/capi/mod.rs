@@ -1,0 +1,48 @@
+//! Any sequence of calls of the C interface, with pointers that are NULL or misaligned, numbers out of range and memory too small
+//! among them: each is answered by a status, results are written only with the good one, and then obey the laws.
+
+mod cells;
+mod films;
+mod media;
+mod out;
+mod program;
+mod tables;
+
+use goniochrome_capi::status::gonio_status_text;
+use program::Program;
+use std::ffi::CStr;
+
+/// Most calls of one sequence.
+const MOST: usize = 24;
+
+/// Holds for any bytes: a program of letters, each with its arguments.
+pub fn check(bytes: &[u8]) {
+    let mut program = Program(bytes);
+    let (mut films, mut colours, mut cell, mut table) = (None, None, None, None);
+    for _ in 0..MOST {
+        let Some(operation) = program.next() else { return };
+        let program = &mut program;
+        match operation {
+            b'S' => films::make_films(program, &mut films),
+            b'R' => films::reflectance(program, films.as_ref()),
+            b'C' => films::make_colours(program, &mut colours),
+            b'G' => films::rgb(program, films.as_ref(), colours.as_ref()),
+            b'M' => cells::make(program, &mut cell),
+            b'T' => cells::trace(program, cell.as_ref()),
+            b'B' => tables::view(program, &mut table),
+            b'd' => tables::describe(program, table.as_ref()),
+            b'm' => tables::reflectance(program, table.as_ref()),
+            b'f' => tables::rgb(program, table.as_ref()),
+            b'p' => tables::pdf(program, table.as_ref()),
+            b's' => tables::sample(program, table.as_ref()),
+            b'x' => status_text(i32::from(program.byte() as i8)),
+            _ => {}
+        }
+    }
+}
+
+fn status_text(status: i32) {
+    // SAFETY: the interface answers with a text, whatever the number.
+    let text = unsafe { CStr::from_ptr(gonio_status_text(status)) };
+    assert!(text.to_str().is_ok_and(|text| !text.is_empty() && !text.contains('\n')));
+}

@@ -1,0 +1,190 @@
+//! Any bytes as a table blob. What is read gives numbers wherever it may be asked, draws directions by the density that it states, and is
+//! written again byte for byte.
+
+use glam::Vec3;
+use goniochrome::bins::DirectionBins;
+use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+
+const HEADER: usize = 64;
+const CHECKSUM: usize = 60;
+/// Most bytes of a blob that is mended or made.
+const MOST: usize = 1 << 16;
+
+/// Holds for any bytes: as they are, with what no fuzzer guesses put right, and as the numbers of a table.
+pub fn check(bytes: &[u8]) {
+    holds(bytes);
+    if let Some(mended) = mended(bytes) {
+        holds(&mended);
+    }
+    if let Some(made) = made(bytes) {
+        assert!(Blob::read(&made).is_ok(), "what was written is refused");
+        holds(&made);
+    }
+}
+
+/// The bytes with the size that their dimensions ask for, and the checksum of that.
+pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut bytes = bytes.to_vec();
+    let word = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?) as usize);
+    let (kind, value, channels) = (word(12)?, word(16)?, word(20)?);
+    let [rows, columns, cos, phi] = [word(24)?, word(28)?, word(32)?, word(36)?];
+    let incident = rows.checked_mul(columns)?;
+    let bins = cos.checked_mul(phi)?;
+    let values = incident.checked_mul(bins)?.checked_mul(channels)?.checked_mul(value)?.checked_next_multiple_of(4)?;
+    let sampler =
+        if kind == 2 { incident.checked_mul(bins.checked_add(cos)?.checked_add(1)?)?.checked_mul(4)? } else { 0 };
+    let size = HEADER.checked_add(values)?.checked_add(sampler).filter(|size| *size <= MOST)?;
+    bytes.resize(size, 0);
+    bytes[48..56].copy_from_slice(&(size as u64).to_le_bytes());
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&bytes[..CHECKSUM]);
+    hasher.update(&bytes[HEADER..]);
+    bytes[CHECKSUM..HEADER].copy_from_slice(&hasher.finalize().to_le_bytes());
+    Some(bytes)
+}
+
+/// A blob of the numbers that the bytes spell, in a grid that the first of them choose; nothing if they hold what is no number.
+pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
+    let (&[kind, sides, shape, space], numbers) = bytes.split_first_chunk()?;
+    let values: Vec<f32> = numbers.as_chunks().0.iter().map(|&bits| f32::from_le_bytes(bits)).collect();
+    let channels = 1 + usize::from(kind >> 2 & 3);
+    let precision = if kind & 2 == 0 { Precision::Single } else { Precision::Half };
+    let space = [Space::Unknown, Space::Srgb, Space::Rec2020, Space::AcesCg, Space::Paper][usize::from(space % 5)];
+    let write = |contents| {
+        let blob = Blob { space, contents };
+        let mut bytes = vec![0; blob.required_len(precision)?];
+        blob.write(precision, &mut bytes).ok()?;
+        Some(bytes)
+    };
+    if kind & 1 == 0 {
+        let theta_max = f64::from(sides.max(1)) / 255.0 * std::f64::consts::FRAC_PI_2;
+        return write(Contents::Mirror(MirrorTable::new(&values, channels, theta_max).ok()?));
+    }
+    let (theta, phi) = (1 + u32::from(sides & 7), 1 + u32::from(sides >> 3 & 3));
+    let bins = DirectionBins { cos: 1 + u32::from(shape & 15), phi: phi * (1 + u32::from(shape >> 4)) };
+    let layout = ScatterLayout::new(theta, phi, bins).expect("small sides");
+    // As many numbers as there are, again and again.
+    let values: Vec<f32> = values.iter().copied().cycle().take(layout.count() * channels).collect();
+    let table = ScatterTable::new(&values, layout, channels).ok()?;
+    let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
+    let sampler = ScatterSampler::new(&table, &mut memory).expect("memory of the stated size");
+    write(Contents::Scatter(table, sampler))
+}
+
+fn holds(bytes: &[u8]) {
+    let Ok(blob) = Blob::read(bytes) else { return };
+    let precision = if bytes[16] == 2 { Precision::Half } else { Precision::Single };
+    let mut again = vec![0; blob.required_len(precision).expect("it has been that long")];
+    blob.write(precision, &mut again).expect("what was read can be written");
+    assert!(again == bytes, "written again, a blob differs");
+    let mut numbers = Numbers(u64::from(u32::from_le_bytes(*bytes[CHECKSUM..].first_chunk().expect("a header"))));
+    match &blob.contents {
+        Contents::Mirror(table) => mirror(table, &mut numbers),
+        Contents::Scatter(table, sampler) => {
+            if table.layout().count() * table.channels() <= MOST {
+                scatter(table, sampler, &mut numbers);
+            }
+        }
+    }
+}
+
+/// SplitMix64: where tables are asked, another place for each blob.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    /// Above the horizon; now and then the normal, or all but the horizon.
+    fn direction(&mut self) -> Vec3 {
+        let cos = match (8.0 * self.next()) as u32 {
+            0 => 1.0,
+            1 => f32::MIN_POSITIVE,
+            _ => self.next().max(1e-6),
+        };
+        let (sin, phi) = ((1.0 - cos * cos).sqrt(), std::f32::consts::TAU * self.next());
+        Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+    }
+}
+
+/// Rounding of a number between two others, and of sums of sixteen shares, in single precision.
+const ROUNDINGS: f32 = 32.0 * f32::EPSILON;
+
+fn within(x: f32, [low, high]: [f32; 2]) {
+    let slack = ROUNDINGS * low.abs().max(high.abs()) + f32::MIN_POSITIVE;
+    assert!(x >= low - slack && x <= high + slack, "{x:e} is not between {low:e} and {high:e}");
+}
+
+fn mirror(table: &MirrorTable<'_>, numbers: &mut Numbers) {
+    let theta_max = table.theta_max() as f32;
+    let row = |row: usize| row as f32 / (table.rows() - 1) as f32 * theta_max;
+    for _ in 0..4 {
+        let place = (numbers.next() * (table.rows() - 1) as f32) as usize;
+        let theta =
+            [0.0, theta_max, 2.0, row(place), row(place) + numbers.next() * row(1)][(5.0 * numbers.next()) as usize];
+        let rgb = table.rgb(theta);
+        for (c, x) in rgb.into_iter().enumerate() {
+            assert!(x.is_finite(), "{x} at {theta}");
+            let channel = c.min(table.channels() - 1);
+            assert_eq!(x, table.channel(theta, channel));
+            let (from, to) = (table.channel(0.0, channel), table.channel(2.0, channel));
+            if table.rows() == 2 {
+                within(x, [from.min(to), from.max(to)]);
+            }
+        }
+    }
+}
+
+fn scatter(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, numbers: &mut Numbers) {
+    let mut all = vec![0.0; table.channels()];
+    for _ in 0..4 {
+        let (wi, wo) = (numbers.direction(), numbers.direction());
+        table.eval(wi, wo, &mut all);
+        assert!(all.iter().all(|f| f.is_finite()), "{all:?} at {wi} {wo}");
+        assert_eq!(table.rgb(wi, wo)[0], all[0]);
+        let pdf = sampler.pdf(wi, wo);
+        assert!(pdf >= 0.0 && pdf.is_finite(), "density {pdf} at {wi} {wo}");
+        for below in [-wi, Vec3::new(wi.x, wi.y, 0.0)] {
+            assert!(sampler.sample(below, [0.5; 2]).is_none() && sampler.pdf(below, wo) == 0.0);
+            assert_eq!(table.rgb(below, wo), [0.0; 3]);
+        }
+        let u = [numbers.next(), numbers.next()];
+        let (wo, pdf) = sampler.sample(wi, u).expect("wi is above the surface");
+        assert!((wo.length() - 1.0).abs() < ROUNDINGS && wo.z > 0.0, "{wo}");
+        assert!(pdf.is_finite() && pdf == sampler.pdf(wi, wo), "density {pdf} at {wi} {wo}");
+    }
+    table.albedo(numbers.direction(), &mut all);
+    assert!(all.iter().all(|a| a.is_finite()), "albedo {all:?}");
+    density_is_one(table.layout().bins(), sampler, numbers.direction());
+}
+
+/// The density is linear in cos θ and in φ between half steps of the grid, where the trapezium rule is exact.
+fn density_is_one(bins: DirectionBins, sampler: &ScatterSampler<'_>, wi: Vec3) {
+    /// Of probabilities that are differences of cumulative ones near 1, each rounded, and of azimuths of some turns.
+    const ROUNDING: f32 = 64.0 * f32::EPSILON;
+    const FEW: usize = 256;
+    if bins.count() > FEW {
+        return;
+    }
+    let [rows, columns] = [2 * bins.cos, 2 * bins.phi];
+    let mut sum = 0.0;
+    for row in 0..=rows {
+        // The horizon itself is not above the surface; the density is held there.
+        let cos = (row as f32 / rows as f32).max(f32::MIN_POSITIVE);
+        let sin = (1.0 - cos * cos).sqrt();
+        let end = if row == 0 || row == rows { 0.5 } else { 1.0 };
+        // At the normal there is one azimuth, and the density is not that of others: it is asked just beside it.
+        let sin = if row == rows { 1e-5 } else { sin };
+        for column in 0..columns {
+            let phi = wi.y.atan2(wi.x) + std::f32::consts::TAU * column as f32 / columns as f32;
+            sum += end * sampler.pdf(wi, Vec3::new(sin * phi.cos(), sin * phi.sin(), cos));
+        }
+    }
+    let whole = sum * std::f32::consts::TAU / (rows * columns) as f32;
+    assert!((whole - 1.0).abs() < ROUNDING * (rows * columns) as f32, "the density adds up to {whole} for {wi}");
+}

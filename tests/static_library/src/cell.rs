@@ -1,0 +1,115 @@
+//! Cells of polygons: hierarchy, mesh, coatings, every way to follow rays, every sink, sampling, diffraction orders.
+
+use core::slice;
+use goniochrome::bins::{BinFields, DirectionBins, Exit, Exits, Histogram};
+use goniochrome::bvh::{Bvh, Corners, Node};
+use goniochrome::cell::Facet;
+use goniochrome::coherence::Side;
+use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::glam::DVec3;
+use goniochrome::interface::Interface;
+use goniochrome::lanes::{F32, F64, Lanes};
+use goniochrome::medium::{Dispersion, Extrapolate, Formula, MediaLanes, Medium};
+use goniochrome::mesh::MeshCell;
+use goniochrome::orders::{Order, Orders, largest_order};
+use goniochrome::polygons::{Incident, Polygons, free_slot};
+use goniochrome::sampling::{Random, sobol};
+use goniochrome::stack::Film;
+use goniochrome::trace::{Limits, Spill, follow_paths, trace};
+use goniochrome::vector::VectorLanes;
+
+/// What a caller has: any numbers.
+pub struct Scene<'a> {
+    vertices_nm: &'a [DVec3],
+    triangles: &'a [[u32; 3]],
+    facet_of: &'a [u32],
+    facets: &'a [Facet],
+    interfaces: &'a [Interface],
+    films: &'a [Film],
+    coefficients: &'a [f64],
+    wavelengths_nm: &'a [f64],
+    period_nm: [f64; 2],
+    wi: DVec3,
+    grid: DirectionBins,
+    order: [i32; 2],
+    rays: u32,
+    seed: u32,
+    medium: u16,
+    interference: bool,
+}
+
+/// Where a caller keeps what is computed.
+pub struct Memory<'a> {
+    nodes: &'a mut [Node],
+    order: &'a mut [u32],
+    corners: &'a mut [Corners],
+    bins: &'a mut [f64],
+}
+
+struct Power<'a>(&'a mut [f64]);
+
+impl Histogram for Power<'_> {
+    fn add(&mut self, _: usize, side: Side, bin: usize, power: f64) {
+        if let Some(sum) = self.0.get_mut(bin).filter(|_| side == Side::Above) {
+            *sum += power;
+        }
+    }
+}
+
+/// Power that a scene reflects, in single precision and in double; NaN if something is refused.
+#[unsafe(no_mangle)]
+pub extern "C" fn cell_power(scene: &Scene<'_>, memory: &mut Memory<'_>) -> f64 {
+    let single = power::<F32>(scene, memory).unwrap_or(f64::NAN);
+    single + power::<F64>(scene, memory).unwrap_or(f64::NAN)
+}
+
+fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
+    let bvh = Bvh::build(scene.vertices_nm, scene.triangles, memory.nodes, memory.order, memory.corners).ok()?;
+    let cell =
+        MeshCell::new(bvh, scene.facet_of, scene.facets, scene.interfaces, scene.period_nm, scene.medium).ok()?;
+    let coatings = [scene.films];
+    let cell = cell.with_coatings(&coatings).ok()?;
+    let formula =
+        Dispersion::Formula { formula: Formula::Sellmeier, coefficients: scene.coefficients, range_nm: [380.0, 780.0] };
+    let table = Dispersion::Table { wavelength_nm: scene.wavelengths_nm, value: scene.coefficients };
+    let media = [Medium::VACUUM, Medium::new(formula, table, Extrapolate::Clamp).ok()?];
+    let mut eta = [ComplexLanes::zero(); 2];
+    let media = MediaLanes::<V>::evaluate(&media, scene.wavelengths_nm, &mut eta).ok()?;
+    let ambient = media.eta().first().copied()?;
+    let incident = Incident::new(scene.wi, ambient);
+    let mut polygons = Polygons::new(cell, media, incident, scene.interference);
+    let (mut slots, mut paths) = ([free_slot::<V>(); 26], [free_slot::<V>(); 10]);
+    let mut exit_memory = [Exit::<V>::none(); 64];
+    let mut exits = Exits::new(&mut exit_memory, scene.grid, &media);
+    let mut fields = [Polarised::both(VectorLanes::zero()); 64];
+    let mut bins = BinFields::new(&mut fields, scene.grid, &media, incident.wavevector());
+    let most = largest_order(scene.period_nm[0], 1.0, 380.0);
+    let mut order = [Order::new(scene.order.map(|m| m.min(most)), scene.wi, scene.period_nm, ambient, &media)];
+    let mut orders = Orders::new(&mut order, scene.wi, ambient, &media);
+    let limits = Limits { in_flight: 1e-13, generations: 10_000 };
+    let mut sum = V::zero();
+    for ray in 0..scene.rays {
+        let [u, v] = sobol(ray, scene.seed);
+        let Some((state, field)) = polygons.start(u, v) else { continue };
+        let mut random = Random::new(ray, scene.seed);
+        exits.begin(state.point_nm());
+        if scene.interference {
+            let spill = Spill::new(&mut paths, Limits { in_flight: 0.01, ..limits }, &mut random);
+            sum += trace(&mut polygons, state, field, &mut slots, limits, Some(spill), &mut exits).truncated;
+            bins.begin(state.point_nm());
+            sum += trace(&mut polygons, state, field, &mut slots, limits, None, &mut bins).truncated;
+            orders.begin(state.point_nm());
+            sum += trace(&mut polygons, state, field, &mut slots, limits, None, &mut orders).truncated;
+        } else {
+            sum += follow_paths(&mut polygons, state, field, &mut slots, limits, &mut random, &mut exits).truncated;
+        }
+        sum += exits.settle(&mut Power(memory.bins));
+    }
+    for order in slice::from_ref(&order[0]) {
+        sum += order.efficiency(f64::from(scene.rays)).s;
+    }
+    sum += fields[0].map(VectorLanes::norm_sqr).p + polygons.lost() + polygons.absorbed().s;
+    let solid: f64 =
+        (0..memory.bins.len().min(scene.grid.count())).map(|bin| scene.grid.projected_solid_angle(bin)).sum();
+    Some(sum.lane(0) + solid)
+}

@@ -1,0 +1,47 @@
+//! Tables: made, written, read, looked up and sampled.
+
+use goniochrome::bins::DirectionBins;
+use goniochrome::glam::Vec3;
+use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+
+/// What a blob gives for two directions; NaN if it is refused.
+#[unsafe(no_mangle)]
+pub extern "C" fn table_look_up(bytes: &&[u8], wi: &Vec3, wo: &Vec3, u: &[f32; 2]) -> f32 {
+    let Ok(blob) = Blob::read(bytes) else { return f32::NAN };
+    match blob.contents {
+        Contents::Mirror(table) => table.rgb(wi.x).into_iter().sum(),
+        Contents::Scatter(table, sampler) => {
+            let mut albedo = [0.0; 4];
+            table.albedo(*wi, &mut albedo);
+            let drawn = sampler.sample(*wi, *u).map_or(0.0, |(wo, pdf)| wo.z / pdf);
+            table.rgb(*wi, *wo).into_iter().sum::<f32>() + sampler.pdf(*wi, *wo) + drawn + albedo[0]
+        }
+    }
+}
+
+/// Makes a table of either kind and writes it; false if something is refused.
+#[unsafe(no_mangle)]
+pub extern "C" fn table_write(
+    values: &&[f32],
+    sides: &[u32; 4],
+    channels: usize,
+    half: bool,
+    sums: &mut &mut [f32],
+    bytes: &mut &mut [u8],
+) -> bool {
+    let precision = if half { Precision::Half } else { Precision::Single };
+    let write = |contents: Contents<'_>, bytes: &mut [u8]| {
+        Blob { space: Space::Srgb, contents }.write(precision, bytes).is_ok()
+    };
+    let [theta, phi, cos, around] = *sides;
+    let Ok(layout) = ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around }) else {
+        let mirror = MirrorTable::new(values, channels, 1.5);
+        return mirror.is_ok_and(|table| write(Contents::Mirror(table), bytes));
+    };
+    let Ok(table) = ScatterTable::new(values, layout, channels) else { return false };
+    match ScatterSampler::new(&table, sums) {
+        Ok(sampler) => write(Contents::Scatter(table, sampler), bytes),
+        Err(_) => false,
+    }
+}
