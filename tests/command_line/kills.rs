@@ -101,6 +101,31 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     assert!(resumed > 0 && cut > 0, "the kills came too early to show anything");
 }
 
+/// Planes take seconds, so they have no checkpoint: what a kill leaves is the earlier file or the new one, each whole.
+#[test]
+fn a_killed_planar_run_leaves_the_earlier_file_or_the_new_one() {
+    const LINE: &str = "estimate jewel-beetle -o t.exr -q --threads 1";
+    const EARLIER: &[u8] = b"of an earlier run";
+    let user = User::new();
+    let before = Instant::now();
+    user.ok(LINE);
+    let (table, duration) = (user.read("t.exr"), before.elapsed());
+    let mut killed = 0;
+    for step in 0..20 {
+        user.write("t.exr", EARLIER);
+        let mut child = start(&user, LINE);
+        std::thread::sleep(duration.mul_f64(f64::from(step) / 16.0));
+        kill(&mut child, step % 2 == 0);
+        let done = child.wait_with_output().unwrap().status.success();
+        let left = user.read("t.exr");
+        assert!(left == table || (!done && left == EARLIER), "kill {step} left {} bytes", left.len());
+        killed += u32::from(!done);
+    }
+    assert!(killed > 0, "no kill came before the end");
+    user.ok(LINE);
+    assert!(user.read("t.exr") == table && !user.at(CHECKPOINT).exists());
+}
+
 /// A checkpoint of some directions but not all.
 fn interrupted(user: &User) -> Vec<u8> {
     let mut child = start(user, &estimate(1));
