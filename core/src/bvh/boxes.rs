@@ -21,7 +21,7 @@ const LEAST_COMPONENT: f64 = 1e-20;
 
 /// Boxes of the children, in single precision and units of the frame.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub struct Node {
     /// Of each axis, the lower and the upper bounds of the children.
     pub(super) bounds: [[[f32; WIDTH]; 2]; 3],

@@ -8,18 +8,26 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Corners {
-    /// x, y and z of each corner; the last column is 0.
+    /// x, y and z of each corner; the last column holds the triangle's index and nothing.
     coordinates: [[f64; 4]; 3],
-    /// Its index.
-    pub(super) triangle: u32,
 }
+
+// A cache line and a half: memory is what large meshes wait for.
+const _: () = assert!(size_of::<Corners>() == 96);
 
 impl Corners {
     /// A triangle without area, which no ray meets.
-    pub const EMPTY: Self = Self { coordinates: [[0.0; 4]; 3], triangle: 0 };
+    pub const EMPTY: Self = Self { coordinates: [[0.0; 4]; 3] };
 
     pub(super) fn new([a, b, c]: [DVec3; 3], triangle: u32) -> Self {
-        Self { coordinates: [[a.x, b.x, c.x, 0.0], [a.y, b.y, c.y, 0.0], [a.z, b.z, c.z, 0.0]], triangle }
+        let index = f64::from(triangle);
+        Self { coordinates: [[a.x, b.x, c.x, index], [a.y, b.y, c.y, 0.0], [a.z, b.z, c.z, 0.0]] }
+    }
+
+    /// Its index.
+    #[inline]
+    pub(super) fn triangle(&self) -> u32 {
+        self.coordinates[0][3] as u32
     }
 }
 
@@ -87,7 +95,7 @@ impl Shear {
                 let sum = u + v + w;
                 if sum != 0.0 {
                     let t = (u * a + v * b + w * c) / sum / length;
-                    let triangle = leaf.get(i)?.triangle;
+                    let triangle = leaf.get(i)?.triangle();
                     return Some(Hit { triangle, t, front: (sum > 0.0) != mirrored });
                 }
             }

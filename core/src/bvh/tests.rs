@@ -89,14 +89,14 @@ fn check_structure(bvh: &Bvh) -> usize {
             }
             for (seen, corners) in seen[first..][..count].iter_mut().zip(&bvh.corners[first..]) {
                 assert!(!core::mem::replace(seen, true));
-                for vertex in bvh.triangles[corners.triangle as usize] {
+                for vertex in bvh.triangles[corners.triangle() as usize] {
                     let v = ((bvh.vertices[vertex as usize] - bvh.frame.centre) * bvh.frame.scale).to_array();
                     assert!((0..3).all(|axis| inner[0][axis] < v[axis] && v[axis] < inner[1][axis]));
                 }
             }
         }
     }
-    let mut order: Vec<u32> = bvh.corners.iter().map(|corners| corners.triangle).collect();
+    let mut order: Vec<u32> = bvh.corners.iter().map(Corners::triangle).collect();
     order.sort_unstable();
     order.dedup();
     assert_eq!(order.len(), bvh.corners.len());
