@@ -112,6 +112,9 @@ impl<const PRECISE: bool> Lanes for Counted<PRECISE> {
     fn narrow(precise: Counted<true>) -> Self {
         Self::done(Operation::Simple, precise.0)
     }
+    fn widen(self) -> Counted<true> {
+        Counted::<true>::done(Operation::Simple, self.0)
+    }
     fn mul_add(self, m: Self, a: Self) -> Self {
         Self::done(Operation::Fused, self.0.mul_add(m.0, a.0))
     }
@@ -132,6 +135,9 @@ impl<const PRECISE: bool> Lanes for Counted<PRECISE> {
     }
     fn max(self, other: Self) -> Self {
         Self::done(Operation::Simple, self.0.max(other.0))
+    }
+    fn min(self, other: Self) -> Self {
+        Self::done(Operation::Simple, self.0.min(other.0))
     }
     fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self {
         let chosen = if self.0 < bound.0 { then.0 } else { otherwise.0 };

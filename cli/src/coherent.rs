@@ -47,7 +47,7 @@ pub fn scatter_bins(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: f64, request: &
         batches.iter_mut().zip(0u32..),
         || vec![free_slot::<F64>(); states(bumpy)],
         |slots, (Batch { fields, truncated, absorbed }, batch)| {
-            let mut polygons = Polygons::new(cell, media, incident, true);
+            let mut polygons = Polygons::new(cell, media, incident);
             let mut sink = BinFields::new(fields, request.bins, &media, incident.wavevector());
             let mut dropped = F64::zero();
             for ray in 0..rays {
@@ -55,7 +55,7 @@ pub fn scatter_bins(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: f64, request: &
                 match polygons.start(u, v) {
                     Some((state, field)) => {
                         sink.begin(state.point_nm());
-                        dropped += trace(&mut polygons, state, field, slots, WAVES, None, &mut sink).truncated;
+                        dropped += trace(&mut polygons, state, field, slots, WAVES, &mut sink).truncated;
                     }
                     None => dropped += F64::one(),
                 }

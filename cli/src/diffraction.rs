@@ -129,14 +129,14 @@ fn group_orders(
         batches.iter_mut().zip(0u32..),
         || vec![free_slot::<F64>(); states],
         |slots, (orders, batch)| {
-            let mut polygons = Polygons::new(cell, *media, Incident::new(wi, eta), true);
+            let mut polygons = Polygons::new(cell, *media, Incident::new(wi, eta));
             let mut sink = Orders::new(orders, wi, eta, media);
             for ray in 0..rays {
                 let [u, v] = sobol(ray, request.seed.wrapping_mul(BATCHES).wrapping_add(batch));
                 if let Some((state, field)) = polygons.start(u, v) {
                     sink.begin(state.point_nm());
                     let limits = Limits { in_flight: IN_FLIGHT, generations: request.hits };
-                    trace(&mut polygons, state, field, slots, limits, None, &mut sink);
+                    trace(&mut polygons, state, field, slots, limits, &mut sink);
                 }
             }
         },

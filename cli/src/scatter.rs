@@ -6,12 +6,14 @@ use glam::DVec3;
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
 use goniochrome::coherence::Side;
 use goniochrome::complex::Polarised;
+use goniochrome::geometric::{self, Coherency, Geometric, Path};
 use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
+use goniochrome::paths::{Spill, follow_paths, trace_spilling};
 use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
 use goniochrome::sampling::{Random, sobol};
-use goniochrome::trace::{Facets, Limits, Slot, Spill, follow_paths, trace};
+use goniochrome::trace::{Limits, Slot};
 
 use crate::bumpy::Bumpy;
 use crate::error::{Error, Result};
@@ -94,11 +96,12 @@ pub struct Scattered {
 pub const BATCHES: u32 = 32;
 /// Exits that one starting ray may have.
 const MOST_EXITS: usize = 512;
-/// The tracer's default workspace for polygon cells, in states; at most 64 KiB for either precision.
-pub const STATES: usize = 36;
-/// States for a cell: the default, or as many as its waves and the rays that spill from them need.
+/// States in which the tracer lets waves wait by default, where none goes on by itself.
+const STATES: usize = 36;
+
+/// The same for a cell: the default, or as many as its waves need.
 pub(crate) fn states(bumpy: &Bumpy<'_>) -> usize {
-    STATES.max(waves(bumpy) + SPILLED)
+    STATES.max(waves(bumpy))
 }
 
 /// States in which waves wait for their equals: as many as a planar stack of the cell's interfaces has, and two pairs for
@@ -108,24 +111,30 @@ fn waves(bumpy: &Bumpy<'_>) -> usize {
     2 * bumpy.interface_count() + 4
 }
 
-/// States for rays that find no room among the waves.
-const SPILLED: usize = 10;
+/// Paths that may wait while another is followed: each is the stronger branch of a hit that split.
+const WAITING: usize = 36;
 
 /// A thread's memory for the tracer.
 pub(crate) struct Workspace<V: Lanes> {
-    slots: Vec<Slot<State<V>, Field<V>>>,
-    waves: usize,
+    waves: Vec<Slot<State<V>, Field<V>>>,
+    paths: Vec<Slot<Path<V>, Coherency<V>>>,
     exits: Vec<Exit<V>>,
 }
 
 impl<V: Lanes> Workspace<V> {
     pub(crate) fn new(bumpy: &Bumpy<'_>) -> Self {
-        Self { slots: vec![free_slot(); states(bumpy)], waves: waves(bumpy), exits: vec![Exit::none(); MOST_EXITS] }
+        Self {
+            waves: vec![free_slot(); waves(bumpy)],
+            paths: vec![geometric::free_slot(); WAITING],
+            exits: vec![Exit::none(); MOST_EXITS],
+        }
     }
 }
 
 const _: () = assert!(STATES * size_of::<Slot<State<F32>, Field<F32>>>() <= 64 * 1024);
 const _: () = assert!(STATES * size_of::<Slot<State<F64>, Field<F64>>>() <= 64 * 1024);
+const _: () = assert!(WAITING * size_of::<Slot<Path<F32>, Coherency<F32>>>() <= 32 * 1024);
+const _: () = assert!(WAITING * size_of::<Slot<Path<F64>, Coherency<F64>>>() <= 32 * 1024);
 
 /// Paths below this power are no longer split. Less would cost more than it saves in noise: at 80 degrees 0.01 takes the bumpy
 /// soap film 1.7 times as long for the same standard error.
@@ -225,12 +234,13 @@ pub(crate) fn trace_batch<V: Lanes>(
     batch: u32,
     rays: Range<u32>,
     request: &Request,
-    Workspace { slots, waves, exits }: &mut Workspace<V>,
+    Workspace { waves, paths, exits }: &mut Workspace<V>,
     tallies: &mut [Tally],
 ) {
     let eta = media.eta()[usize::from(cell.above())];
     let coherent = request.coherence == Coherence::Ray;
-    let mut polygons = Polygons::new(cell, media, Incident::new(wi, eta), coherent);
+    let incident = Incident::new(wi, eta);
+    let (mut polygons, mut geometric) = (Polygons::new(cell, media, incident), Geometric::new(cell, media, incident));
     let mut exits = Exits::new(exits, request.bins, &media);
     let per_ray = 1.0 / rays.len() as f64;
     let sequence = request.seed.wrapping_mul(BATCHES).wrapping_add(batch);
@@ -238,41 +248,38 @@ pub(crate) fn trace_batch<V: Lanes>(
     let mut without_interference = 0;
     for ray in rays {
         let [u, v] = sobol(ray, sequence);
-        let Some((state, field)) = polygons.start(u, v) else {
+        let Some((path, light)) = geometric.start(u, v) else {
             truncated += V::one(); // a hole from top to bottom
             continue;
         };
-        exits.begin(state.point_nm());
+        exits.begin(path.point_nm());
         let mut random = Random::new(ray, sequence);
-        let before = polygons;
-        let waves_done = coherent.then(|| {
-            let (waves, paths) = slots.split_at_mut(*waves);
-            let spill = Spill::new(paths, PATHS, &mut random);
-            trace(&mut polygons, state, field, waves, WAVES, Some(spill), &mut exits)
+        let before = (polygons, geometric);
+        let waves_done = polygons.start(u, v).filter(|_| coherent).map(|(state, field)| {
+            let spill = Spill::new(&mut geometric, paths, PATHS, &mut random);
+            trace_spilling(&mut polygons, state, field, waves, WAVES, spill, &mut exits)
         });
         let done = match waves_done {
             Some(done) if !done.truncated.any_above(1.0) => done,
             diverged => {
                 if diverged.is_some() {
                     // The waves of this starting ray have no sum: it is followed again without their interference.
-                    polygons = before;
-                    exits.begin(state.point_nm());
+                    (polygons, geometric) = before;
+                    exits.begin(path.point_nm());
                     without_interference += 1;
                 }
-                polygons.apart(true);
-                let done = follow_paths(&mut polygons, state, field, slots, PATHS, &mut random, &mut exits);
-                polygons.apart(!coherent);
-                done
+                follow_paths(&mut geometric, path, light, paths, PATHS, &mut random, &mut exits)
             }
         };
         truncated += done.truncated + exits.settle(&mut Tallies(tallies));
     }
-    truncated += polygons.lost();
+    truncated += polygons.lost() + geometric.lost();
     let Polarised { s, p } = polygons.absorbed();
+    let absorbed = (s + p) * V::splat(0.5) + geometric.absorbed();
     for (lane, tally) in tallies.iter_mut().enumerate() {
         tally.truncated = truncated.lane(lane);
         tally.without_interference = f64::from(without_interference) * per_ray;
-        tally.absorbed = 0.5 * (s.lane(lane) + p.lane(lane));
+        tally.absorbed = absorbed.lane(lane);
         for sum in [&mut tally.reflected, &mut tally.transmitted, &mut tally.absorbed, &mut tally.truncated]
             .into_iter()
             .chain(&mut tally.bins)

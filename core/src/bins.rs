@@ -6,6 +6,7 @@
 
 use crate::coherence::Side;
 use crate::complex::{ComplexLanes, Polarised};
+use crate::geometric::{Coherency, Leaving};
 use crate::lanes::Lanes;
 use crate::medium::MediaLanes;
 use crate::polygons::{Departure, Field};
@@ -33,6 +34,7 @@ impl DirectionBins {
 
     /// The bin of a direction; its length does not matter, nor the sign of its z. Row by row in cos θ.
     #[must_use]
+    #[inline(never)]
     pub fn index(&self, direction: DVec3) -> usize {
         let cos = libm::fabs(direction.z) / direction.length();
         let turn = libm::atan2(direction.y, direction.x) / TAU;
@@ -42,12 +44,12 @@ impl DirectionBins {
         row as usize * self.phi as usize + column as usize
     }
 
-    /// The bin of each lane.
-    fn of_lanes<V: Lanes>(&self, wavevector: &VectorLanes<V>) -> [u32; MOST_LANES] {
-        let first = wavevector.direction(0);
+    /// The bin of each lane, whose direction is given.
+    fn of_lanes<V: Lanes>(&self, direction: impl Fn(usize) -> DVec3) -> [u32; MOST_LANES] {
+        let first = direction(0);
         let mut bins = [self.index(first) as u32; MOST_LANES];
         for (lane, bin) in bins.iter_mut().enumerate().take(V::WIDTH).skip(1) {
-            let direction = wavevector.direction(lane);
+            let direction = direction(lane);
             if direction != first {
                 *bin = self.index(direction) as u32;
             }
@@ -188,20 +190,28 @@ impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
         let to_origin = phase_of(&departure, self.origin_nm - departure.point_nm, self.per_wavelength);
         self.put(Exit {
             side: departure.side,
-            bins: self.grid.of_lanes(&departure.wavevector),
+            bins: self.grid.of_lanes::<V>(|lane| departure.wavevector.direction(lane)),
             alone: false,
             field: scaled_to_power(field, departure.power, propagate(to_origin)),
             power: departure.power,
         });
     }
+}
 
-    fn exit_alone(&mut self, departure: Departure<V>, _: Field<V>) {
-        self.put(Exit {
-            side: departure.side,
-            bins: self.grid.of_lanes(&departure.wavevector),
-            power: departure.power,
-            ..Exit::none()
-        });
+impl<V: Lanes> Sink<Leaving<V>, Coherency<V>> for Exits<'_, V> {
+    fn exit(&mut self, leaving: Leaving<V>, light: Coherency<V>) {
+        let (side, power) = (leaving.side, Polarised::both(light.power()));
+        let bins = self.grid.of_lanes::<V>(|lane| leaving.direction.lane(lane));
+        let alike = |exit: &&mut Exit<V>| exit.alone && exit.side == side && exit.bins.iter().eq(&bins);
+        if let Some(other) = self.memory.iter_mut().take(self.count).find(alike) {
+            other.power = other.power.zip(power, |a, b| a + b);
+        } else if let Some(place) = self.memory.get_mut(self.count) {
+            // Its field is never read, and too large to be cleared each time.
+            (place.alone, place.side, place.bins, place.power) = (true, side, bins, power);
+            self.count += 1;
+        } else {
+            self.dropped += light.power();
+        }
     }
 }
 
@@ -246,7 +256,7 @@ impl<V: Lanes> Sink<Departure<V>, Field<V>> for BinFields<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
         let phase = propagate::<V>(phase_of(&departure, -departure.point_nm, self.per_wavelength));
         let field = scaled_to_power(field, departure.power, phase * self.arrival);
-        let bins = self.grid.of_lanes(&departure.wavevector);
+        let bins = self.grid.of_lanes::<V>(|lane| departure.wavevector.direction(lane));
         let hemisphere = if departure.side == Side::Above { 0 } else { self.grid.count() };
         for lane in 0..V::WIDTH {
             // Each bin once, for all lanes that fall into it.

@@ -94,12 +94,21 @@ impl<V: Lanes> Wave<V> {
     }
 }
 
+/// Fresnel's r = (κ₁ − κ₂)/(κ₁ + κ₂) of each polarisation.
+#[inline]
+pub fn fresnel<V: Lanes>(
+    near: Polarised<ComplexLanes<V>>,
+    far: Polarised<ComplexLanes<V>>,
+) -> Polarised<ComplexLanes<V>> {
+    near.zip(far, |k1, k2| (k1 - k2).div_or_zero(k1 + k2))
+}
+
 /// r of a wave that comes from `above`; in the paper's model the unpolarised ratio R, the same for s and p.
 #[inline]
 pub fn reflection<V: Lanes>(model: Model, above: &Wave<V>, below: Option<&Wave<V>>) -> Polarised<ComplexLanes<V>> {
     let one = ComplexLanes::one();
     let r = match below {
-        Some(below) => above.admittance.zip(below.admittance, |k1, k2| (k1 - k2).div_or_zero(k1 + k2)),
+        Some(below) => fresnel(above.admittance, below.admittance),
         None => Polarised { s: -one, p: one },
     };
     match model {

@@ -76,6 +76,8 @@ pub trait Lanes:
     fn lane(self, i: usize) -> f64;
     /// Rounds double precision to this one.
     fn narrow(precise: Self::Precise) -> Self;
+    /// The same numbers in double precision.
+    fn widen(self) -> Self::Precise;
     /// self · m + a, fused where the machine can.
     fn mul_add(self, m: Self, a: Self) -> Self;
     /// a − self · m, fused where the machine can.
@@ -90,12 +92,19 @@ pub trait Lanes:
     fn exp(self) -> Self;
     /// The larger of the two; neither may be NaN.
     fn max(self, other: Self) -> Self;
+    /// The smaller of the two; neither may be NaN.
+    fn min(self, other: Self) -> Self;
     /// `then` where self < bound, otherwise `otherwise`.
     fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self;
     /// Bit i is set where lane i of self does not exceed that of `other`; never for NaN.
     fn mask_le(self, other: Self) -> u32;
     /// True if a lane exceeds `bound`.
     fn any_above(self, bound: f64) -> bool;
+
+    /// Sum over lanes.
+    fn sum(self) -> f64 {
+        (0..Self::WIDTH).map(|lane| self.lane(lane)).sum()
+    }
 
     /// 0 in every lane.
     #[inline]
@@ -157,6 +166,10 @@ macro_rules! delegate_to_wide {
             self.fast_max(other)
         }
         #[inline]
+        fn min(self, other: Self) -> Self {
+            self.fast_min(other)
+        }
+        #[inline]
         fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self {
             self.simd_lt(bound).select(then, otherwise)
         }
@@ -186,6 +199,12 @@ impl Lanes for F32 {
         }
         Self::new(out)
     }
+
+    #[inline]
+    fn widen(self) -> Pair {
+        let single = self.to_array();
+        Pair::from_fn(|i| single.get(i).map_or(f64::NAN, |&x| f64::from(x)))
+    }
 }
 
 #[allow(clippy::cast_lossless, clippy::unnecessary_cast)]
@@ -196,6 +215,10 @@ impl Lanes for F64 {
     #[inline]
     fn narrow(precise: Self) -> Self {
         precise
+    }
+    #[inline]
+    fn widen(self) -> Self {
+        self
     }
 }
 
@@ -280,6 +303,10 @@ impl Lanes for Pair {
         precise
     }
     #[inline]
+    fn widen(self) -> Self {
+        self
+    }
+    #[inline]
     fn mul_add(self, m: Self, a: Self) -> Self {
         Self(Lanes::mul_add(self.0, m.0, a.0), Lanes::mul_add(self.1, m.1, a.1))
     }
@@ -306,6 +333,10 @@ impl Lanes for Pair {
     #[inline]
     fn max(self, other: Self) -> Self {
         self.zip(other, <F64 as Lanes>::max)
+    }
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, <F64 as Lanes>::min)
     }
     #[inline]
     fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self {
@@ -347,6 +378,8 @@ mod tests {
             close(a.abs(), x.abs());
             close(a.round(), libm::rint(x));
             close(a.max(b), x.max(y));
+            close(a.min(b), x.min(y));
+            assert_eq!(V::narrow(a.widen()), a);
             close(a.select_lt(V::zero(), a, b), if x < 0.0 { x } else { y });
             assert_eq!(a.mask_le(b) >> i & 1, u32::from(x <= y));
             assert_eq!(a.mask_le(a + V::splat(f64::NAN)), 0);

@@ -19,7 +19,7 @@ use crate::complex::{ComplexLanes, Polarised};
 use crate::interface::{Below, Model, flux, transmission};
 use crate::lanes::Lanes;
 use crate::stack::{Optics, Response};
-use crate::trace::{Facets, Limits, Sink, Slot, Split, Target, Trace, trace};
+use crate::trace::{Limits, Sink, Slot, Split, Target, Trace, Waves, trace};
 
 /// Amplitudes of s and p, which do not mix where all facets share the plane of incidence.
 pub type Field<V> = Polarised<ComplexLanes<V>>;
@@ -153,7 +153,7 @@ pub fn trace_layers<V: Lanes>(
         Summation::ClosedLoops => layers.close_loops(unit, &mut sink),
         Summation::Generations(limits) => {
             layers.totals.fill(Totals::none());
-            trace(&mut layers, State { facet: 0, side: Side::Above }, unit, memory.slots, limits, None, &mut sink)
+            trace(&mut layers, State { facet: 0, side: Side::Above }, unit, memory.slots, limits, &mut sink)
         }
     };
     let response = sink.response();
@@ -257,7 +257,7 @@ impl<V: Lanes> Layers<'_, '_, V> {
     }
 }
 
-impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
+impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
     type State = State;
     type Field = Field<V>;
     type Exit = Side;
@@ -273,19 +273,6 @@ impl<V: Lanes> Facets<V> for Layers<'_, '_, V> {
 
     fn merge(&self, _: &State, a: Field<V>, _: &State, b: Field<V>) -> Field<V> {
         a.zip(b, |a, b| a + b)
-    }
-
-    fn exit_power(&self, side: &Side, field: &Field<V>) -> V {
-        let power = match side {
-            Side::Above => self.optics.reflectance(*field),
-            Side::Below => self.optics.transmittance(*field),
-        };
-        power.s.max(power.p)
-    }
-
-    fn strengthen(&self, target: Target<State, Side>, field: &Field<V>, by: f64) -> (Target<State, Side>, Field<V>) {
-        let amplitude = V::splat(by).sqrt();
-        (target, field.map(|a| a.scale(amplitude)))
     }
 
     fn power(&self, state: &State, field: &Field<V>) -> V {

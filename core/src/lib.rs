@@ -124,7 +124,7 @@
 //! const RAYS: u32 = 256;
 //! let grid = DirectionBins { cos: 4, phi: 8 };
 //! let wi = DVec3::new(0.6, 0.0, 0.8);
-//! let mut polygons = Polygons::new(cell, media, Incident::new(wi, media.eta()[0]), true);
+//! let mut polygons = Polygons::new(cell, media, Incident::new(wi, media.eta()[0]));
 //! let (mut slots, mut memory) = ([free_slot::<F32>(); 16], [Exit::<F32>::none(); 32]);
 //! let mut exits = Exits::new(&mut memory, grid, &media);
 //! let mut power = Power([0.0; 32]);
@@ -133,7 +133,7 @@
 //!     let [u, v] = sobol(ray, 0);
 //!     let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
 //!     exits.begin(state.point_nm());
-//!     trace(&mut polygons, state, field, &mut slots, limits, None, &mut exits);
+//!     trace(&mut polygons, state, field, &mut slots, limits, &mut exits);
 //!     exits.settle(&mut power);
 //! }
 //! let brdf: [f64; 32] =
@@ -190,12 +190,14 @@ pub mod coating;
 pub mod coherence;
 pub mod colour;
 pub mod complex;
+pub mod geometric;
 pub mod interface;
 pub mod lanes;
 pub mod layers;
 pub mod medium;
 pub mod mesh;
 pub mod orders;
+pub mod paths;
 pub mod polygons;
 pub mod sampling;
 pub mod stack;

@@ -362,6 +362,12 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
         Ok(Self { wavelength_nm: <V::Precise as Lanes>::from_fn(nm), eta: memory })
     }
 
+    /// Index of refraction of a medium; 1 beyond the last.
+    #[inline]
+    pub fn of(&self, medium: MediumIndex) -> ComplexLanes<V::Precise> {
+        self.eta.get(usize::from(medium)).copied().unwrap_or_else(ComplexLanes::one)
+    }
+
     /// Vacuum wavelengths.
     pub fn wavelength_nm(&self) -> V::Precise {
         self.wavelength_nm

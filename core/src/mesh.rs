@@ -128,6 +128,13 @@ impl<'a> MeshCell<'a> {
         self.coatings.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(&[])
     }
 
+    /// The films on a facet in the order in which light comes back from them: from the far side to the near one, the upper if `front`.
+    pub(crate) fn films(&self, facet: u32, front: bool) -> impl Iterator<Item = &'a Film> + use<'a> {
+        let films = self.coating(facet);
+        // Of one type for both ways, so that a coating's response is compiled once.
+        (1..=films.len()).filter_map(move |i| films.get(if front { films.len() - i } else { i - 1 }))
+    }
+
     /// The medium open to the light.
     #[must_use]
     pub fn above(&self) -> MediumIndex {
@@ -160,6 +167,27 @@ impl<'a> MeshCell<'a> {
     #[must_use]
     pub fn interface(&self, facet: u32) -> Interface {
         self.interfaces.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(NOTHING)
+    }
+
+    /// Where light of a unit direction first meets the cell over a point of the period, (u, v) in [0, 1)². `None` if it meets nothing.
+    #[must_use]
+    pub fn first(&self, u: f64, v: f64, direction: DVec3) -> Option<Meeting> {
+        let [px, py] = self.period_nm;
+        match self.next(DVec3::new(u * px, v * py, self.top_nm), direction, self.above, None) {
+            Next::Facet(meeting) => Some(meeting),
+            _ => None,
+        }
+    }
+
+    /// Which media a ray about to meet a facet is in and would enter; none where it would travel inside a mirror.
+    #[must_use]
+    pub fn sides(&self, facet: u32, front: bool) -> Option<(MediumIndex, Below)> {
+        let Interface { above, below } = self.interface(facet);
+        match (front, below) {
+            (true, below) => Some((above, below)),
+            (false, Below::Medium(near)) => Some((near, Below::Medium(above))),
+            (false, Below::Mirror) => None,
+        }
     }
 
     /// Follows a ray in `medium` from an unwrapped point to the next facet that has this medium on the near side. A facet

@@ -1,4 +1,5 @@
-//! The tracer's view of a polygon cell: tilted facets, polarisation in three dimensions, dispersion per lane.
+//! Waves in a polygon cell, which interfere: tilted facets, polarisation in three dimensions, dispersion per lane.
+//! Paths that do not interfere are in [`crate::geometric`].
 //!
 //! A ray is a plane wave with its own wavevector in each lane; one hero lane decides which facet it meets. Its payload is
 //! the electric field, a complex vector for each incident polarisation, at the ray's own point of the facet. Two rays of one
@@ -17,7 +18,7 @@ use crate::lanes::Lanes;
 use crate::medium::{MediaLanes, MediumIndex};
 use crate::mesh::{MeshCell, Next};
 use crate::stack::Response;
-use crate::trace::{Facets, Slot, Split, Target};
+use crate::trace::{Slot, Split, Target, Waves};
 use crate::turns::propagate;
 use crate::vector::VectorLanes;
 use glam::DVec3;
@@ -28,14 +29,14 @@ pub type Field<V> = Polarised<VectorLanes<V>>;
 /// A ray about to be split at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<V: Lanes> {
-    facet: u32,
-    front: bool,
+    pub(crate) facet: u32,
+    pub(crate) front: bool,
     /// Unwrapped: where the ray meets the facet and its field is taken.
-    point_nm: DVec3,
+    pub(crate) point_nm: DVec3,
     /// In units of k₀.
-    wavevector: VectorLanes<V::Precise>,
+    pub(crate) wavevector: VectorLanes<V::Precise>,
     /// J: cross-section of the ray's tube in units of the incident one.
-    spread: V,
+    pub(crate) spread: V,
 }
 
 /// A ray that leaves the cell; its field is taken at `point_nm`.
@@ -64,8 +65,6 @@ pub struct Polygons<'a, V: Lanes> {
     media: MediaLanes<'a, V>,
     per_wavelength: V::Precise,
     incident: Incident<V>,
-    hero: usize,
-    merging: bool,
     lost: V,
     absorbed: Polarised<V>,
 }
@@ -73,9 +72,13 @@ pub struct Polygons<'a, V: Lanes> {
 /// The light: a plane wave of unit amplitude in each polarisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Incident<V: Lanes> {
+    /// Unit, towards the light.
+    pub(crate) wi: DVec3,
+    /// ŝ, across the plane of incidence.
+    pub(crate) across: DVec3,
     wavevector: VectorLanes<V::Precise>,
     field: Field<V>,
-    index: V,
+    pub(crate) index: V,
 }
 
 impl<V: Lanes> Incident<V> {
@@ -89,6 +92,8 @@ impl<V: Lanes> Incident<V> {
         let p = s.cross(-wi);
         let wavevector = VectorLanes::<V::Precise>::splat(-wi).scale(ComplexLanes::real(eta.re));
         Self {
+            wi,
+            across: s,
             wavevector,
             field: Polarised { s: VectorLanes::splat(s), p: VectorLanes::splat(p) },
             index: V::narrow(eta.re),
@@ -100,6 +105,11 @@ impl<V: Lanes> Incident<V> {
     pub fn wavevector(&self) -> VectorLanes<V::Precise> {
         self.wavevector
     }
+}
+
+/// The lane that decides which facet a ray meets.
+pub(crate) const fn hero<V: Lanes>() -> usize {
+    V::WIDTH / 2
 }
 
 /// Two wavevectors of one group are the same wave if they differ by less than this in the hero lane: far above the rounding of
@@ -115,21 +125,17 @@ const EVANESCENT: f64 = 1e-8;
 const PARALLEL: f64 = 1.0 - 1e-10;
 
 impl<'a, V: Lanes> Polygons<'a, V> {
-    /// A cell, its media and the light. `merging` adds rays of equal state as amplitudes; without it each path is its own.
-    pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: Incident<V>, merging: bool) -> Self {
+    /// A cell, its media and the light.
+    pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: Incident<V>) -> Self {
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
-        let hero = V::WIDTH / 2;
         let none = Polarised::both(V::zero());
-        Self { cell, media, per_wavelength, incident, hero, merging, lost: V::zero(), absorbed: none }
+        Self { cell, media, per_wavelength, incident, lost: V::zero(), absorbed: none }
     }
 
     /// Starts a ray over a point of the period, (u, v) in [0, 1)²: its first facet and its field there, referred to that
     /// point itself. `None` if it meets nothing.
     pub fn start(&self, u: f64, v: f64) -> Option<(State<V>, Field<V>)> {
-        let [px, py] = self.cell.period_nm();
-        let direction = self.incident.wavevector.direction(self.hero);
-        let above = DVec3::new(u * px, v * py, self.cell.top_nm());
-        let Next::Facet(meeting) = self.cell.next(above, direction, self.cell.above(), None) else { return None };
+        let meeting = self.cell.first(u, v, -self.incident.wi)?;
         let state = State {
             facet: meeting.facet,
             front: meeting.front,
@@ -151,7 +157,7 @@ impl<'a, V: Lanes> Polygons<'a, V> {
     }
 
     fn eta(&self, medium: MediumIndex) -> ComplexLanes<V::Precise> {
-        self.media.eta().get(usize::from(medium)).copied().unwrap_or_else(ComplexLanes::one)
+        self.media.of(medium)
     }
 
     /// exp(i k₀ q·Δx).
@@ -166,53 +172,11 @@ impl<'a, V: Lanes> Polygons<'a, V> {
         field.map(|e| e.norm_sqr() * per)
     }
 
-    /// Geometric optics without interference: power is handed on whole, and waves in absorbing media decay along their way.
-    ///
-    /// Exact amplitudes do neither there: in an absorbing medium the incident and the reflected wave exchange power, so that
-    /// R + T ≠ 1, and a refracted wave decays across its direction. A path followed by itself would gain or lose by that.
-    fn conserve(
-        &self,
-        arrived: Polarised<V>,
-        reflected: &mut Leaving<V>,
-        refracted: Option<&mut Leaving<V>>,
-        bare: bool,
-    ) {
-        let zero = V::zero();
-        let least = |a: V, b: V| a.select_lt(b, a, b);
-        let limit = |leaving: &mut Leaving<V>, power: Polarised<V>| {
-            let scale = leaving.power.zip(power, |had, has| zero.select_lt(had, (has / had).sqrt(), zero));
-            leaving.field = leaving.field.zip(scale, |e, by| e.scale(ComplexLanes::real(by)));
-            leaving.power = power;
-        };
-        // What cannot pass is reflected whole; from an absorbing medium |r| may differ from 1 then, and the field have a part
-        // along its way, which neither s nor p holds. A bare mirror lets nothing pass.
-        let total = refracted
-            .as_ref()
-            .map_or(bare, |refracted| is_evanescent(&refracted.wavevector, refracted.normal, self.hero));
-        let back = if total { arrived } else { reflected.power.zip(arrived, least) };
-        limit(reflected, back);
-        let Some(refracted) = refracted else { return };
-        let rest = arrived.zip(reflected.power, |a, b| (a - b).max(zero));
-        let through = if bare { rest } else { refracted.power.zip(rest, |t, rest| least(t.max(zero), rest)) };
-        // The ray's power is that of its tube from here on.
-        refracted.power = self.tube_power(&refracted.field, refracted.spread, refracted.medium);
-        limit(refracted, through);
-        let eta = self.eta(refracted.medium);
-        if eta.im.any_above(0.0) {
-            let lane = |i: usize| refracted.wavevector.direction(i).normalize_or_zero();
-            let component = |of: fn(DVec3) -> f64| ComplexLanes::real(V::Precise::from_fn(|i| of(lane(i)))) * eta;
-            refracted.wavevector = VectorLanes { x: component(|v| v.x), y: component(|v| v.y), z: component(|v| v.z) };
-        }
-    }
-
     /// Sends a ray from a facet into `medium` and says where it goes, with its field there.
     fn send(&mut self, from: &State<V>, leaving: Leaving<V>) -> Sent<V> {
         let Leaving { wavevector, field, medium, normal, spread, power } = leaving;
-        let evanescent = is_evanescent(&wavevector, normal, self.hero);
-        if evanescent && !self.merging {
-            return None; // alone it carries no power, and without interference it is alone
-        }
-        let direction = if evanescent { normal } else { wavevector.direction(self.hero) };
+        let evanescent = is_evanescent(&wavevector, normal);
+        let direction = if evanescent { normal } else { wavevector.direction(hero::<V>()) };
         match self.cell.next(from.point_nm, direction, medium, Some(from.facet)) {
             Next::Facet(meeting) => {
                 let factor = self.carry(&wavevector, meeting.point_nm - from.point_nm);
@@ -287,7 +251,7 @@ fn across<V: Lanes>(normal: DVec3, wavevector: &VectorLanes<V>) -> VectorLanes<V
     unit.zip(tangent, select)
 }
 
-impl<V: Lanes> Facets<V> for Polygons<'_, V> {
+impl<V: Lanes> Waves<V> for Polygons<'_, V> {
     type State = State<V>;
     type Field = Field<V>;
     type Exit = Departure<V>;
@@ -298,10 +262,9 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
     }
 
     fn same(&self, a: &State<V>, b: &State<V>) -> bool {
-        let apart = a.wavevector.direction(self.hero) - b.wavevector.direction(self.hero);
+        let apart = a.wavevector.direction(hero::<V>()) - b.wavevector.direction(hero::<V>());
         let plane = self.cell.facet(a.facet).normal.dot(a.point_nm - b.point_nm);
-        self.merging
-            && a.facet == b.facet
+        a.facet == b.facet
             && a.front == b.front
             && apart.length_squared() < SAME_WAVEVECTOR * SAME_WAVEVECTOR
             && plane.abs() < SAME_PLANE_NM
@@ -312,64 +275,24 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         field.zip(more, |a, b| a + b.scale(factor))
     }
 
-    fn exit_power(&self, departure: &Departure<V>, _: &Field<V>) -> V {
-        (departure.power.s + departure.power.p) * V::splat(0.5)
-    }
-
-    fn strengthen(
-        &self,
-        target: Target<State<V>, Departure<V>>,
-        field: &Field<V>,
-        by: f64,
-    ) -> (Target<State<V>, Departure<V>>, Field<V>) {
-        let amplitude = ComplexLanes::real(V::splat(by).sqrt());
-        let target = match target {
-            Target::Exit(departure) => {
-                Target::Exit(Departure { power: departure.power.map(|power| power * V::splat(by)), ..departure })
-            }
-            waiting @ Target::State(_) => waiting,
-        };
-        (target, field.map(|e| e.scale(amplitude)))
-    }
-
     fn power(&self, state: &State<V>, field: &Field<V>) -> V {
-        let interface = self.cell.interface(state.facet);
-        let medium = match (state.front, interface.below) {
-            (true, _) => interface.above,
-            (false, Below::Medium(below)) => below,
-            (false, Below::Mirror) => return V::zero(),
-        };
+        let Some((medium, _)) = self.cell.sides(state.facet, state.front) else { return V::zero() };
         let Polarised { s, p } = self.tube_power(field, state.spread, medium);
         (s + p) * V::splat(0.5)
     }
 
-    fn apart(&mut self, apart: bool) {
-        self.merging = !apart;
-    }
-
     fn split(&mut self, state: &State<V>, field: &Field<V>) -> Split<State<V>, Departure<V>, Field<V>> {
         let facet = self.cell.facet(state.facet);
-        let interface = self.cell.interface(state.facet);
         // N points to the side the ray comes from; `near` is that side's medium.
-        let (normal, near, far) = if state.front {
-            (facet.normal, Below::Medium(interface.above), interface.below)
-        } else {
-            (-facet.normal, interface.below, Below::Medium(interface.above))
-        };
-        let Below::Medium(near) = near else { return [None, None] }; // no ray travels inside a mirror
+        let normal = if state.front { facet.normal } else { -facet.normal };
+        let Some((near, far)) = self.cell.sides(state.facet, state.front) else { return [None, None] };
 
         let q = state.wavevector;
         let q_n = -q.dot_real(normal);
         let tangential = q.add_scaled(normal, q_n);
         let near_eta = self.eta(near);
-        // A wave followed by itself decays along its way, so q_t is complex in an absorbing medium. Snell's law takes its real
-        // part, as for planes of equal phase and amplitude that are parallel to the facet: by the complex one no wave beyond
-        // could travel in a lossless medium, and the faintest absorption would keep all light inside.
-        let alone = !self.merging && near_eta.im.any_above(0.0);
-        let across_facet = if alone { real(&tangential) } else { tangential };
-        let tangential_squared = across_facet.dot(across_facet);
-        let normal_part = if alone { (near_eta * near_eta - tangential_squared).sqrt_upper() } else { q_n };
-        let near_wave = Wave::<V>::with_normal(near_eta, normal_part);
+        let tangential_squared = tangential.dot(tangential);
+        let near_wave = Wave::<V>::with_normal(near_eta, q_n);
 
         let s = across(normal, &q);
         let s_hat = VectorLanes::<V>::narrow(s);
@@ -385,11 +308,9 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         };
         let films = self.cell.coating(state.facet);
         let far_side = far_wave.as_ref().map(|(_, wave)| wave);
-        let Response { reflection: r, transmission: t } = if state.front {
-            coated(&near_wave, films.iter().rev(), far_side, &self.media, tangential_squared)
-        } else {
-            coated(&near_wave, films.iter(), far_side, &self.media, tangential_squared)
-        };
+        let order = self.cell.films(state.facet, state.front);
+        let Response { reflection: r, transmission: t } =
+            coated(&near_wave, order, far_side, &self.media, tangential_squared);
 
         let mirrored = tangential.add_scaled(normal, q_n);
         let p_out = p_of(mirrored, near_eta);
@@ -404,7 +325,7 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
         };
         let refracted = far_wave.map(|(far, wave)| {
             let far_eta = self.eta(far);
-            let wavevector = across_facet.add_scaled(normal, -wave.normal);
+            let wavevector = tangential.add_scaled(normal, -wave.normal);
             let p_through = p_of(wavevector, far_eta);
             // t_p is of magnetic fields; electric ones change by η_near/η_far besides.
             let (t_s, t_p) = (t.s, t.p * ComplexLanes::<V>::narrow(near_eta.div_or_zero(far_eta)));
@@ -428,12 +349,8 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
                 power,
             }
         });
-        let arrived = self.tube_power(field, state.spread, near);
-        let (mut reflected, mut refracted) = (reflected, refracted);
-        if !self.merging {
-            self.conserve(arrived, &mut reflected, refracted.as_mut(), films.is_empty());
-        }
-        if !films.is_empty() && !is_evanescent(&q, normal, self.hero) {
+        if !films.is_empty() && !is_evanescent(&q, normal) {
+            let arrived = self.tube_power(field, state.spread, near);
             let through = refracted.as_ref().map_or(Polarised::both(V::zero()), |refracted| refracted.power);
             let kept = arrived.zip(reflected.power, |a, b| a - b).zip(through, |a, b| a - b);
             self.absorbed = self.absorbed.zip(kept, |sum, kept| sum + kept);
@@ -442,17 +359,12 @@ impl<V: Lanes> Facets<V> for Polygons<'_, V> {
     }
 }
 
-/// The real part of each component.
-fn real<V: Lanes>(vector: &VectorLanes<V>) -> VectorLanes<V> {
-    let [x, y, z] = [vector.x, vector.y, vector.z].map(|component| ComplexLanes::real(component.re));
-    VectorLanes { x, y, z }
-}
-
 /// Whether the hero lane's wave decays faster along the normal than it travels: a total reflection's far side. In an
 /// absorbing medium waves travel, and so does light from an absorbing body that meets a tilted facet, although its amplitude varies
 /// across its way.
 #[inline]
-fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, normal: DVec3, hero: usize) -> bool {
+pub(crate) fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, normal: DVec3) -> bool {
+    let hero = hero::<V>();
     // Most waves travel without loss; single lanes are slow to look at.
     if !(wavevector.x.im.abs() + wavevector.y.im.abs() + wavevector.z.im.abs()).any_above(0.0) {
         return false;

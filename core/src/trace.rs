@@ -6,11 +6,11 @@
 //! which have the same direction are coherent", applied inside the tracer). Rays are processed generation by
 //! generation and merged as they are produced, so a planar stack of N planes has 2N states whatever the number of bounces.
 //!
-//! What a state is and where its amplitude goes is the cell's to say ([`Facets`]); where rays that leave end up is the
-//! sink's ([`Sink`]). Planar cells have an accelerated sum of the same series in [`crate::layers`].
+//! What a state is and where its amplitude goes is the cell's to say ([`Waves`]); where rays that leave end up is the
+//! sink's ([`Sink`]). Planar cells have an accelerated sum of the same series in [`crate::layers`]; rays that do not interfere
+//! are followed by [`crate::paths`].
 
 use crate::lanes::Lanes;
-use crate::sampling::Random;
 
 /// Where a ray goes after a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,9 +21,9 @@ pub enum Target<S, X> {
     Exit(X),
 }
 
-/// A cell as the tracer sees it.
-pub trait Facets<V: Lanes> {
-    /// What tells two plane waves apart: the facet about to be met, the side, and where needed wavevector and tile.
+/// A cell as the tracer of waves that interfere sees it.
+pub trait Waves<V: Lanes> {
+    /// What tells two plane waves apart: the facet about to be met, the side, and where needed wavevector and point.
     type State: Copy;
     /// The complex amplitudes that a ray carries, referred to the facet's anchor.
     type Field: Copy;
@@ -37,22 +37,10 @@ pub trait Facets<V: Lanes> {
     fn home(&self, state: &Self::State) -> usize;
     /// Whether two rays are the same plane wave about to meet the same facet from the same side.
     fn same(&self, a: &Self::State, b: &Self::State) -> bool;
-    /// The field of both of two rays that are the [`Facets::same`], in the state `into`.
+    /// The field of both of two rays that are the [`Waves::same`], in the state `into`.
     fn merge(&self, into: &Self::State, field: Self::Field, from: &Self::State, more: Self::Field) -> Self::Field;
     /// Power of a ray in units of the incident one, per lane; an upper bound where the wave is evanescent.
     fn power(&self, state: &Self::State, field: &Self::Field) -> V;
-    /// Power of a ray that leaves, as [`Facets::power`].
-    fn exit_power(&self, exit: &Self::Exit, field: &Self::Field) -> V;
-    /// A ray, waiting or leaving, `by` times as powerful.
-    fn strengthen(
-        &self,
-        target: Target<Self::State, Self::Exit>,
-        field: &Self::Field,
-        by: f64,
-    ) -> (Target<Self::State, Self::Exit>, Self::Field);
-    /// From here on rays are followed one by one (`true`), or as waves that interfere: where a cell's fields keep power only
-    /// together, it keeps that of each ray then.
-    fn apart(&mut self, _: bool) {}
     /// Splits a ray at its facet: the reflected and the refracted ray.
     fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
 }
@@ -64,20 +52,15 @@ pub type Split<S, X, F> = [Option<(Target<S, X>, F)>; 2];
 pub trait Sink<X, F> {
     /// One ray leaves.
     fn exit(&mut self, exit: X, field: F);
-
-    /// One ray leaves that was followed by itself: its power counts, its phase does not.
-    fn exit_alone(&mut self, exit: X, field: F) {
-        self.exit(exit, field);
-    }
 }
 
 /// A place for one state of the present or the next generation.
 #[derive(Clone, Copy, Debug)]
 pub struct Slot<S, F> {
     /// Generation of the ray that waits here; 0 if none does.
-    generation: u32,
-    state: S,
-    field: F,
+    pub(crate) generation: u32,
+    pub(crate) state: S,
+    pub(crate) field: F,
 }
 
 impl<S, F> Slot<S, F> {
@@ -104,19 +87,6 @@ impl Limits {
     pub const DOUBLE: Self = Self { in_flight: 1e-22, generations: 4_000_000 };
 }
 
-/// Power in flight, relative to the incident, at which a sum of rays is given up. Where absorbing or evanescent waves make a
-/// loop's gain |g| > 1 although the stack is passive, the sum by generations diverges. Amplitudes of
-/// 10⁶ leave no digit of single precision and ten of double.
-const DIVERGED: f64 = 1e12;
-
-/// The same where rays spill: what spills is followed to its end, so it must be power that a passive cell can hold. Merging on
-/// curved facets may double the power in flight for a moment.
-const AMPLIFIED: f64 = 4.0;
-
-/// Hits of a starting ray, in units of those of the longest path, after which nothing spills any more: light that stays so long is
-/// trapped, and counts as truncated.
-const TRAPPED: u64 = 16;
-
 /// What a trace cost and what it left undone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<V> {
@@ -128,54 +98,54 @@ pub struct Trace<V> {
     pub generations: u32,
 }
 
-/// Where rays go for which [`trace`] has no slot: they are followed by themselves. Those weaker than `limits.in_flight` are sampled
-/// systematically, one for each `limits.in_flight` of their power, from a random start: each counts as often as its power says, and
-/// all power is kept but for one sample's.
-#[derive(Debug)]
-pub struct Spill<'s, S, F> {
-    slots: &'s mut [Slot<S, F>],
-    limits: Limits,
-    random: &'s mut Random,
-    /// Power since the last sample.
-    waiting: f64,
-    /// Whether a ray has found no room: see [`trace`].
-    crowded: bool,
+/// Takes the waves for which there is no slot.
+pub(crate) trait Overflow<V: Lanes, W: Waves<V>, K> {
+    /// Power in flight, relative to the incident, at which a sum of rays is given up.
+    const DIVERGED: f64;
+    /// Whether a wave of this mean power over lanes is taken although there may be a slot.
+    fn prefers(&self, mean: f64) -> bool;
+    /// Takes a wave of this power after so many hits; returns what it dropped and the hits it made.
+    fn take(&mut self, state: &W::State, field: &W::Field, power: V, visits: u64, sink: &mut K) -> (V, u64);
 }
 
-impl<'s, S, F> Spill<'s, S, F> {
-    /// Memory and limits for [`follow_paths`], and what draws among branches.
-    pub fn new(slots: &'s mut [Slot<S, F>], limits: Limits, random: &'s mut Random) -> Self {
-        let waiting = random.next() * limits.in_flight;
-        Self { slots, limits, random, waiting, crowded: false }
+/// Where nothing spills.
+struct Dropped;
+
+impl<V: Lanes, W: Waves<V>, K> Overflow<V, W, K> for Dropped {
+    /// Where absorbing or evanescent waves make a loop's gain |g| > 1 although the stack is passive, the sum by generations
+    /// diverges. Amplitudes of 10⁶ leave no digit of single precision and ten of double.
+    const DIVERGED: f64 = 1e12;
+
+    fn prefers(&self, _: f64) -> bool {
+        false
     }
 
-    /// By how much to strengthen a ray of this power, if it is to be followed.
-    fn sample(&mut self, power: f64) -> Option<f64> {
-        let each = self.limits.in_flight;
-        if power >= each {
-            return Some(1.0);
-        }
-        self.waiting += power;
-        if self.waiting < each {
-            return None;
-        }
-        self.waiting -= each;
-        Some(each / power)
+    fn take(&mut self, _: &W::State, _: &W::Field, power: V, _: u64, _: &mut K) -> (V, u64) {
+        (power, 0)
     }
 }
 
-/// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Rays for which it has no room lose their
-/// interference and go on by themselves through `spill`; without that they are dropped into [`Trace::truncated`]. From the first
-/// such ray on, weak ones are sampled there too: where waves outnumber the workspace they hardly ever meet their equals
-/// again, as light trapped in a curved film does not, and following each as a wave costs a hundred times as much.
-pub fn trace<V: Lanes, C: Facets<V>>(
-    cell: &mut C,
-    start: C::State,
-    field: C::Field,
-    slots: &mut [Slot<C::State, C::Field>],
+/// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Waves for which it has no room are dropped into
+/// [`Trace::truncated`].
+pub fn trace<V: Lanes, W: Waves<V>>(
+    cell: &mut W,
+    start: W::State,
+    field: W::Field,
+    slots: &mut [Slot<W::State, W::Field>],
     limits: Limits,
-    mut spill: Option<Spill<'_, C::State, C::Field>>,
-    sink: &mut impl Sink<C::Exit, C::Field>,
+    sink: &mut impl Sink<W::Exit, W::Field>,
+) -> Trace<V> {
+    generations(cell, start, field, slots, limits, &mut Dropped, sink)
+}
+
+pub(crate) fn generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: Overflow<V, W, K>>(
+    cell: &mut W,
+    start: W::State,
+    field: W::Field,
+    slots: &mut [Slot<W::State, W::Field>],
+    limits: Limits,
+    overflow: &mut O,
+    sink: &mut K,
 ) -> Trace<V> {
     for slot in slots.iter_mut() {
         slot.generation = 0;
@@ -197,26 +167,11 @@ pub fn trace<V: Lanes, C: Facets<V>>(
                     Target::Exit(exit) => sink.exit(exit, field),
                     Target::State(state) => {
                         let power = cell.power(&state, &field);
-                        let mean = sum_of_lanes(power) / V::WIDTH as f64;
-                        let keep = !spill.as_ref().is_some_and(|spill| spill.crowded && mean < spill.limits.in_flight);
-                        if keep && offer(cell, slots, generation + 1, state, field) {
-                            continue;
-                        }
-                        let Some(spill) = &mut spill else {
-                            dropped += power;
-                            continue;
-                        };
-                        spill.crowded = true;
-                        if visits > TRAPPED * u64::from(spill.limits.generations) {
-                            dropped += power;
-                        } else if let Some(by) = spill.sample(mean) {
-                            let (_, field) = cell.strengthen(Target::State(state), &field, by);
-                            let Spill { slots, limits, random, .. } = spill;
-                            cell.apart(true);
-                            let alone = follow_paths(cell, state, field, slots, *limits, random, sink);
-                            cell.apart(false);
-                            visits += alone.visits;
-                            dropped += alone.truncated;
+                        let stays = !overflow.prefers(power.sum() / V::WIDTH as f64);
+                        if !(stays && offer(cell, slots, generation + 1, state, field)) {
+                            let (lost, hits) = overflow.take(&state, &field, power, visits, sink);
+                            dropped += lost;
+                            visits += hits;
                         }
                     }
                 }
@@ -227,8 +182,7 @@ pub fn trace<V: Lanes, C: Facets<V>>(
             .iter()
             .filter(|slot| slot.generation == next)
             .fold(V::zero(), |sum, slot| sum + cell.power(&slot.state, &slot.field));
-        let most = if spill.is_some() { AMPLIFIED } else { DIVERGED };
-        let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(most);
+        let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(O::DIVERGED);
         if done || generation >= limits.generations {
             return Trace { truncated: in_flight + dropped, visits, generations: generation };
         }
@@ -236,113 +190,13 @@ pub fn trace<V: Lanes, C: Facets<V>>(
     }
 }
 
-/// Power below which a path that is followed by itself is given up. Drawing keeps power whole, so only absorption leads here.
-const FADED: f64 = 1e-9;
-
-/// Follows every path of `field` by itself, depth first and weaker branch first, so that few rays wait at a time.
-///
-/// A ray below the power `limits.in_flight` is no longer split: one of its branches is drawn with a probability in
-/// proportion to its power and goes on with the power of both. So the number of paths stays bounded however often they
-/// meet facets, no power is lost, and each direction gets its share on average. Rays beyond `limits.generations` hits, or
-/// without a slot, are dropped into [`Trace::truncated`]. After `limits.generations` hits of all paths together none is split
-/// any more: a strong path that a cell traps would send a weak one at each of its hits, all of them trapped in their turn. So there
-/// are at most `limits.generations` × (1 + number of slots) hits.
-pub fn follow_paths<V: Lanes, C: Facets<V>>(
-    cell: &mut C,
-    start: C::State,
-    field: C::Field,
-    slots: &mut [Slot<C::State, C::Field>],
-    limits: Limits,
-    random: &mut Random,
-    sink: &mut impl Sink<C::Exit, C::Field>,
-) -> Trace<V> {
-    let mut trace = Trace { truncated: V::zero(), visits: 0, generations: 0 };
-    let mut waiting = 0;
-    let wait = |slots: &mut [Slot<C::State, C::Field>], waiting: &mut usize, slot| match slots.get_mut(*waiting) {
-        Some(vacant) => {
-            *vacant = slot;
-            *waiting += 1;
-            true
-        }
-        None => false,
-    };
-    if !wait(slots, &mut waiting, Slot { generation: 1, state: start, field }) {
-        trace.truncated = cell.power(&start, &field);
-    }
-    while let Some(next) = waiting.checked_sub(1) {
-        waiting = next;
-        let Some(&Slot { generation, state, field }) = slots.get(waiting) else { break };
-        trace.visits += 1;
-        trace.generations = trace.generations.max(generation);
-        let enough = trace.visits > u64::from(limits.generations);
-        let weak = enough || !cell.power(&state, &field).any_above(limits.in_flight);
-        let mut branches = cell.split(&state, &field);
-        if weak {
-            draw(cell, &mut branches, random);
-        }
-        let mut on = [None, None];
-        for ((target, field), on) in branches.into_iter().flatten().zip(&mut on) {
-            let state = match target {
-                Target::Exit(exit) => {
-                    sink.exit_alone(exit, field);
-                    continue;
-                }
-                Target::State(state) => state,
-            };
-            let power = cell.power(&state, &field);
-            if generation >= limits.generations || !power.any_above(FADED) {
-                trace.truncated += power;
-            } else {
-                *on = Some((power, Slot { generation: generation + 1, state, field }));
-            }
-        }
-        // The stronger waits below the weaker, which is soon done with.
-        if let [Some((first, _)), Some((second, _))] = &on
-            && (*second - *first).any_above(0.0)
-        {
-            on.swap(0, 1);
-        }
-        for (power, slot) in on.into_iter().flatten() {
-            if !wait(slots, &mut waiting, slot) {
-                trace.truncated += power;
-            }
-        }
-    }
-    trace
-}
-
-/// Leaves one of two branches, with the power of both in the sum over lanes.
-fn draw<V: Lanes, C: Facets<V>>(cell: &C, branches: &mut Split<C::State, C::Exit, C::Field>, random: &mut Random) {
-    let [Some(first), Some(second)] = branches else { return };
-    let power = |(target, field): &(Target<C::State, C::Exit>, C::Field)| {
-        let power = match target {
-            Target::Exit(exit) => cell.exit_power(exit, field),
-            Target::State(state) => cell.power(state, field),
-        };
-        sum_of_lanes(power)
-    };
-    let (a, b) = (power(first), power(second));
-    let both = a + b;
-    if random.next() * both < a {
-        let (target, field) = *first;
-        *branches = [Some(cell.strengthen(target, &field, both / a)), None];
-    } else if b > 0.0 {
-        let (target, field) = *second;
-        *branches = [None, Some(cell.strengthen(target, &field, both / b))];
-    }
-}
-
-fn sum_of_lanes<V: Lanes>(power: V) -> f64 {
-    (0..V::WIDTH).map(|lane| power.lane(lane)).sum()
-}
-
 /// Merges a ray of the coming generation with its equal, or gives it a free slot; false if there is none.
-fn offer<V: Lanes, C: Facets<V>>(
-    cell: &C,
-    slots: &mut [Slot<C::State, C::Field>],
+fn offer<V: Lanes, W: Waves<V>>(
+    cell: &W,
+    slots: &mut [Slot<W::State, W::Field>],
     generation: u32,
-    state: C::State,
-    field: C::Field,
+    state: W::State,
+    field: W::Field,
 ) -> bool {
     if slots.is_empty() {
         return false;
@@ -350,7 +204,7 @@ fn offer<V: Lanes, C: Facets<V>>(
     let home = cell.home(&state);
     let mut vacant = None;
     let len = slots.len();
-    for probe in 0..C::PROBES.min(len) {
+    for probe in 0..W::PROBES.min(len) {
         let place = (home + probe) % len;
         let Some(slot) = slots.get_mut(place) else { break };
         if slot.generation == generation && cell.same(&slot.state, &state) {

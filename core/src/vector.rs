@@ -1,4 +1,5 @@
-//! Vectors with a complex number per wavelength in each component: wavevectors and electric fields.
+//! Vectors with a number per wavelength in each component: complex ones for wavevectors and electric fields, real ones for the
+//! directions of light that does not interfere.
 
 use crate::complex::ComplexLanes;
 use crate::lanes::Lanes;
@@ -53,6 +54,15 @@ impl<V: Lanes> VectorLanes<V> {
         }
     }
 
+    /// Product with a real vector for each lane.
+    #[inline]
+    pub fn dot_lanes(self, v: RealLanes<V>) -> ComplexLanes<V> {
+        let [x, y, z] = [self.x, self.y, self.z];
+        let real = RealLanes { x: x.re, y: y.re, z: z.re };
+        let imaginary = RealLanes { x: x.im, y: y.im, z: z.im };
+        ComplexLanes { re: real.dot(v), im: imaginary.dot(v) }
+    }
+
     /// Vector product.
     #[inline]
     pub fn cross(self, other: Self) -> Self {
@@ -91,6 +101,59 @@ impl<V: Lanes> VectorLanes<V> {
     #[inline]
     pub fn zip(self, other: Self, f: impl Fn(ComplexLanes<V>, ComplexLanes<V>) -> ComplexLanes<V>) -> Self {
         Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }
+    }
+}
+
+/// A real vector for each wavelength of a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RealLanes<V> {
+    /// Along the tangent.
+    pub x: V,
+    /// Along the binormal.
+    pub y: V,
+    /// Along the macroscopic normal.
+    pub z: V,
+}
+
+impl<V: Lanes> RealLanes<V> {
+    /// The same vector in every lane.
+    #[inline]
+    pub fn splat(v: DVec3) -> Self {
+        Self { x: V::splat(v.x), y: V::splat(v.y), z: V::splat(v.z) }
+    }
+
+    /// Σ aᵢbᵢ.
+    #[inline]
+    pub fn dot(self, other: Self) -> V {
+        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
+    }
+
+    /// Vector product.
+    #[inline]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.z.neg_mul_add(other.y, self.y * other.z),
+            y: self.x.neg_mul_add(other.z, self.z * other.x),
+            z: self.y.neg_mul_add(other.x, self.x * other.y),
+        }
+    }
+
+    /// Each component times a number.
+    #[inline]
+    pub fn scale(self, by: V) -> Self {
+        Self { x: self.x * by, y: self.y * by, z: self.z * by }
+    }
+
+    /// self + v·by.
+    #[inline]
+    pub fn add_scaled(self, v: Self, by: V) -> Self {
+        Self { x: v.x.mul_add(by, self.x), y: v.y.mul_add(by, self.y), z: v.z.mul_add(by, self.z) }
+    }
+
+    /// The vector in one lane.
+    #[inline]
+    pub fn lane(self, lane: usize) -> DVec3 {
+        DVec3::new(self.x.lane(lane), self.y.lane(lane), self.z.lane(lane))
     }
 }
 
@@ -133,6 +196,11 @@ mod tests {
         near(cross.y, a[2] * b[0] - a[0] * b[2]);
         near(cross.z, a[0] * b[1] - a[1] * b[0]);
         near(va.dot_real(DVec3::new(1.0, -2.0, 0.5)), a[0] - 2.0 * a[1] + 0.5 * a[2]);
+        let real = |v: [Complex64; 3]| RealLanes::<F64>::splat(DVec3::from_array(v.map(|c| c.re)));
+        let (ra, rb) = (real(a), real(b));
+        assert!((Lanes::lane(ra.dot(rb), 0) - ra.lane(0).dot(rb.lane(0))).abs() < 1e-14);
+        assert!((ra.cross(rb).lane(0) - ra.lane(0).cross(rb.lane(0))).length() < 1e-14);
+        near(va.dot_lanes(rb), a[0] * b[0].re + a[1] * b[1].re + a[2] * b[2].re);
         let norm = a.iter().map(|c| c.norm_sqr()).sum::<f64>();
         assert!((Lanes::lane(va.norm_sqr(), 0) - norm).abs() < 1e-14);
     }

@@ -3,11 +3,13 @@
 
 use glam::DVec3;
 use goniochrome::coherence::Side;
+use goniochrome::geometric::{Coherency, Geometric, Leaving, Path, free_slot};
 use goniochrome::interface::{Below, Interface};
 use goniochrome::lanes::{F64, Lanes};
-use goniochrome::polygons::{Departure, Field, Incident, Polygons, State, free_slot};
+use goniochrome::paths::follow_paths;
+use goniochrome::polygons::Incident;
 use goniochrome::sampling::Random;
-use goniochrome::trace::{Limits, Sink, Slot, follow_paths};
+use goniochrome::trace::{Limits, Sink, Slot};
 use goniochrome_cli::bumpy::Bumpy;
 use goniochrome_cli::groups::Groups;
 use goniochrome_cli::scene::{Mesh, NamedInterface, NamedMedium, OwnedMedium, Scene, Shape, Triangle};
@@ -97,11 +99,11 @@ impl Outcome {
     }
 }
 
-impl Sink<Departure<F64>, Field<F64>> for Outcome {
-    fn exit(&mut self, exit: Departure<F64>, _: Field<F64>) {
-        let power = 0.5 * (exit.power.s.lane(0) + exit.power.p.lane(0));
+impl Sink<Leaving<F64>, Coherency<F64>> for Outcome {
+    fn exit(&mut self, exit: Leaving<F64>, light: Coherency<F64>) {
+        let power = Lanes::lane(light.power(), 0);
         match exit.side {
-            Side::Above => self.up.push((exit.wavevector.direction(0).normalize(), power)),
+            Side::Above => self.up.push((exit.direction.lane(0).normalize(), power)),
             Side::Below => self.transmitted += power,
         }
     }
@@ -130,19 +132,18 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
     let wavelengths = [wavelength_nm];
     let mut groups = Groups::<F64>::new(media.len(), &wavelengths);
     let groups = groups.evaluate(&media, &wavelengths).expect("constant media");
-    let mut slots: Vec<Slot<State<F64>, Field<F64>>> = vec![free_slot(); states];
+    let mut slots: Vec<Slot<Path<F64>, Coherency<F64>>> = vec![free_slot(); states];
     let one = |start: &Start| {
         let eta = groups[0].0.eta()[usize::from(cell.above())];
-        let mut polygons = Polygons::new(cell, groups[0].0, Incident::new(start.wi, eta), false);
+        let mut geometric = Geometric::new(cell, groups[0].0, Incident::new(start.wi, eta));
         let mut outcome = Outcome::default();
-        let Some((state, field)) = polygons.start(start.u, start.v) else {
+        let Some((path, light)) = geometric.start(start.u, start.v) else {
             return Outcome { truncated: 1.0, ..outcome };
         };
         let mut random = Random::new(start.seed, 0);
-        let done = follow_paths(&mut polygons, state, field, &mut slots, LIMITS, &mut random, &mut outcome);
-        outcome.truncated += done.truncated.lane(0) + polygons.lost().lane(0);
-        let absorbed = polygons.absorbed();
-        outcome.absorbed += 0.5 * (absorbed.s.lane(0) + absorbed.p.lane(0));
+        let done = follow_paths(&mut geometric, path, light, &mut slots, LIMITS, &mut random, &mut outcome);
+        outcome.truncated += done.truncated.lane(0) + geometric.lost().lane(0);
+        outcome.absorbed += geometric.absorbed().lane(0);
         outcome
     };
     starts.iter().map(one).collect()

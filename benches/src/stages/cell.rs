@@ -4,11 +4,13 @@ use glam::DVec3;
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
 use goniochrome::coherence::Side;
 use goniochrome::complex::ComplexLanes;
+use goniochrome::geometric::{self, Geometric};
 use goniochrome::lanes::Lanes;
 use goniochrome::medium::MediaLanes;
+use goniochrome::paths::{Spill, follow_paths, trace_spilling};
 use goniochrome::polygons::{Incident, Polygons, free_slot};
 use goniochrome::sampling::{Random, sobol};
-use goniochrome::trace::{Facets, Limits, Spill, follow_paths, trace};
+use goniochrome::trace::Limits;
 use goniochrome_cli::bumpy::Bumpy;
 use goniochrome_cli::scene::load;
 
@@ -41,27 +43,25 @@ pub fn cell<V: Lanes>(visit: Visit<'_>) {
     let media = MediaLanes::<V>::evaluate(&media, &group::<V>(), &mut eta).expect("media with data");
     let wi = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
     let bins = DirectionBins { cos: 8, phi: 16 };
-    let mut slots = vec![free_slot(); WAVES + PATHS];
+    let (mut waves, mut paths) = (vec![free_slot(); WAVES], vec![geometric::free_slot(); PATHS]);
     let mut memory = vec![Exit::none(); 512];
     for (name, coherent) in [("powers", false), ("waves", true)] {
         let mut run = || {
             let light = Incident::new(wi, media.eta()[usize::from(cell.above())]);
-            let mut polygons = Polygons::new(cell, media, light, coherent);
+            let (mut polygons, mut geometric) = (Polygons::new(cell, media, light), Geometric::new(cell, media, light));
             let mut exits = Exits::new(&mut memory, bins, &media);
             let (mut total, mut visits) = (Total(0.0), 0);
             for ray in 0..RAYS {
                 let [u, v] = sobol(ray, 1);
-                let (state, field) = polygons.start(u, v).expect("no hole");
-                exits.begin(state.point_nm());
+                let (path, light) = geometric.start(u, v).expect("no hole");
+                exits.begin(path.point_nm());
                 let mut random = Random::new(ray, 1);
                 let done = if coherent {
-                    let (waves, paths) = slots.split_at_mut(WAVES);
-                    let spill = Spill::new(paths, PATH_LIMITS, &mut random);
-                    trace(&mut polygons, state, field, waves, WAVE_LIMITS, Some(spill), &mut exits)
+                    let (state, field) = polygons.start(u, v).expect("no hole");
+                    let spill = Spill::new(&mut geometric, &mut paths, PATH_LIMITS, &mut random);
+                    trace_spilling(&mut polygons, state, field, &mut waves, WAVE_LIMITS, spill, &mut exits)
                 } else {
-                    polygons.apart(true);
-                    let paths = &mut slots;
-                    follow_paths(&mut polygons, state, field, paths, PATH_LIMITS, &mut random, &mut exits)
+                    follow_paths(&mut geometric, path, light, &mut paths, PATH_LIMITS, &mut random, &mut exits)
                 };
                 visits += done.visits;
                 exits.settle(&mut total);

@@ -10,16 +10,18 @@ use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use goniochrome::complex::ComplexLanes;
+use goniochrome::geometric::{self, Geometric};
 use goniochrome::interface::{Below, Interface, Model};
 use goniochrome::lanes::{F32, Lanes, simd_level};
 use goniochrome::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
 use goniochrome::mesh::MeshCell;
+use goniochrome::paths::{Spill, follow_paths, trace_spilling};
 use goniochrome::polygons::{Incident, Polygons, free_slot};
 use goniochrome::sampling::{Random, sobol};
 use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
 use goniochrome::table::blob::{Blob, Contents, Precision, Space};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
-use goniochrome::trace::{Limits, Spill, follow_paths, trace};
+use goniochrome::trace::Limits;
 use num_complex::Complex64;
 
 /// As `%a` of C prints it.
@@ -122,35 +124,37 @@ fn ridge(interference: bool) {
     let mut eta = [ComplexLanes::zero(); 2];
     let lanes = MediaLanes::<F32>::evaluate(&media, &NM, &mut eta).unwrap();
     let wi = DVec3::new(0.6, 0.0, 0.8).normalize_or_zero();
-    let mut polygons = Polygons::new(cell, lanes, Incident::new(wi, lanes.eta()[0]), interference);
+    let incident = Incident::new(wi, lanes.eta()[0]);
+    let (mut polygons, mut geometric) = (Polygons::new(cell, lanes, incident), Geometric::new(cell, lanes, incident));
     let mut memory = vec![Exit::<F32>::none(); 128];
     let mut exits = Exits::new(&mut memory, GRID, &lanes);
-    let mut slots = vec![free_slot::<F32>(); 36];
+    let (mut waves, mut waiting) = (vec![free_slot::<F32>(); 26], vec![geometric::free_slot::<F32>(); 10]);
     let paths = Limits { in_flight: 0.01, generations: 10_000 };
     let mut tally = Tally::default();
     let mut truncated = F32::zero();
     for ray in 0..RAYS {
         let [u, v] = sobol(ray, SEED);
-        let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
-        exits.begin(state.point_nm());
+        let (path, light) = geometric.start(u, v).expect("the ridge has no holes");
+        exits.begin(path.point_nm());
         let mut random = Random::new(ray, SEED);
         let done = if interference {
-            let (waves, rest) = slots.split_at_mut(26);
-            let spill = Spill::new(rest, paths, &mut random);
+            let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
+            let spill = Spill::new(&mut geometric, &mut waiting, paths, &mut random);
             let limits = Limits { in_flight: 1e-13, generations: 10_000 };
-            trace(&mut polygons, state, field, waves, limits, Some(spill), &mut exits)
+            trace_spilling(&mut polygons, state, field, &mut waves, limits, spill, &mut exits)
         } else {
-            follow_paths(&mut polygons, state, field, &mut slots, paths, &mut random, &mut exits)
+            follow_paths(&mut geometric, path, light, &mut waiting, paths, &mut random, &mut exits)
         };
         truncated += done.truncated + exits.settle(&mut tally);
     }
-    truncated += polygons.lost();
+    truncated += polygons.lost() + geometric.lost();
     let absorbed = polygons.absorbed();
+    let absorbed = (absorbed.s + absorbed.p) * F32::splat(0.5) + geometric.absorbed();
     let per_ray = 1.0 / f64::from(RAYS);
     for lane in 0..NM.len() {
         print("reflected", tally.reflected[lane] * per_ray);
         print("transmitted", tally.transmitted[lane] * per_ray);
-        print("absorbed", 0.5 * (absorbed.s.lane(lane) + absorbed.p.lane(lane)) * per_ray);
+        print("absorbed", absorbed.lane(lane) * per_ray);
         print("truncated", truncated.lane(lane) * per_ray);
     }
     tally.bins.as_flattened().iter().for_each(|bin| print("bin", bin * per_ray));

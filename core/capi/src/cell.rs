@@ -9,14 +9,16 @@ use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
 use goniochrome::bvh::{Bvh, Corners, Node};
 use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
-use goniochrome::complex::ComplexLanes;
+use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::geometric::{self, Coherency, Geometric, Path};
 use goniochrome::interface::{Below, Interface as CoreInterface};
 use goniochrome::lanes::{F32, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
+use goniochrome::paths::{Spill, follow_paths, trace_spilling};
 use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
 use goniochrome::sampling::{Random, sobol};
-use goniochrome::trace::{Limits, Slot, Spill, follow_paths, trace};
+use goniochrome::trace::{Limits, Slot};
 
 /// Bytes of a gonio_cell.
 pub const GONIO_CELL_SIZE: usize = 8 * 384;
@@ -112,7 +114,7 @@ struct CellObject {
 
 /// Waves that may be under way at once, as many as the command line has.
 const WAVES: usize = 26;
-/// Rays that wait while one is followed by itself.
+/// Paths that wait while one is followed by itself.
 const PATHS: usize = 10;
 /// Directions of one starting ray; more are dropped, and counted as truncated.
 const EXITS: usize = 128;
@@ -121,6 +123,7 @@ const PATH_LIMITS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
 const MOST_SIDE: u32 = 1024;
 
 type WaveSlot = Slot<State<F32>, Field<F32>>;
+type PathSlot = Slot<Path<F32>, Coherency<F32>>;
 
 /// Bytes of memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if there are too many.
 #[unsafe(no_mangle)]
@@ -146,7 +149,13 @@ pub unsafe extern "C" fn gonio_trace_memory_size(light: *const Light) -> usize {
     let Ok(light) = (unsafe { shared(light) }) else { return 0 };
     let bins = bin_count(light).unwrap_or(usize::MAX);
     let bins = light.count.checked_mul(bins).and_then(room_for::<f64>);
-    sum([room_for::<WaveSlot>(WAVES + PATHS), room_for::<Exit<F32>>(EXITS), bins, room_for::<Power>(light.count)])
+    sum([
+        room_for::<WaveSlot>(WAVES),
+        room_for::<PathSlot>(PATHS),
+        room_for::<Exit<F32>>(EXITS),
+        bins,
+        room_for::<Power>(light.count),
+    ])
 }
 
 fn sum<const N: usize>(sizes: [Option<usize>; N]) -> usize {
@@ -292,7 +301,8 @@ pub unsafe extern "C" fn gonio_cell_trace(
             object,
             light,
             wi: wi.normalize_or_zero(),
-            slots: block.take(WAVES + PATHS, |_| free_slot::<F32>())?,
+            waves: block.take(WAVES, |_| free_slot::<F32>())?,
+            paths: block.take(PATHS, |_| geometric::free_slot::<F32>())?,
             exits: block.take(EXITS, |_| Exit::<F32>::none())?,
         };
         let totals =
@@ -320,7 +330,8 @@ struct Tracer<'t> {
     object: &'t CellObject,
     light: &'t Light,
     wi: DVec3,
-    slots: &'t mut [WaveSlot],
+    waves: &'t mut [WaveSlot],
+    paths: &'t mut [PathSlot],
     exits: &'t mut [Exit<F32>],
 }
 
@@ -362,34 +373,37 @@ impl Tracer<'_> {
         let cell = self.object.cell;
         let ambient = lanes.eta().get(usize::from(cell.above())).copied().ok_or(Status::Index)?;
         let interference = self.light.interference == 1;
-        let mut polygons = Polygons::new(cell, lanes, Incident::new(self.wi, ambient), interference);
+        let incident = Incident::new(self.wi, ambient);
+        let (mut polygons, mut geometric) =
+            (Polygons::new(cell, lanes, incident), Geometric::new(cell, lanes, incident));
         let grid = DirectionBins { cos: self.light.bins_cos, phi: self.light.bins_phi };
         let mut exits = Exits::new(self.exits, grid, &lanes);
         let mut tally = Tally { totals, sums, bin_count };
         let (mut truncated, seed) = (F32::zero(), self.light.seed);
         for ray in 0..self.light.rays {
             let [u, v] = sobol(ray, seed);
-            let Some((state, field)) = polygons.start(u, v) else {
+            let Some((path, light)) = geometric.start(u, v) else {
                 truncated += F32::one();
                 continue;
             };
-            exits.begin(state.point_nm());
+            exits.begin(path.point_nm());
             let mut random = Random::new(ray, seed);
-            let done = if interference {
-                let (waves, paths) = self.slots.split_at_mut_checked(WAVES).ok_or(Status::Memory)?;
-                let spill = Spill::new(paths, PATH_LIMITS, &mut random);
-                trace(&mut polygons, state, field, waves, WAVE_LIMITS, Some(spill), &mut exits)
-            } else {
-                follow_paths(&mut polygons, state, field, self.slots, PATH_LIMITS, &mut random, &mut exits)
+            let done = match polygons.start(u, v).filter(|_| interference) {
+                Some((state, field)) => {
+                    let spill = Spill::new(&mut geometric, self.paths, PATH_LIMITS, &mut random);
+                    trace_spilling(&mut polygons, state, field, self.waves, WAVE_LIMITS, spill, &mut exits)
+                }
+                None => follow_paths(&mut geometric, path, light, self.paths, PATH_LIMITS, &mut random, &mut exits),
             };
             truncated += done.truncated + exits.settle(&mut tally);
         }
-        truncated += polygons.lost();
-        let absorbed = polygons.absorbed();
+        truncated += polygons.lost() + geometric.lost();
+        let Polarised { s, p } = polygons.absorbed();
+        let absorbed = (s + p) * F32::splat(0.5) + geometric.absorbed();
         let per_ray = 1.0 / f64::from(self.light.rays);
         for (lane, total) in tally.totals.iter_mut().enumerate() {
             total.truncated = truncated.lane(lane) * per_ray;
-            total.absorbed = 0.5 * (absorbed.s.lane(lane) + absorbed.p.lane(lane)) * per_ray;
+            total.absorbed = absorbed.lane(lane) * per_ray;
             total.reflected *= per_ray;
             total.transmitted *= per_ray;
         }

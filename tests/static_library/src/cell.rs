@@ -6,16 +6,18 @@ use goniochrome::bvh::{Bvh, Corners, Node};
 use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
 use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::geometric::{self, Geometric};
 use goniochrome::glam::DVec3;
 use goniochrome::interface::Interface;
 use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::medium::{Dispersion, Extrapolate, Formula, MediaLanes, Medium};
 use goniochrome::mesh::MeshCell;
 use goniochrome::orders::{Order, Orders, largest_order};
+use goniochrome::paths::{Spill, follow_paths, trace_spilling};
 use goniochrome::polygons::{Incident, Polygons, free_slot};
 use goniochrome::sampling::{Random, sobol};
 use goniochrome::stack::Film;
-use goniochrome::trace::{Limits, Spill, follow_paths, trace};
+use goniochrome::trace::{Limits, trace};
 use goniochrome::vector::VectorLanes;
 
 /// What a caller has: any numbers.
@@ -77,8 +79,8 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let media = MediaLanes::<V>::evaluate(&media, scene.wavelengths_nm, &mut eta).ok()?;
     let ambient = media.eta().first().copied()?;
     let incident = Incident::new(scene.wi, ambient);
-    let mut polygons = Polygons::new(cell, media, incident, scene.interference);
-    let (mut slots, mut paths) = ([free_slot::<V>(); 26], [free_slot::<V>(); 10]);
+    let (mut polygons, mut geometric) = (Polygons::new(cell, media, incident), Geometric::new(cell, media, incident));
+    let (mut slots, mut paths) = ([free_slot::<V>(); 26], [geometric::free_slot::<V>(); 10]);
     let mut exit_memory = [Exit::<V>::none(); 64];
     let mut exits = Exits::new(&mut exit_memory, scene.grid, &media);
     let mut fields = [Polarised::both(VectorLanes::zero()); 64];
@@ -94,21 +96,26 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
         let mut random = Random::new(ray, scene.seed);
         exits.begin(state.point_nm());
         if scene.interference {
-            let spill = Spill::new(&mut paths, Limits { in_flight: 0.01, ..limits }, &mut random);
-            sum += trace(&mut polygons, state, field, &mut slots, limits, Some(spill), &mut exits).truncated;
+            let few = Limits { in_flight: 0.01, ..limits };
+            let spill = Spill::new(&mut geometric, &mut paths, few, &mut random);
+            sum += trace_spilling(&mut polygons, state, field, &mut slots, limits, spill, &mut exits).truncated;
             bins.begin(state.point_nm());
-            sum += trace(&mut polygons, state, field, &mut slots, limits, None, &mut bins).truncated;
+            sum += trace(&mut polygons, state, field, &mut slots, limits, &mut bins).truncated;
             orders.begin(state.point_nm());
-            sum += trace(&mut polygons, state, field, &mut slots, limits, None, &mut orders).truncated;
-        } else {
-            sum += follow_paths(&mut polygons, state, field, &mut slots, limits, &mut random, &mut exits).truncated;
+            sum += trace(&mut polygons, state, field, &mut slots, limits, &mut orders).truncated;
+        } else if let Some((path, light)) = geometric.start(u, v) {
+            sum += follow_paths(&mut geometric, path, light, &mut paths, limits, &mut random, &mut exits).truncated;
         }
         sum += exits.settle(&mut Power(memory.bins));
     }
     for order in slice::from_ref(&order[0]) {
         sum += order.efficiency(f64::from(scene.rays)).s;
     }
-    sum += fields[0].map(VectorLanes::norm_sqr).p + polygons.lost() + polygons.absorbed().s;
+    sum += fields[0].map(VectorLanes::norm_sqr).p
+        + polygons.lost()
+        + polygons.absorbed().s
+        + geometric.lost()
+        + geometric.absorbed();
     let solid: f64 =
         (0..memory.bins.len().min(scene.grid.count())).map(|bin| scene.grid.projected_solid_angle(bin)).sum();
     Some(sum.lane(0) + solid)

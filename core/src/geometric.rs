@@ -1,0 +1,369 @@
+//! Geometric optics of a polygon cell: paths that do not interfere, for light that arrives unpolarised.
+//!
+//! A path has a direction in each lane and carries power and polarisation but no phase: the coherency matrix of its light (Born &
+//! Wolf, "Principles of Optics", section 10.9.1). All directions are real, so one path costs a fraction of a wave of
+//! [`crate::polygons`]; one hero lane decides which facet it meets.
+//!
+//! Power is handed on whole. Exact amplitudes do not do that in absorbing media: there the incident and the reflected wave
+//! exchange power, so that R + T ≠ 1, and a refracted wave decays across its direction. A path followed by itself would gain or
+//! lose by that; here it reflects no more than it brings, passes on the rest, and decays along its way. Snell's law takes
+//! the real part of its tangential wavevector, as for planes of equal phase and amplitude that are parallel to the facet: by the complex
+//! one no wave beyond could travel in a lossless medium, and the faintest absorption would keep all light inside.
+
+use crate::coating::coated;
+use crate::coherence::Side;
+use crate::complex::{ComplexLanes, Polarised};
+use crate::interface::{Below, Wave, fresnel};
+use crate::lanes::Lanes;
+use crate::medium::{MediaLanes, MediumIndex};
+use crate::mesh::{MeshCell, Next};
+use crate::paths::{Continues, Paths, Sent};
+use crate::polygons::{Field, Incident, Polygons, State, hero, is_evanescent};
+use crate::stack::Response;
+use crate::trace::{Slot, Target};
+use crate::turns::attenuation;
+use crate::vector::{RealLanes, VectorLanes};
+use glam::DVec3;
+use num_complex::Complex64;
+
+/// The light of a path: ⟨|E_s|²⟩, ⟨|E_p|²⟩ and ⟨E_s E_p*⟩ along a ŝ of the path and p̂ = ŝ × d, in units of the incident power.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coherency<V> {
+    /// Power along ŝ.
+    pub s: V,
+    /// Power along p̂.
+    pub p: V,
+    /// What s and p have in common.
+    pub cross: ComplexLanes<V>,
+}
+
+impl<V: Lanes> Coherency<V> {
+    /// Power.
+    #[inline]
+    pub fn power(&self) -> V {
+        self.s + self.p
+    }
+
+    #[inline]
+    fn scale(self, by: V) -> Self {
+        Self { s: self.s * by, p: self.p * by, cross: self.cross.scale(by) }
+    }
+
+    /// The same light at another power, or none if it had none.
+    #[inline]
+    fn with_power(self, power: V) -> Self {
+        let had = self.power();
+        self.scale(V::zero().select_lt(had, power / had, V::zero()))
+    }
+
+    /// The light where it leaves a facet that multiplies its amplitudes.
+    #[inline]
+    fn after(self, s: ComplexLanes<V>, p: ComplexLanes<V>) -> Self {
+        Self { s: self.s * s.norm_sqr(), p: self.p * p.norm_sqr(), cross: self.cross * (s * p.conj()) }
+    }
+
+    /// The same light along ŝ' = cos·ŝ + sin·p̂ and its p̂'. What rounding has left of cos² + sin² = 1 changes no power.
+    #[inline]
+    fn turned(self, cos: V, sin: V) -> Self {
+        let (zero, power) = (V::zero(), self.power());
+        let (cos2, sin2) = (cos * cos, sin * sin);
+        let unit = V::one() / (cos2 + sin2).max(V::splat(f64::from(f32::MIN_POSITIVE)));
+        let both = cos * sin;
+        let shared = both * self.cross.re;
+        let s = (cos2 * self.s + sin2 * self.p + shared + shared) * unit;
+        let s = s.max(zero).min(power);
+        let cross = ((cos2 - sin2) * self.cross.re + both * (self.p - self.s)) * unit;
+        Self { s, p: power - s, cross: ComplexLanes::new(cross, self.cross.im) }
+    }
+}
+
+/// A path about to be split at a facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Path<V> {
+    facet: u32,
+    front: bool,
+    /// Unwrapped: where it meets the facet.
+    point_nm: DVec3,
+    /// d, unit.
+    direction: RealLanes<V>,
+    /// ŝ, unit and across d.
+    across: RealLanes<V>,
+}
+
+impl<V> Path<V> {
+    /// Where it meets its facet, unwrapped.
+    pub fn point_nm(&self) -> DVec3 {
+        self.point_nm
+    }
+}
+
+/// How a path leaves the cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaving<V> {
+    /// Upwards or downwards.
+    pub side: Side,
+    /// Unit.
+    pub direction: RealLanes<V>,
+}
+
+/// A polygon cell at one group of wavelengths, as light that does not interfere sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometric<'a, V: Lanes> {
+    cell: MeshCell<'a>,
+    media: MediaLanes<'a, V>,
+    incident: Incident<V>,
+    lost: V,
+    absorbed: V,
+}
+
+/// Below this sine of the angle of incidence, in unit roundoffs, s and p are alike and the plane of incidence is arbitrary.
+const NORMAL_INCIDENCE: f64 = 64.0;
+/// A wave beyond a facet travels unless its normal part, relative to its length, is below this.
+const GRAZING: f64 = 1e-9;
+
+impl<'a, V: Lanes> Geometric<'a, V> {
+    /// A cell, its media and the light.
+    pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: Incident<V>) -> Self {
+        Self { cell, media, incident, lost: V::zero(), absorbed: V::zero() }
+    }
+
+    /// Starts a path over a point of the period, (u, v) in [0, 1)². `None` if it meets nothing.
+    pub fn start(&self, u: f64, v: f64) -> Option<(Path<V>, Coherency<V>)> {
+        let meeting = self.cell.first(u, v, -self.incident.wi)?;
+        let half = V::splat(0.5);
+        let path = Path {
+            facet: meeting.facet,
+            front: meeting.front,
+            point_nm: meeting.point_nm,
+            direction: RealLanes::splat(-self.incident.wi),
+            across: RealLanes::splat(self.incident.across),
+        };
+        Some((path, Coherency { s: half, p: half, cross: ComplexLanes::zero() }))
+    }
+
+    /// Power of paths that were lost: in holes of the mesh, or after too many periods. Adds up over calls of `split`.
+    pub fn lost(&self) -> V {
+        self.lost
+    }
+
+    /// Power that media absorbed between facets, and films on them. Adds up over calls of `split`.
+    pub fn absorbed(&self) -> V {
+        self.absorbed
+    }
+
+    /// Response of a facet with films.
+    fn coated(&self, path: &Path<V>, near: MediumIndex, far: Option<&Far<V>>, tangential_squared: V) -> Response<V> {
+        let films = self.cell.films(path.facet, path.front);
+        let tangential_squared = ComplexLanes::real(tangential_squared.widen());
+        let wave = |medium| Wave::<V>::new(self.media.of(medium), tangential_squared);
+        let (near, far) = (wave(near), far.map(|far| wave(far.medium)));
+        coated(&near, films, far.as_ref(), &self.media, tangential_squared)
+    }
+
+    /// What is left of light after a way through a medium.
+    fn absorb(&mut self, medium: MediumIndex, length_nm: f64, light: Coherency<V>) -> Coherency<V> {
+        let k = self.media.of(medium).im;
+        if !k.any_above(0.0) {
+            return light;
+        }
+        let turns = k * V::Precise::splat(length_nm) / self.media.wavelength_nm();
+        let amplitude = attenuation::<V>(ComplexLanes::new(V::Precise::zero(), turns));
+        let left = light.scale(amplitude * amplitude);
+        self.absorbed += light.power() - left.power();
+        left
+    }
+}
+
+/// The unit vector across the plane of incidence, N × d, and the square of the sine of the angle of incidence.
+#[inline]
+fn across<V: Lanes>(normal: DVec3, direction: RealLanes<V>) -> (RealLanes<V>, V) {
+    let s = RealLanes::splat(normal).cross(direction);
+    let sin_squared = s.dot(s);
+    let small = NORMAL_INCIDENCE * V::UNIT_ROUNDOFF;
+    let small = V::splat(small * small);
+    let unit = s.scale(V::one() / sin_squared.max(small).sqrt());
+    let tangent = RealLanes::splat(normal.any_orthonormal_vector());
+    let select = |tangent: V, unit: V| sin_squared.select_lt(small, tangent, unit);
+    let unit = RealLanes { x: select(tangent.x, unit.x), y: select(tangent.y, unit.y), z: select(tangent.z, unit.z) };
+    (unit, sin_squared)
+}
+
+/// A medium beyond a facet as a path sees it.
+struct Far<V: Lanes> {
+    medium: MediumIndex,
+    eta: ComplexLanes<V>,
+    /// q_n, as [`Wave::normal`].
+    normal: ComplexLanes<V>,
+}
+
+impl<V: Lanes> Far<V> {
+    /// Whether the hero lane's wave decays beyond the facet instead of travelling.
+    #[inline]
+    fn is_evanescent(&self) -> bool {
+        if !self.normal.im.any_above(0.0) {
+            return false;
+        }
+        let Complex64 { re, im } = self.normal.lane(hero::<V>());
+        im > 0.0 && re.abs() <= GRAZING * self.eta.lane(hero::<V>()).norm()
+    }
+}
+
+/// κ of s and p for a wave of normal wavevector q_n: q_n, and q_n/η².
+#[inline]
+fn admittance<V: Lanes>(normal: ComplexLanes<V>, eta: ComplexLanes<V>) -> Polarised<ComplexLanes<V>> {
+    Polarised { s: normal, p: normal.div_or_zero(eta).div_or_zero(eta) }
+}
+
+/// Which way light leaves a facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch<V> {
+    direction: RealLanes<V>,
+    across: RealLanes<V>,
+    medium: MediumIndex,
+}
+
+impl<V: Lanes> Paths<V> for Geometric<'_, V> {
+    type State = Path<V>;
+    type Branch = Branch<V>;
+    type Light = Coherency<V>;
+    type Exit = Leaving<V>;
+
+    fn power(light: &Coherency<V>) -> V {
+        light.power()
+    }
+
+    fn strengthen(light: &Coherency<V>, by: f64) -> Coherency<V> {
+        light.scale(V::splat(by))
+    }
+
+    fn send(
+        &mut self,
+        from: &Path<V>,
+        &Branch { direction, across, medium }: &Branch<V>,
+        &light: &Coherency<V>,
+    ) -> Sent<Path<V>, Leaving<V>, Coherency<V>> {
+        let leave = |side| Some((Target::Exit(Leaving { side, direction }), light));
+        match self.cell.next(from.point_nm, direction.lane(hero::<V>()), medium, Some(from.facet)) {
+            Next::Facet(meeting) => {
+                let light = self.absorb(medium, meeting.point_nm.distance(from.point_nm), light);
+                let (facet, front, point_nm) = (meeting.facet, meeting.front, meeting.point_nm);
+                Some((Target::State(Path { facet, front, point_nm, direction, across }), light))
+            }
+            Next::Above => leave(Side::Above),
+            Next::Below => leave(Side::Below),
+            Next::Lost => {
+                self.lost += light.power();
+                None
+            }
+        }
+    }
+
+    fn split(&mut self, path: &Path<V>, light: &Coherency<V>) -> [Option<(Branch<V>, Coherency<V>)>; 2] {
+        let facet = self.cell.facet(path.facet);
+        // N points to the side the path comes from; `near` is that side's medium.
+        let normal = if path.front { facet.normal } else { -facet.normal };
+        let Some((near, far)) = self.cell.sides(path.facet, path.front) else { return [None, None] };
+        let films = self.cell.coating(path.facet);
+        let (zero, one) = (V::zero(), ComplexLanes::<V>::one());
+
+        let n = RealLanes::splat(normal);
+        let cos = (-path.direction.dot(n)).max(zero);
+        let (s, sin_squared) = across(normal, path.direction);
+        let light = light.turned(path.across.dot(s), path.across.cross(path.direction).dot(s));
+
+        let near_eta = ComplexLanes::<V>::narrow(self.media.of(near));
+        let tangential_squared = near_eta.re * near_eta.re * sin_squared;
+        let near_normal = if near_eta.im.any_above(0.0) {
+            (near_eta.square() - ComplexLanes::real(tangential_squared)).sqrt_upper()
+        } else {
+            ComplexLanes::real(near_eta.re * cos)
+        };
+        let far = match far {
+            Below::Medium(medium) => {
+                let eta = ComplexLanes::<V>::narrow(self.media.of(medium));
+                let normal = (eta.square() - ComplexLanes::real(tangential_squared)).sqrt_away();
+                Some(Far { medium, eta, normal })
+            }
+            Below::Mirror => None,
+        };
+        let Response { reflection: r, transmission: t } = if films.is_empty() {
+            let r = match &far {
+                Some(far) => fresnel(admittance(near_normal, near_eta), admittance(far.normal, far.eta)),
+                None => Polarised { s: -one, p: one },
+            };
+            Response { reflection: r, transmission: r.map(|r| one + r) }
+        } else {
+            self.coated(path, near, far.as_ref(), tangential_squared)
+        };
+
+        let arrived = light.power();
+        let reflected = light.after(r.s, r.p);
+        let passes = far.as_ref().filter(|far| !far.is_evanescent());
+        // What cannot pass is reflected whole: from an absorbing medium |r| may differ from 1 then.
+        let whole = films.is_empty() && passes.is_none();
+        let back = if whole { arrived } else { reflected.power().min(arrived) };
+        let rest = (arrived - back).max(zero);
+        let refracted = passes.map(|far| {
+            let through = if films.is_empty() {
+                rest
+            } else {
+                // |t|² Re κ of each part, over that of the light that arrives.
+                let there = admittance(far.normal, far.eta).map(|k| k.re);
+                let s = t.s.norm_sqr() * there.s * light.s;
+                let p = t.p.norm_sqr() * there.p * light.p * near_eta.norm_sqr();
+                let here = near_eta.re * (near_normal.norm_sqr() / near_eta.norm_sqr()).sqrt();
+                zero.select_lt(here, (s + p) / here, zero).max(zero).min(rest)
+            };
+            // t_p is of magnetic fields; electric ones change by η_near/η_far besides.
+            let light = light.after(t.s, t.p * near_eta.div_or_zero(far.eta));
+            let tangential = path.direction.add_scaled(n, cos).scale(near_eta.re);
+            let along = tangential.add_scaled(n, -far.normal.re);
+            let square = along.dot(along);
+            let length = zero.select_lt(square, V::one() / square.sqrt(), zero);
+            let branch = Branch { direction: along.scale(length), across: s, medium: far.medium };
+            (branch, light.with_power(through))
+        });
+        if !films.is_empty() {
+            let through = refracted.as_ref().map_or(zero, |(_, light)| light.power());
+            self.absorbed += rest - through;
+        }
+        let mirrored = path.direction.add_scaled(n, cos + cos);
+        let branch = Branch { direction: mirrored, across: s, medium: near };
+        [Some((branch, reflected.with_power(back))), refracted]
+    }
+}
+
+impl<V: Lanes> Continues<V, Polygons<'_, V>> for Geometric<'_, V> {
+    fn path(&self, state: &State<V>, field: &Field<V>) -> Option<(Path<V>, Coherency<V>)> {
+        let normal = self.cell.facet(state.facet).normal;
+        let (medium, _) = self.cell.sides(state.facet, state.front)?;
+        if is_evanescent(&state.wavevector, normal) {
+            return None;
+        }
+        let VectorLanes { x, y, z } = state.wavevector;
+        let along = RealLanes { x: V::narrow(x.re), y: V::narrow(y.re), z: V::narrow(z.re) };
+        let square = along.dot(along);
+        let direction = along.scale(V::zero().select_lt(square, V::one() / square.sqrt(), V::zero()));
+        let (s, _) = across(normal, direction);
+        let p = s.cross(direction);
+        let light = |e: VectorLanes<V>| {
+            let (along_s, along_p) = (e.dot_lanes(s), e.dot_lanes(p));
+            Coherency { s: along_s.norm_sqr(), p: along_p.norm_sqr(), cross: along_s * along_p.conj() }
+        };
+        let (of_s, of_p) = (light(field.s), light(field.p));
+        let both = Coherency { s: of_s.s + of_p.s, p: of_s.p + of_p.p, cross: of_s.cross + of_p.cross };
+        // A field in an absorbing medium has a part along its way, which neither s nor p holds: power is that of the whole.
+        let per = state.spread * V::narrow(self.media.of(medium).re) / self.incident.index;
+        let power = (field.s.norm_sqr() + field.p.norm_sqr()) * per * V::splat(0.5);
+        let path = Path { facet: state.facet, front: state.front, point_nm: state.point_nm, direction, across: s };
+        Some((path, both.with_power(power)))
+    }
+}
+
+/// A slot in which no path waits.
+#[must_use]
+pub fn free_slot<V: Lanes>() -> Slot<Path<V>, Coherency<V>> {
+    let nothing = RealLanes { x: V::zero(), y: V::zero(), z: V::zero() };
+    let path = Path { facet: 0, front: false, point_nm: DVec3::ZERO, direction: nothing, across: nothing };
+    Slot::free(path, Coherency { s: V::zero(), p: V::zero(), cross: ComplexLanes::zero() })
+}
