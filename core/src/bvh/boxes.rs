@@ -9,7 +9,8 @@ const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Widening of the boxes: of single precision, in units of its roundoff and of what is at hand in the frame's units (the mesh,
 /// 1, plus the ray's nearest approach), the ray's nearest approach is rounded by 1, its components and their inverses by 2,
-/// differences and products by 2, on either side; together 10, held by 16.
+/// the products by 1, which are of the bound and of the approach, and their difference by 1, on either side; together 10,
+/// held by 16.
 const BOX_SLACK: f64 = 16.0 * ROUNDOFF;
 /// The same for the parameter, where a ray has crossed the mesh at the latest.
 const PARAMETER_SLACK: f64 = 64.0 * ROUNDOFF;
@@ -58,9 +59,9 @@ pub(super) struct Slabs {
     first: Eight,
     /// 1/direction.
     inverse: [Eight; 3],
-    /// The nearest approach, moved forwards and backwards by the slack.
-    origin_near: [Eight; 3],
-    origin_far: [Eight; 3],
+    /// Parameters of the planes through the middle of the mesh, of a ray moved forwards and backwards by the slack.
+    middle_near: [Eight; 3],
+    middle_far: [Eight; 3],
     /// Of each axis, which of the bounds the ray meets first: 1, the upper, if it runs downwards.
     near_side: [usize; 3],
     /// Parameter of the box tests per t, and where the former is 0.
@@ -80,12 +81,14 @@ impl Slabs {
         let component = |d: f64| if d.abs() < LEAST_COMPONENT { LEAST_COMPONENT.copysign(d) } else { d };
         let direction = direction.to_array().map(component);
         let forwards = direction.map(|d| slack.copysign(d));
+        let inverse = direction.map(|d| 1.0 / d as f32);
         let nearest = nearest.to_array();
+        let middle = |axis: usize, by: f64| Eight::splat(-(nearest[axis] + by) as f32 * inverse[axis]);
         let slabs = Self {
             first: Eight::ZERO,
-            inverse: direction.map(|d| Eight::splat(1.0 / d as f32)),
-            origin_near: core::array::from_fn(|axis| Eight::splat((nearest[axis] + forwards[axis]) as f32)),
-            origin_far: core::array::from_fn(|axis| Eight::splat((nearest[axis] - forwards[axis]) as f32)),
+            inverse: inverse.map(Eight::splat),
+            middle_near: core::array::from_fn(|axis| middle(axis, forwards[axis])),
+            middle_far: core::array::from_fn(|axis| middle(axis, -forwards[axis])),
             near_side: direction.map(|d| usize::from(d < 0.0)),
             scale: length * frame.scale,
             shift,
@@ -115,9 +118,9 @@ impl Slabs {
         for axis in 0..3 {
             let side = self.near_side[axis] & 1;
             let plane = |side: usize| Eight::new(node.bounds[axis][side]);
-            // Empty boxes are infinite and stay so; nothing here is NaN.
-            near = near.fast_max((plane(side) - self.origin_near[axis]) * self.inverse[axis]);
-            last = last.fast_min((plane(1 - side) - self.origin_far[axis]) * self.inverse[axis]);
+            // Empty boxes are infinite and stay so along the axis where the ray is longest, whose inverse is ±1.
+            near = near.fast_max(plane(side).mul_add(self.inverse[axis], self.middle_near[axis]));
+            last = last.fast_min(plane(1 - side).mul_add(self.inverse[axis], self.middle_far[axis]));
         }
         let mut entered = near.simd_le(last).to_bitmask();
         if entered == 0 {

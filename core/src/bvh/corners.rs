@@ -52,16 +52,6 @@ pub(super) struct Shear {
     mirrored: bool,
 }
 
-/// A leaf as the ray sees it.
-struct Seen {
-    /// u, v and w of each triangle.
-    areas: [Four; LEAF_TRIANGLES],
-    /// Of the corners.
-    z: [Four; LEAF_TRIANGLES],
-    /// Triangles whose areas are of one sign, 0 included.
-    met: u32,
-}
-
 impl Shear {
     #[inline]
     pub(super) fn new(ray: &Ray) -> Self {
@@ -83,41 +73,39 @@ impl Shear {
     /// With the corners projected, u = c × b, v = a × c, w = b × a must be of one sign, 0 included; t = (u a_z + v b_z + w
     /// c_z)/((u + v + w) d_z).
     #[inline]
-    pub(super) fn hits<'l>(&self, leaf: &'l [Corners]) -> impl Iterator<Item = Hit> + use<'l> {
-        let Seen { areas, z, mut met } = self.see(leaf);
-        let (length, mirrored) = (self.z, self.mirrored);
+    pub(super) fn hits<'l>(&'l self, leaf: &'l [Corners]) -> impl Iterator<Item = Hit> + use<'l> {
+        let mut met = self.met(leaf);
         core::iter::from_fn(move || {
             while met != 0 {
-                let i = met.trailing_zeros() as usize % LEAF_TRIANGLES;
+                let corners = leaf.get(met.trailing_zeros() as usize % LEAF_TRIANGLES)?;
                 met &= met - 1;
-                let ([u, v, w, _], [a, b, c, _]) = (areas[i].to_array(), z[i].to_array());
+                // Seen again, since few are met: to keep what all look like takes longer.
+                let [x, y, z] = self.project(corners);
+                let ([u, v, w, _], [a, b, c, _]) = (crosses(x, y).to_array(), z.to_array());
                 // Signs are exact, so the sum vanishes only if the triangle is seen edge-on.
                 let sum = u + v + w;
                 if sum != 0.0 {
-                    let t = (u * a + v * b + w * c) / sum / length;
-                    let triangle = leaf.get(i)?.triangle();
-                    return Some(Hit { triangle, t, front: (sum > 0.0) != mirrored });
+                    let t = (u * a + v * b + w * c) / sum / self.z;
+                    return Some(Hit { triangle: corners.triangle(), t, front: (sum > 0.0) != self.mirrored });
                 }
             }
             None
         })
     }
 
-    /// All triangles without a branch, since which are met cannot be foretold.
+    /// Triangles whose areas are of one sign, 0 included: a bit each, without a branch, since which are met cannot be
+    /// foretold.
     #[inline]
-    fn see(&self, leaf: &[Corners]) -> Seen {
-        let mut seen = Seen { areas: [Four::ZERO; LEAF_TRIANGLES], z: [Four::ZERO; LEAF_TRIANGLES], met: 0 };
-        for i in 0..LEAF_TRIANGLES {
-            let Some(corners) = leaf.get(i) else { break };
-            let [x, y, z] = self.project(corners);
+    fn met(&self, leaf: &[Corners]) -> u32 {
+        let mut met = 0;
+        for (i, corners) in leaf.iter().enumerate() {
+            let [x, y, _] = self.project(corners);
             let areas = crosses(x, y);
             let below = areas.simd_lt(Four::ZERO).to_bitmask() & CORNERS;
             let above = areas.simd_gt(Four::ZERO).to_bitmask() & CORNERS;
-            seen.met |= u32::from(below == 0 || above == 0) << i;
-            seen.areas[i] = areas;
-            seen.z[i] = z;
+            met |= u32::from(below == 0 || above == 0) << (i % LEAF_TRIANGLES);
         }
-        seen
+        met
     }
 
     /// The corners in the frame of the ray. One corner is projected alike for every triangle that has it.

@@ -219,7 +219,8 @@ impl<'a> Bvh<'a> {
     fn traverse(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         let slabs = Slabs::new(ray, &self.frame);
         let shear = Shear::new(ray);
-        let mut stack = Stack::new();
+        let mut entries = [Entry { near: 0.0, child: Child::ROOT }; STACK];
+        let mut stack = Stack { entries: &mut entries, height: 0 };
         let mut best = Hit { triangle: u32::MAX, t: ray.t_max, front: false };
         let mut far = slabs.last(best.t);
         let mut child = Child::ROOT;
@@ -249,17 +250,13 @@ impl<'a> Bvh<'a> {
 }
 
 /// Children that wait, the nearest of each node on top. It holds those of the deepest tree.
-struct Stack {
-    entries: [Entry; STACK],
+struct Stack<'e> {
+    /// Apart, so that the height stays in a register.
+    entries: &'e mut [Entry; STACK],
     height: usize,
 }
 
-impl Stack {
-    #[inline]
-    fn new() -> Self {
-        Self { entries: [Entry { near: 0.0, child: Child::ROOT }; STACK], height: 0 }
-    }
-
+impl Stack<'_> {
     #[inline]
     fn push(&mut self, entry: Entry) {
         if let Some(slot) = self.entries.get_mut(self.height) {
