@@ -221,6 +221,7 @@ impl<'a, V: Lanes> Polygons<'a, V> {
                 if evanescent && !(parallel && factor.norm_sqr().any_above(EVANESCENT * EVANESCENT)) {
                     return None;
                 }
+                let factor = if self.merging { factor } else { without_gain(factor) };
                 let arriving = field.map(|e| e.scale(factor));
                 if !evanescent {
                     let left = power.zip(factor_power(factor), |power, factor| power * factor);
@@ -262,6 +263,18 @@ struct Leaving<V: Lanes> {
     normal: DVec3,
     spread: V,
     power: Polarised<V>,
+}
+
+/// A factor of modulus 1 where it was larger. No passive medium amplifies a ray, but a lane whose wave decays across its own way may
+/// grow along that of the hero, and a path followed by itself meets nothing that takes back what it gains.
+fn without_gain<V: Lanes>(factor: ComplexLanes<V>) -> ComplexLanes<V> {
+    /// Of |e^iφ|² in single precision.
+    const ROUNDING: f64 = 1e-6;
+    let gain = factor.norm_sqr();
+    if !gain.any_above(1.0 + ROUNDING) {
+        return factor;
+    }
+    factor.scale(V::one() / gain.max(V::one()).sqrt())
 }
 
 /// |factor|² for both polarisations.

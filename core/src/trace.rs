@@ -329,6 +329,9 @@ fn draw<V: Lanes, C: Facets<V>>(cell: &C, branches: &mut Split<C::State, C::Exit
     } else if b > 0.0 {
         let (target, field) = *second;
         *branches = [None, Some(cell.strengthen(target, &field, both / b))];
+    } else {
+        // Neither has power, or it is no number: one goes on all the same, for two would become ever more.
+        *branches = [Some(*first), None];
     }
 }
 
