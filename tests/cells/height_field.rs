@@ -5,6 +5,8 @@ use glam::DVec3;
 use goniochrome::coherence::Side;
 use goniochrome::interface::{Below, Interface};
 use goniochrome::lanes::{F64, Lanes};
+use goniochrome::medium::MediaLanes;
+use goniochrome::mesh::MeshCell;
 use goniochrome::polygons::{Departure, Field, Incident, Polygons, State, free_slot};
 use goniochrome::sampling::Random;
 use goniochrome::trace::{Limits, Sink, Slot, follow_paths};
@@ -119,10 +121,8 @@ pub struct Start {
     pub seed: u32,
 }
 
-/// Paths by themselves, one outcome for each start, in a workspace of so many states.
-pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]) -> Vec<Outcome> {
-    /// Paths below this power are no longer split. Light that a layer traps is counted as truncated in the end.
-    const LIMITS: Limits = Limits { in_flight: 0.02, generations: 200 };
+/// Hands a scene's cell to `work`, and its media at one wavelength.
+pub fn with_cell<T>(scene: &Scene, wavelength_nm: f64, work: impl FnOnce(MeshCell<'_>, MediaLanes<'_, F64>) -> T) -> T {
     let bumpy = Bumpy::new(scene).expect("a good mesh");
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer).expect("a good mesh");
@@ -130,10 +130,17 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
     let wavelengths = [wavelength_nm];
     let mut groups = Groups::<F64>::new(media.len(), &wavelengths);
     let groups = groups.evaluate(&media, &wavelengths).expect("constant media");
+    work(cell, groups[0].0)
+}
+
+/// Paths by themselves, one outcome for each start, in a workspace of so many states.
+pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]) -> Vec<Outcome> {
+    /// Paths below this power are no longer split. Light that a layer traps is counted as truncated in the end.
+    const LIMITS: Limits = Limits { in_flight: 0.02, generations: 200 };
     let mut slots: Vec<Slot<State<F64>, Field<F64>>> = vec![free_slot(); states];
-    let one = |start: &Start| {
-        let eta = groups[0].0.eta()[usize::from(cell.above())];
-        let mut polygons = Polygons::new(cell, groups[0].0, Incident::new(start.wi, eta), false);
+    let mut one = |cell: MeshCell<'_>, media: MediaLanes<'_, F64>, start: &Start| {
+        let eta = media.eta()[usize::from(cell.above())];
+        let mut polygons = Polygons::new(cell, media, Incident::new(start.wi, eta), false);
         let mut outcome = Outcome::default();
         let Some((state, field)) = polygons.start(start.u, start.v) else {
             return Outcome { truncated: 1.0, ..outcome };
@@ -145,5 +152,5 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
         outcome.absorbed += 0.5 * (absorbed.s.lane(0) + absorbed.p.lane(0));
         outcome
     };
-    starts.iter().map(one).collect()
+    with_cell(scene, wavelength_nm, |cell, media| starts.iter().map(|start| one(cell, media, start)).collect())
 }
