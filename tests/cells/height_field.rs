@@ -6,6 +6,8 @@ use goniochrome::coherence::Side;
 use goniochrome::geometric::{Coherency, Geometric, Leaving, Path, free_slot};
 use goniochrome::interface::{Below, Interface};
 use goniochrome::lanes::{F64, Lanes};
+use goniochrome::medium::MediaLanes;
+use goniochrome::mesh::MeshCell;
 use goniochrome::paths::follow_paths;
 use goniochrome::polygons::Incident;
 use goniochrome::sampling::Random;
@@ -121,10 +123,8 @@ pub struct Start {
     pub seed: u32,
 }
 
-/// Paths by themselves, one outcome for each start, in a workspace of so many states.
-pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]) -> Vec<Outcome> {
-    /// Paths below this power are no longer split. Light that a layer traps is counted as truncated in the end.
-    const LIMITS: Limits = Limits { in_flight: 0.02, generations: 200 };
+/// Hands a scene's cell to `work`, and its media at one wavelength.
+pub fn with_cell<T>(scene: &Scene, wavelength_nm: f64, work: impl FnOnce(MeshCell<'_>, MediaLanes<'_, F64>) -> T) -> T {
     let bumpy = Bumpy::new(scene).expect("a good mesh");
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer).expect("a good mesh");
@@ -132,10 +132,17 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
     let wavelengths = [wavelength_nm];
     let mut groups = Groups::<F64>::new(media.len(), &wavelengths);
     let groups = groups.evaluate(&media, &wavelengths).expect("constant media");
+    work(cell, groups[0].0)
+}
+
+/// Paths by themselves, one outcome for each start, in a workspace of so many states.
+pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]) -> Vec<Outcome> {
+    /// Paths below this power are no longer split. Light that a layer traps is counted as truncated in the end.
+    const LIMITS: Limits = Limits { in_flight: 0.02, generations: 200 };
     let mut slots: Vec<Slot<Path<F64>, Coherency<F64>>> = vec![free_slot(); states];
-    let one = |start: &Start| {
-        let eta = groups[0].0.eta()[usize::from(cell.above())];
-        let mut geometric = Geometric::new(cell, groups[0].0, Incident::new(start.wi, eta));
+    let mut one = |cell: MeshCell<'_>, media: MediaLanes<'_, F64>, start: &Start| {
+        let eta = media.eta()[usize::from(cell.above())];
+        let mut geometric = Geometric::new(cell, media, Incident::new(start.wi, eta));
         let mut outcome = Outcome::default();
         let Some((path, light)) = geometric.start(start.u, start.v) else {
             return Outcome { truncated: 1.0, ..outcome };
@@ -146,5 +153,5 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
         outcome.absorbed += geometric.absorbed().lane(0);
         outcome
     };
-    starts.iter().map(one).collect()
+    with_cell(scene, wavelength_nm, |cell, media| starts.iter().map(|start| one(cell, media, start)).collect())
 }

@@ -51,14 +51,15 @@ pub struct OwnedMedium {
 }
 
 impl OwnedMedium {
-    /// A medium from its n and its k. Formulas are tried at every nanometre of the visible that they cover, so that a
-    /// pole or n ≤ 0 is found here and not in the middle of a run.
+    /// A medium from its n and its k. Unless both are constant they are tried at every nanometre of the visible that they cover,
+    /// so that a pole or n ≤ 0 is found here and not in the middle of a run.
     ///
     /// # Errors
     /// Those of [`Medium::new`], and [`MediumError::NotPassive`] for a formula.
     pub fn new(n: OwnedDispersion, k: OwnedDispersion, extrapolate: Extrapolate) -> Result<Self, MediumError> {
         let medium = Medium::new(n.borrow(), k.borrow(), extrapolate)?;
-        for nm in TRIED_NM {
+        let constant = [&n, &k].iter().all(|part| matches!(part, OwnedDispersion::Constant(_)));
+        for nm in TRIED_NM.filter(|_| !constant) {
             match medium.eta(f64::from(nm)) {
                 Ok(_) | Err(MediumError::OutOfRange { .. }) => {}
                 Err(error) => return Err(error),
