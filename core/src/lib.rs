@@ -30,9 +30,11 @@
 //! | [`cell`], [`mesh`] | the facets of a micro-surface | |
 //! | [`bvh`] | the triangle that a ray meets first | u, v, w of one sign |
 //! | [`trace`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
+//! | [`paths`] | rays that do not interfere, followed one by one | a branch is drawn in proportion to its power |
 //! | [`coherence`] | how exits add; the power ledger | R + T + absorbed + truncated + imbalance = 1 |
 //! | [`layers`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
-//! | [`polygons`] | the tracer's polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
+//! | [`polygons`] | waves in polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
+//! | [`geometric`] | paths in polygon cells: the coherency matrix of their light | ⟨E_s E_p*⟩ |
 //! | [`orders`] | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
 //! | [`bins`], [`sampling`] | where rays leave, where they start | |
 //! | [`table`] | BRDF tables, and their form in bytes ([`table::blob`]) | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
