@@ -367,3 +367,74 @@ pub fn free_slot<V: Lanes>() -> Slot<Path<V>, Coherency<V>> {
     let path = Path { facet: 0, front: false, point_nm: DVec3::ZERO, direction: nothing, across: nothing };
     Slot::free(path, Coherency { s: V::zero(), p: V::zero(), cross: ComplexLanes::zero() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::{Bvh, Corners, Node};
+    use crate::cell::Facet;
+    use crate::interface::Interface;
+    use crate::lanes::F64;
+    use crate::medium::Medium;
+    use crate::trace::Waves;
+
+    /// Some ten roundings of numbers near 1.
+    const ROUNDING: f64 = 1e-14;
+
+    #[test]
+    fn light_keeps_its_power_and_its_degree_of_polarisation_in_any_frame() {
+        let one = <F64 as Lanes>::splat;
+        let light = Coherency { s: one(0.7), p: one(0.2), cross: ComplexLanes::new(one(0.1), one(-0.25)) };
+        for angle in [0.0, 0.3, 1.0, 2.5, 4.0] {
+            let turned = light.turned(one(libm::cos(angle)), one(libm::sin(angle)));
+            // Trace and determinant.
+            let of = |light: Coherency<F64>| (light.power(), light.s * light.p - light.cross.norm_sqr());
+            let ((power, area), (power_before, area_before)) = (of(turned), of(light));
+            assert!(Lanes::lane(power - power_before, 0).abs() < ROUNDING);
+            assert!(Lanes::lane(area - area_before, 0).abs() < ROUNDING);
+        }
+        let crossed = light.turned(one(0.0), one(1.0));
+        assert_eq!((crossed.s, crossed.p), (light.p, light.s));
+    }
+
+    #[test]
+    fn a_path_is_its_wave_without_the_phase() {
+        // A film of two planes over a square.
+        let square =
+            |z: f64| [[0.0, 0.0], [900.0, 0.0], [900.0, 700.0], [0.0, 700.0]].map(|[x, y]| DVec3::new(x, y, z));
+        let vertices: [DVec3; 8] = core::array::from_fn(|i| square(if i < 4 { 0.0 } else { -300.0 })[i % 4]);
+        let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+        let mut nodes = [Node::EMPTY; Bvh::required_nodes(4)];
+        let (mut order, mut corners) = ([0; 4], [Corners::EMPTY; 4]);
+        let bvh = Bvh::build(&vertices, &triangles, &mut nodes, &mut order, &mut corners).unwrap();
+        let facets = [Facet::horizontal(0.0, 0), Facet::horizontal(-300.0, 1)];
+        let interfaces =
+            [Interface { above: 0, below: Below::Medium(1) }, Interface { above: 1, below: Below::Medium(2) }];
+        let cell = MeshCell::new(bvh, &[0, 0, 1, 1], &facets, &interfaces, [900.0, 700.0], 0).unwrap();
+        let media = [1.0, 1.7, 1.2].map(|n| Medium::constant(n.into()).unwrap());
+        let mut eta = [ComplexLanes::zero(); 3];
+        let media = MediaLanes::<F64>::evaluate(&media, &[550.0], &mut eta).unwrap();
+        let incident = Incident::new(DVec3::new(0.6, 0.48, 0.64), media.of(0));
+        let (mut waves, mut paths) = (Polygons::new(cell, media, incident), Geometric::new(cell, media, incident));
+
+        let (state, field) = waves.start(0.4, 0.3).unwrap();
+        let (path, light) = paths.start(0.4, 0.3).unwrap();
+        let [_, Some((Target::State(state), field))] = waves.split(&state, &field) else { panic!("it refracts") };
+        let [Some((_, reflected)), Some((branch, refracted))] = paths.split(&path, &light) else { panic!("it splits") };
+        let Some((Target::State(path), light)) = paths.send(&path, &branch, &refracted) else { panic!("it goes on") };
+        let near = |a: F64, b: F64| assert!(Lanes::lane(a - b, 0).abs() < ROUNDING, "{a:?} {b:?}");
+        near(reflected.power() + light.power(), F64::one());
+        let (as_wave, from_wave) = paths.path(&state, &field).unwrap();
+        assert!((as_wave.point_nm - path.point_nm).length() < 1e-9 && as_wave.facet == path.facet);
+        let turned =
+            from_wave.turned(as_wave.across.dot(path.across), as_wave.across.cross(as_wave.direction).dot(path.across));
+        for (a, b) in [
+            (turned.s, light.s),
+            (turned.p, light.p),
+            (turned.cross.re, light.cross.re),
+            (turned.cross.im, light.cross.im),
+        ] {
+            near(a, b);
+        }
+    }
+}
