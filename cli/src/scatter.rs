@@ -252,25 +252,25 @@ pub(crate) fn trace_batch<V: Lanes>(
             truncated += V::one(); // a hole from top to bottom
             continue;
         };
-        exits.begin(path.point_nm());
+        exits.begin(path.at().point_nm);
         let mut random = Random::new(ray, sequence);
-        let before = (polygons, geometric);
-        let waves_done = polygons.start(u, v).filter(|_| coherent).map(|(state, field)| {
+        let mut interfering = None;
+        if coherent {
+            let before = (polygons, geometric);
+            let (state, field) = polygons.start_at(path.at());
             let spill = Spill::new(&mut geometric, paths, PATHS, &mut random);
-            trace_spilling(&mut polygons, state, field, waves, WAVES, spill, &mut exits)
-        });
-        let done = match waves_done {
-            Some(done) if !done.truncated.any_above(1.0) => done,
-            diverged => {
-                if diverged.is_some() {
-                    // The waves of this starting ray have no sum: it is followed again without their interference.
-                    (polygons, geometric) = before;
-                    exits.begin(path.point_nm());
-                    without_interference += 1;
-                }
-                follow_paths(&mut geometric, path, light, paths, PATHS, &mut random, &mut exits)
+            let done = trace_spilling(&mut polygons, state, field, waves, WAVES, spill, &mut exits);
+            if done.truncated.any_above(1.0) {
+                // The waves of this starting ray have no sum: it is followed again without their interference.
+                (polygons, geometric) = before;
+                exits.begin(path.at().point_nm);
+                without_interference += 1;
+            } else {
+                interfering = Some(done);
             }
-        };
+        }
+        let done = interfering
+            .unwrap_or_else(|| follow_paths(&mut geometric, path, light, paths, PATHS, &mut random, &mut exits));
         truncated += done.truncated + exits.settle(&mut Tallies(tallies));
     }
     truncated += polygons.lost() + geometric.lost();

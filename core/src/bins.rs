@@ -12,7 +12,7 @@ use crate::medium::MediaLanes;
 use crate::polygons::{Departure, Field};
 use crate::trace::Sink;
 use crate::turns::propagate;
-use crate::vector::VectorLanes;
+use crate::vector::{RealLanes, VectorLanes};
 use core::f64::consts::TAU;
 use glam::DVec3;
 
@@ -34,7 +34,7 @@ impl DirectionBins {
 
     /// The bin of a direction; its length does not matter, nor the sign of its z. Row by row in cos θ.
     #[must_use]
-    #[inline(never)]
+    #[inline(never)] // Arctangents are long, and this is called from four places.
     pub fn index(&self, direction: DVec3) -> usize {
         let cos = libm::fabs(direction.z) / direction.length();
         let turn = libm::atan2(direction.y, direction.x) / TAU;
@@ -44,12 +44,12 @@ impl DirectionBins {
         row as usize * self.phi as usize + column as usize
     }
 
-    /// The bin of each lane, whose direction is given.
-    fn of_lanes<V: Lanes>(&self, direction: impl Fn(usize) -> DVec3) -> [u32; MOST_LANES] {
-        let first = direction(0);
+    /// The bin of each lane.
+    fn of_lanes<V: Lanes>(&self, directions: RealLanes<V>) -> [u32; MOST_LANES] {
+        let first = directions.lane(0);
         let mut bins = [self.index(first) as u32; MOST_LANES];
         for (lane, bin) in bins.iter_mut().enumerate().take(V::WIDTH).skip(1) {
-            let direction = direction(lane);
+            let direction = directions.lane(lane);
             if direction != first {
                 *bin = self.index(direction) as u32;
             }
@@ -168,50 +168,40 @@ impl<'m, V: Lanes> Exits<'m, V> {
 }
 
 impl<V: Lanes> Exits<'_, V> {
-    /// Adds to an exit that is alike, or takes a place of its own.
-    fn put(&mut self, exit: Exit<V>) {
-        let alike = |other: &&mut Exit<V>| {
-            other.side == exit.side && other.alone == exit.alone && other.bins.iter().eq(&exit.bins)
-        };
-        if let Some(other) = self.memory.iter_mut().take(self.count).find(alike) {
-            other.field = other.field.zip(exit.field, |a, b| a + b);
-            other.power = other.power.zip(exit.power, |a, b| a + b);
-        } else if let Some(place) = self.memory.get_mut(self.count) {
-            *place = exit;
+    /// Adds to an exit that is alike, or takes a place of its own; one without a field was followed by itself.
+    fn put(&mut self, side: Side, bins: [u32; MOST_LANES], power: Polarised<V>, field: Option<Field<V>>) {
+        let alone = field.is_none();
+        let alike = |exit: &&mut Exit<V>| exit.side == side && exit.alone == alone && exit.bins.iter().eq(&bins);
+        if let Some(exit) = self.memory.iter_mut().take(self.count).find(alike) {
+            exit.power = exit.power.zip(power, |a, b| a + b);
+            if let Some(field) = field {
+                exit.field = exit.field.zip(field, |a, b| a + b);
+            }
+        } else if let Some(exit) = self.memory.get_mut(self.count) {
+            (exit.side, exit.bins, exit.alone, exit.power) = (side, bins, alone, power);
+            // Otherwise it is never read, and too large to be cleared each time.
+            if let Some(field) = field {
+                exit.field = field;
+            }
             self.count += 1;
         } else {
-            self.dropped += (exit.power.s.abs() + exit.power.p.abs()) * V::splat(0.5);
+            self.dropped += (power.s.abs() + power.p.abs()) * V::splat(0.5);
         }
     }
 }
 
 impl<V: Lanes> Sink<Departure<V>, Field<V>> for Exits<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
-        let to_origin = phase_of(&departure, self.origin_nm - departure.point_nm, self.per_wavelength);
-        self.put(Exit {
-            side: departure.side,
-            bins: self.grid.of_lanes::<V>(|lane| departure.wavevector.direction(lane)),
-            alone: false,
-            field: scaled_to_power(field, departure.power, propagate(to_origin)),
-            power: departure.power,
-        });
+        let Departure { side, power, wavevector, point_nm, .. } = departure;
+        let to_origin = phase_of(&departure, self.origin_nm - point_nm, self.per_wavelength);
+        let bins = self.grid.of_lanes(wavevector.map(|q| q.re));
+        self.put(side, bins, power, Some(scaled_to_power(field, power, propagate(to_origin))));
     }
 }
 
 impl<V: Lanes> Sink<Leaving<V>, Coherency<V>> for Exits<'_, V> {
     fn exit(&mut self, leaving: Leaving<V>, light: Coherency<V>) {
-        let (side, power) = (leaving.side, Polarised::both(light.power()));
-        let bins = self.grid.of_lanes::<V>(|lane| leaving.direction.lane(lane));
-        let alike = |exit: &&mut Exit<V>| exit.alone && exit.side == side && exit.bins.iter().eq(&bins);
-        if let Some(other) = self.memory.iter_mut().take(self.count).find(alike) {
-            other.power = other.power.zip(power, |a, b| a + b);
-        } else if let Some(place) = self.memory.get_mut(self.count) {
-            // Its field is never read, and too large to be cleared each time.
-            (place.alone, place.side, place.bins, place.power) = (true, side, bins, power);
-            self.count += 1;
-        } else {
-            self.dropped += light.power();
-        }
+        self.put(leaving.side, self.grid.of_lanes(leaving.direction), Polarised::both(light.power()), None);
     }
 }
 
@@ -256,7 +246,7 @@ impl<V: Lanes> Sink<Departure<V>, Field<V>> for BinFields<'_, V> {
     fn exit(&mut self, departure: Departure<V>, field: Field<V>) {
         let phase = propagate::<V>(phase_of(&departure, -departure.point_nm, self.per_wavelength));
         let field = scaled_to_power(field, departure.power, phase * self.arrival);
-        let bins = self.grid.of_lanes::<V>(|lane| departure.wavevector.direction(lane));
+        let bins = self.grid.of_lanes(departure.wavevector.map(|q| q.re));
         let hemisphere = if departure.side == Side::Above { 0 } else { self.grid.count() };
         for lane in 0..V::WIDTH {
             // Each bin once, for all lanes that fall into it.

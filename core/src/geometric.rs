@@ -16,7 +16,7 @@ use crate::complex::{ComplexLanes, Polarised};
 use crate::interface::{Below, Wave, fresnel};
 use crate::lanes::Lanes;
 use crate::medium::{MediaLanes, MediumIndex};
-use crate::mesh::{MeshCell, Next};
+use crate::mesh::{Meeting, MeshCell, Next, Sides};
 use crate::paths::{Continues, Paths, Sent};
 use crate::polygons::{Field, Incident, Polygons, State, hero, is_evanescent};
 use crate::stack::Response;
@@ -80,10 +80,7 @@ impl<V: Lanes> Coherency<V> {
 /// A path about to be split at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path<V> {
-    facet: u32,
-    front: bool,
-    /// Unwrapped: where it meets the facet.
-    point_nm: DVec3,
+    at: Meeting,
     /// d, unit.
     direction: RealLanes<V>,
     /// ŝ, unit and across d.
@@ -91,9 +88,9 @@ pub struct Path<V> {
 }
 
 impl<V> Path<V> {
-    /// Where it meets its facet, unwrapped.
-    pub fn point_nm(&self) -> DVec3 {
-        self.point_nm
+    /// The facet that it meets, and where.
+    pub fn at(&self) -> Meeting {
+        self.at
     }
 }
 
@@ -129,15 +126,10 @@ impl<'a, V: Lanes> Geometric<'a, V> {
 
     /// Starts a path over a point of the period, (u, v) in [0, 1)². `None` if it meets nothing.
     pub fn start(&self, u: f64, v: f64) -> Option<(Path<V>, Coherency<V>)> {
-        let meeting = self.cell.first(u, v, -self.incident.wi)?;
+        let Incident { wi, across, .. } = self.incident;
+        let at = self.cell.first(u, v, -wi)?;
         let half = V::splat(0.5);
-        let path = Path {
-            facet: meeting.facet,
-            front: meeting.front,
-            point_nm: meeting.point_nm,
-            direction: RealLanes::splat(-self.incident.wi),
-            across: RealLanes::splat(self.incident.across),
-        };
+        let path = Path { at, direction: RealLanes::<V>::splat(-wi), across: RealLanes::<V>::splat(across) };
         Some((path, Coherency { s: half, p: half, cross: ComplexLanes::zero() }))
     }
 
@@ -153,7 +145,7 @@ impl<'a, V: Lanes> Geometric<'a, V> {
 
     /// Response of a facet with films.
     fn coated(&self, path: &Path<V>, near: MediumIndex, far: Option<&Far<V>>, tangential_squared: V) -> Response<V> {
-        let films = self.cell.films(path.facet, path.front);
+        let films = self.cell.films(&path.at);
         let tangential_squared = ComplexLanes::real(tangential_squared.widen());
         let wave = |medium| Wave::<V>::new(self.media.of(medium), tangential_squared);
         let (near, far) = (wave(near), far.map(|far| wave(far.medium)));
@@ -177,15 +169,13 @@ impl<'a, V: Lanes> Geometric<'a, V> {
 /// The unit vector across the plane of incidence, N × d, and the square of the sine of the angle of incidence.
 #[inline]
 fn across<V: Lanes>(normal: DVec3, direction: RealLanes<V>) -> (RealLanes<V>, V) {
-    let s = RealLanes::splat(normal).cross(direction);
+    let s = RealLanes::<V>::splat(normal).cross(direction);
     let sin_squared = s.dot(s);
     let small = NORMAL_INCIDENCE * V::UNIT_ROUNDOFF;
     let small = V::splat(small * small);
     let unit = s.scale(V::one() / sin_squared.max(small).sqrt());
-    let tangent = RealLanes::splat(normal.any_orthonormal_vector());
-    let select = |tangent: V, unit: V| sin_squared.select_lt(small, tangent, unit);
-    let unit = RealLanes { x: select(tangent.x, unit.x), y: select(tangent.y, unit.y), z: select(tangent.z, unit.z) };
-    (unit, sin_squared)
+    let tangent = RealLanes::<V>::splat(normal.any_orthonormal_vector());
+    (unit.zip(tangent, |unit, tangent| sin_squared.select_lt(small, tangent, unit)), sin_squared)
 }
 
 /// A medium beyond a facet as a path sees it.
@@ -243,11 +233,10 @@ impl<V: Lanes> Paths<V> for Geometric<'_, V> {
         &light: &Coherency<V>,
     ) -> Sent<Path<V>, Leaving<V>, Coherency<V>> {
         let leave = |side| Some((Target::Exit(Leaving { side, direction }), light));
-        match self.cell.next(from.point_nm, direction.lane(hero::<V>()), medium, Some(from.facet)) {
-            Next::Facet(meeting) => {
-                let light = self.absorb(medium, meeting.point_nm.distance(from.point_nm), light);
-                let (facet, front, point_nm) = (meeting.facet, meeting.front, meeting.point_nm);
-                Some((Target::State(Path { facet, front, point_nm, direction, across }), light))
+        match self.cell.next(from.at.point_nm, direction.lane(hero::<V>()), medium, Some(from.at.facet)) {
+            Next::Facet(at) => {
+                let light = self.absorb(medium, at.point_nm.distance(from.at.point_nm), light);
+                Some((Target::State(Path { at, direction, across }), light))
             }
             Next::Above => leave(Side::Above),
             Next::Below => leave(Side::Below),
@@ -259,14 +248,11 @@ impl<V: Lanes> Paths<V> for Geometric<'_, V> {
     }
 
     fn split(&mut self, path: &Path<V>, light: &Coherency<V>) -> [Option<(Branch<V>, Coherency<V>)>; 2] {
-        let facet = self.cell.facet(path.facet);
-        // N points to the side the path comes from; `near` is that side's medium.
-        let normal = if path.front { facet.normal } else { -facet.normal };
-        let Some((near, far)) = self.cell.sides(path.facet, path.front) else { return [None, None] };
-        let films = self.cell.coating(path.facet);
+        let Some(Sides { normal, near, far }) = self.cell.sides(&path.at) else { return [None, None] };
+        let films = self.cell.coating(path.at.facet);
         let (zero, one) = (V::zero(), ComplexLanes::<V>::one());
 
-        let n = RealLanes::splat(normal);
+        let n = RealLanes::<V>::splat(normal);
         let cos = (-path.direction.dot(n)).max(zero);
         let (s, sin_squared) = across(normal, path.direction);
         let light = light.turned(path.across.dot(s), path.across.cross(path.direction).dot(s));
@@ -287,10 +273,8 @@ impl<V: Lanes> Paths<V> for Geometric<'_, V> {
             Below::Mirror => None,
         };
         let Response { reflection: r, transmission: t } = if films.is_empty() {
-            let r = match &far {
-                Some(far) => fresnel(admittance(near_normal, near_eta), admittance(far.normal, far.eta)),
-                None => Polarised { s: -one, p: one },
-            };
+            let beyond = far.as_ref().map(|far| admittance(far.normal, far.eta));
+            let r = fresnel(admittance(near_normal, near_eta), beyond);
             Response { reflection: r, transmission: r.map(|r| one + r) }
         } else {
             self.coated(path, near, far.as_ref(), tangential_squared)
@@ -317,10 +301,8 @@ impl<V: Lanes> Paths<V> for Geometric<'_, V> {
             // t_p is of magnetic fields; electric ones change by η_near/η_far besides.
             let light = light.after(t.s, t.p * near_eta.div_or_zero(far.eta));
             let tangential = path.direction.add_scaled(n, cos).scale(near_eta.re);
-            let along = tangential.add_scaled(n, -far.normal.re);
-            let square = along.dot(along);
-            let length = zero.select_lt(square, V::one() / square.sqrt(), zero);
-            let branch = Branch { direction: along.scale(length), across: s, medium: far.medium };
+            let direction = tangential.add_scaled(n, -far.normal.re).normalize_or_zero();
+            let branch = Branch { direction, across: s, medium: far.medium };
             (branch, light.with_power(through))
         });
         if !films.is_empty() {
@@ -335,15 +317,11 @@ impl<V: Lanes> Paths<V> for Geometric<'_, V> {
 
 impl<V: Lanes> Continues<V, Polygons<'_, V>> for Geometric<'_, V> {
     fn path(&self, state: &State<V>, field: &Field<V>) -> Option<(Path<V>, Coherency<V>)> {
-        let normal = self.cell.facet(state.facet).normal;
-        let (medium, _) = self.cell.sides(state.facet, state.front)?;
+        let Sides { normal, near, .. } = self.cell.sides(&state.at)?;
         if is_evanescent(&state.wavevector, normal) {
             return None;
         }
-        let VectorLanes { x, y, z } = state.wavevector;
-        let along = RealLanes { x: V::narrow(x.re), y: V::narrow(y.re), z: V::narrow(z.re) };
-        let square = along.dot(along);
-        let direction = along.scale(V::zero().select_lt(square, V::one() / square.sqrt(), V::zero()));
+        let direction = state.wavevector.map(|q| V::narrow(q.re)).normalize_or_zero();
         let (s, _) = across(normal, direction);
         let p = s.cross(direction);
         let light = |e: VectorLanes<V>| {
@@ -353,9 +331,9 @@ impl<V: Lanes> Continues<V, Polygons<'_, V>> for Geometric<'_, V> {
         let (of_s, of_p) = (light(field.s), light(field.p));
         let both = Coherency { s: of_s.s + of_p.s, p: of_s.p + of_p.p, cross: of_s.cross + of_p.cross };
         // A field in an absorbing medium has a part along its way, which neither s nor p holds: power is that of the whole.
-        let per = state.spread * V::narrow(self.media.of(medium).re) / self.incident.index;
-        let power = (field.s.norm_sqr() + field.p.norm_sqr()) * per * V::splat(0.5);
-        let path = Path { facet: state.facet, front: state.front, point_nm: state.point_nm, direction, across: s };
+        let whole = self.incident.tube_power(field, state.spread, self.media.of(near));
+        let power = (whole.s + whole.p) * V::splat(0.5);
+        let path = Path { at: state.at, direction, across: s };
         Some((path, both.with_power(power)))
     }
 }
@@ -363,8 +341,8 @@ impl<V: Lanes> Continues<V, Polygons<'_, V>> for Geometric<'_, V> {
 /// A slot in which no path waits.
 #[must_use]
 pub fn free_slot<V: Lanes>() -> Slot<Path<V>, Coherency<V>> {
-    let nothing = RealLanes { x: V::zero(), y: V::zero(), z: V::zero() };
-    let path = Path { facet: 0, front: false, point_nm: DVec3::ZERO, direction: nothing, across: nothing };
+    let nothing = RealLanes::<V>::splat(DVec3::ZERO);
+    let path = Path { at: Meeting::NONE, direction: nothing, across: nothing };
     Slot::free(path, Coherency { s: V::zero(), p: V::zero(), cross: ComplexLanes::zero() })
 }
 
@@ -425,7 +403,7 @@ mod tests {
         let near = |a: F64, b: F64| assert!(Lanes::lane(a - b, 0).abs() < ROUNDING, "{a:?} {b:?}");
         near(reflected.power() + light.power(), F64::one());
         let (as_wave, from_wave) = paths.path(&state, &field).unwrap();
-        assert!((as_wave.point_nm - path.point_nm).length() < 1e-9 && as_wave.facet == path.facet);
+        assert!((as_wave.at.point_nm - path.at.point_nm).length() < 1e-9 && as_wave.at.facet == path.at.facet);
         let turned =
             from_wave.turned(as_wave.across.dot(path.across), as_wave.across.cross(as_wave.direction).dot(path.across));
         for (a, b) in [

@@ -94,23 +94,23 @@ impl<V: Lanes> Wave<V> {
     }
 }
 
-/// Fresnel's r = (κ₁ − κ₂)/(κ₁ + κ₂) of each polarisation.
+/// Fresnel's r = (κ₁ − κ₂)/(κ₁ + κ₂) of each polarisation; `far` is `None` for a mirror.
 #[inline]
 pub fn fresnel<V: Lanes>(
     near: Polarised<ComplexLanes<V>>,
-    far: Polarised<ComplexLanes<V>>,
+    far: Option<Polarised<ComplexLanes<V>>>,
 ) -> Polarised<ComplexLanes<V>> {
-    near.zip(far, |k1, k2| (k1 - k2).div_or_zero(k1 + k2))
+    let one = ComplexLanes::one();
+    match far {
+        Some(far) => near.zip(far, |k1, k2| (k1 - k2).div_or_zero(k1 + k2)),
+        None => Polarised { s: -one, p: one },
+    }
 }
 
 /// r of a wave that comes from `above`; in the paper's model the unpolarised ratio R, the same for s and p.
 #[inline]
 pub fn reflection<V: Lanes>(model: Model, above: &Wave<V>, below: Option<&Wave<V>>) -> Polarised<ComplexLanes<V>> {
-    let one = ComplexLanes::one();
-    let r = match below {
-        Some(below) => fresnel(above.admittance, below.admittance),
-        None => Polarised { s: -one, p: one },
-    };
+    let r = fresnel(above.admittance, below.map(|below| below.admittance));
     match model {
         Model::Physical => r,
         Model::Paper => {

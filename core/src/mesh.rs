@@ -39,6 +39,22 @@ pub struct Meeting {
     pub point_nm: DVec3,
 }
 
+impl Meeting {
+    /// Fills memory that is written before it is read.
+    pub(crate) const NONE: Self = Self { facet: 0, front: false, point_nm: DVec3::ZERO };
+}
+
+/// A facet from the side of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// Unit normal, to the side that the ray comes from.
+    pub normal: DVec3,
+    /// The medium there.
+    pub near: MediumIndex,
+    /// What lies beyond.
+    pub far: Below,
+}
+
 /// Where a ray ends up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Next {
@@ -128,9 +144,9 @@ impl<'a> MeshCell<'a> {
         self.coatings.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(&[])
     }
 
-    /// The films on a facet in the order in which light comes back from them: from the far side to the near one, the upper if `front`.
-    pub(crate) fn films(&self, facet: u32, front: bool) -> impl Iterator<Item = &'a Film> + use<'a> {
-        let films = self.coating(facet);
+    /// The films on a facet that a ray is about to meet, from the far side to the near one.
+    pub(crate) fn films(&self, at: &Meeting) -> impl Iterator<Item = &'a Film> + use<'a> {
+        let (films, front) = (self.coating(at.facet), at.front);
         // Of one type for both ways, so that a coating's response is compiled once.
         (1..=films.len()).filter_map(move |i| films.get(if front { films.len() - i } else { i - 1 }))
     }
@@ -179,13 +195,14 @@ impl<'a> MeshCell<'a> {
         }
     }
 
-    /// Which media a ray about to meet a facet is in and would enter; none where it would travel inside a mirror.
+    /// The facet as a ray about to meet it sees it; none where the ray would travel inside a mirror.
     #[must_use]
-    pub fn sides(&self, facet: u32, front: bool) -> Option<(MediumIndex, Below)> {
-        let Interface { above, below } = self.interface(facet);
-        match (front, below) {
-            (true, below) => Some((above, below)),
-            (false, Below::Medium(near)) => Some((near, Below::Medium(above))),
+    pub fn sides(&self, at: &Meeting) -> Option<Sides> {
+        let Interface { above, below } = self.interface(at.facet);
+        let normal = self.facet(at.facet).normal;
+        match (at.front, below) {
+            (true, far) => Some(Sides { normal, near: above, far }),
+            (false, Below::Medium(near)) => Some(Sides { normal: -normal, near, far: Below::Medium(above) }),
             (false, Below::Mirror) => None,
         }
     }

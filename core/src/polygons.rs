@@ -16,7 +16,7 @@ use crate::complex::{ComplexLanes, Polarised};
 use crate::interface::{Below, Wave};
 use crate::lanes::Lanes;
 use crate::medium::{MediaLanes, MediumIndex};
-use crate::mesh::{MeshCell, Next};
+use crate::mesh::{Meeting, MeshCell, Next, Sides};
 use crate::stack::Response;
 use crate::trace::{Slot, Split, Target, Waves};
 use crate::turns::propagate;
@@ -29,10 +29,8 @@ pub type Field<V> = Polarised<VectorLanes<V>>;
 /// A ray about to be split at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<V: Lanes> {
-    pub(crate) facet: u32,
-    pub(crate) front: bool,
-    /// Unwrapped: where the ray meets the facet and its field is taken.
-    pub(crate) point_nm: DVec3,
+    /// The facet, and where the field is taken.
+    pub(crate) at: Meeting,
     /// In units of k₀.
     pub(crate) wavevector: VectorLanes<V::Precise>,
     /// J: cross-section of the ray's tube in units of the incident one.
@@ -78,7 +76,7 @@ pub struct Incident<V: Lanes> {
     pub(crate) across: DVec3,
     wavevector: VectorLanes<V::Precise>,
     field: Field<V>,
-    pub(crate) index: V,
+    index: V,
 }
 
 impl<V: Lanes> Incident<V> {
@@ -98,6 +96,12 @@ impl<V: Lanes> Incident<V> {
             field: Polarised { s: VectorLanes::splat(s), p: VectorLanes::splat(p) },
             index: V::narrow(eta.re),
         }
+    }
+
+    /// Power of a field in a tube, per polarisation: |E|² J n/n_in for a travelling wave in a medium of index `eta`.
+    pub fn tube_power(&self, field: &Field<V>, spread: V, eta: ComplexLanes<V::Precise>) -> Polarised<V> {
+        let per = spread * V::narrow(eta.re) / self.index;
+        field.map(|e| e.norm_sqr() * per)
     }
 
     /// The light's wavevector in units of k₀.
@@ -135,15 +139,12 @@ impl<'a, V: Lanes> Polygons<'a, V> {
     /// Starts a ray over a point of the period, (u, v) in [0, 1)²: its first facet and its field there, referred to that
     /// point itself. `None` if it meets nothing.
     pub fn start(&self, u: f64, v: f64) -> Option<(State<V>, Field<V>)> {
-        let meeting = self.cell.first(u, v, -self.incident.wi)?;
-        let state = State {
-            facet: meeting.facet,
-            front: meeting.front,
-            point_nm: meeting.point_nm,
-            wavevector: self.incident.wavevector,
-            spread: V::one(),
-        };
-        Some((state, self.incident.field))
+        self.cell.first(u, v, -self.incident.wi).map(|at| self.start_at(at))
+    }
+
+    /// [`Polygons::start`] of light that is known to meet this first.
+    pub fn start_at(&self, at: Meeting) -> (State<V>, Field<V>) {
+        (State { at, wavevector: self.incident.wavevector, spread: V::one() }, self.incident.field)
     }
 
     /// Power of rays that were lost: in holes of the mesh, or after too many periods. Adds up over calls of `split`.
@@ -156,20 +157,14 @@ impl<'a, V: Lanes> Polygons<'a, V> {
         self.absorbed
     }
 
-    fn eta(&self, medium: MediumIndex) -> ComplexLanes<V::Precise> {
-        self.media.of(medium)
-    }
-
     /// exp(i k₀ q·Δx).
     #[inline]
     fn carry(&self, wavevector: &VectorLanes<V::Precise>, step_nm: DVec3) -> ComplexLanes<V> {
         propagate(wavevector.dot_real(step_nm).scale(self.per_wavelength))
     }
 
-    /// Power of a field in a tube, per polarisation: |E|² J n/n_in for a travelling wave.
-    pub fn tube_power(&self, field: &Field<V>, spread: V, medium: MediumIndex) -> Polarised<V> {
-        let per = spread * V::narrow(self.eta(medium).re) / self.incident.index;
-        field.map(|e| e.norm_sqr() * per)
+    fn tube_power(&self, field: &Field<V>, spread: V, medium: MediumIndex) -> Polarised<V> {
+        self.incident.tube_power(field, spread, self.media.of(medium))
     }
 
     /// Sends a ray from a facet into `medium` and says where it goes, with its field there.
@@ -177,11 +172,11 @@ impl<'a, V: Lanes> Polygons<'a, V> {
         let Leaving { wavevector, field, medium, normal, spread, power } = leaving;
         let evanescent = is_evanescent(&wavevector, normal);
         let direction = if evanescent { normal } else { wavevector.direction(hero::<V>()) };
-        match self.cell.next(from.point_nm, direction, medium, Some(from.facet)) {
-            Next::Facet(meeting) => {
-                let factor = self.carry(&wavevector, meeting.point_nm - from.point_nm);
+        match self.cell.next(from.at.point_nm, direction, medium, Some(from.at.facet)) {
+            Next::Facet(at) => {
+                let factor = self.carry(&wavevector, at.point_nm - from.at.point_nm);
                 // Across a gap between parallel facets; on a tilted one a wave that only decays would be a growing one.
-                let parallel = self.cell.facet(meeting.facet).normal.dot(normal).abs() > PARALLEL;
+                let parallel = self.cell.facet(at.facet).normal.dot(normal).abs() > PARALLEL;
                 if evanescent && !(parallel && factor.norm_sqr().any_above(EVANESCENT * EVANESCENT)) {
                     return None;
                 }
@@ -190,14 +185,7 @@ impl<'a, V: Lanes> Polygons<'a, V> {
                     let left = power.zip(factor_power(factor), |power, factor| power * factor);
                     self.absorbed = self.absorbed.zip(power.zip(left, |a, b| a - b), |sum, lost| sum + lost);
                 }
-                let state = State {
-                    facet: meeting.facet,
-                    front: meeting.front,
-                    point_nm: meeting.point_nm,
-                    wavevector,
-                    spread,
-                };
-                Some((Target::State(state), arriving))
+                Some((Target::State(State { at, wavevector, spread }), arriving))
             }
             _ if evanescent => None,
             Next::Lost => {
@@ -207,7 +195,8 @@ impl<'a, V: Lanes> Polygons<'a, V> {
             }
             up_or_down => {
                 let side = if up_or_down == Next::Above { Side::Above } else { Side::Below };
-                let departure = Departure { side, wavevector, point_nm: from.point_nm, normal, spread, medium, power };
+                let departure =
+                    Departure { side, wavevector, point_nm: from.at.point_nm, normal, spread, medium, power };
                 Some((Target::Exit(departure), field))
             }
         }
@@ -236,10 +225,10 @@ fn factor_power<V: Lanes>(factor: ComplexLanes<V>) -> Polarised<V> {
 /// A unit ŝ with ŝ·N = ŝ·q = 0; any tangent at normal incidence.
 #[inline]
 fn across<V: Lanes>(normal: DVec3, wavevector: &VectorLanes<V>) -> VectorLanes<V> {
-    let n = VectorLanes::splat(normal);
+    let n = VectorLanes::<V>::splat(normal);
     let s = n.cross(*wavevector);
     let length_squared = s.dot(s);
-    let tangent = VectorLanes::splat(normal.any_orthonormal_vector());
+    let tangent = VectorLanes::<V>::splat(normal.any_orthonormal_vector());
     let small = V::splat(NORMAL_INCIDENCE);
     let magnitude = length_squared.norm_sqr();
     let root = length_squared.sqrt_upper();
@@ -258,39 +247,36 @@ impl<V: Lanes> Waves<V> for Polygons<'_, V> {
     const PROBES: usize = usize::MAX;
 
     fn home(&self, state: &State<V>) -> usize {
-        2 * state.facet as usize + usize::from(state.front)
+        2 * state.at.facet as usize + usize::from(state.at.front)
     }
 
     fn same(&self, a: &State<V>, b: &State<V>) -> bool {
         let apart = a.wavevector.direction(hero::<V>()) - b.wavevector.direction(hero::<V>());
-        let plane = self.cell.facet(a.facet).normal.dot(a.point_nm - b.point_nm);
-        a.facet == b.facet
-            && a.front == b.front
+        let plane = self.cell.facet(a.at.facet).normal.dot(a.at.point_nm - b.at.point_nm);
+        a.at.facet == b.at.facet
+            && a.at.front == b.at.front
             && apart.length_squared() < SAME_WAVEVECTOR * SAME_WAVEVECTOR
             && plane.abs() < SAME_PLANE_NM
     }
 
     fn merge(&self, into: &State<V>, field: Field<V>, from: &State<V>, more: Field<V>) -> Field<V> {
-        let factor = self.carry(&into.wavevector, into.point_nm - from.point_nm);
+        let factor = self.carry(&into.wavevector, into.at.point_nm - from.at.point_nm);
         field.zip(more, |a, b| a + b.scale(factor))
     }
 
     fn power(&self, state: &State<V>, field: &Field<V>) -> V {
-        let Some((medium, _)) = self.cell.sides(state.facet, state.front) else { return V::zero() };
-        let Polarised { s, p } = self.tube_power(field, state.spread, medium);
+        let Some(Sides { near, .. }) = self.cell.sides(&state.at) else { return V::zero() };
+        let Polarised { s, p } = self.tube_power(field, state.spread, near);
         (s + p) * V::splat(0.5)
     }
 
     fn split(&mut self, state: &State<V>, field: &Field<V>) -> Split<State<V>, Departure<V>, Field<V>> {
-        let facet = self.cell.facet(state.facet);
-        // N points to the side the ray comes from; `near` is that side's medium.
-        let normal = if state.front { facet.normal } else { -facet.normal };
-        let Some((near, far)) = self.cell.sides(state.facet, state.front) else { return [None, None] };
+        let Some(Sides { normal, near, far }) = self.cell.sides(&state.at) else { return [None, None] };
 
         let q = state.wavevector;
         let q_n = -q.dot_real(normal);
         let tangential = q.add_scaled(normal, q_n);
-        let near_eta = self.eta(near);
+        let near_eta = self.media.of(near);
         let tangential_squared = tangential.dot(tangential);
         let near_wave = Wave::<V>::with_normal(near_eta, q_n);
 
@@ -303,12 +289,12 @@ impl<V: Lanes> Waves<V> for Polygons<'_, V> {
         let parts = field.map(|e| (e.dot(s_hat), e.dot(p_in)));
 
         let far_wave = match far {
-            Below::Medium(far) => Some((far, Wave::<V>::new(self.eta(far), tangential_squared))),
+            Below::Medium(far) => Some((far, Wave::<V>::new(self.media.of(far), tangential_squared))),
             Below::Mirror => None,
         };
-        let films = self.cell.coating(state.facet);
+        let films = self.cell.coating(state.at.facet);
         let far_side = far_wave.as_ref().map(|(_, wave)| wave);
-        let order = self.cell.films(state.facet, state.front);
+        let order = self.cell.films(&state.at);
         let Response { reflection: r, transmission: t } =
             coated(&near_wave, order, far_side, &self.media, tangential_squared);
 
@@ -324,7 +310,7 @@ impl<V: Lanes> Waves<V> for Polygons<'_, V> {
             power: self.tube_power(&field_out, state.spread, near),
         };
         let refracted = far_wave.map(|(far, wave)| {
-            let far_eta = self.eta(far);
+            let far_eta = self.media.of(far);
             let wavevector = tangential.add_scaled(normal, -wave.normal);
             let p_through = p_of(wavevector, far_eta);
             // t_p is of magnetic fields; electric ones change by η_near/η_far besides.
@@ -383,14 +369,13 @@ pub(crate) fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, normal: DVec3
 impl<V: Lanes> State<V> {
     /// Where the ray meets its facet, unwrapped.
     pub fn point_nm(&self) -> DVec3 {
-        self.point_nm
+        self.at.point_nm
     }
 }
 
 /// A slot in which no ray waits.
 #[must_use]
 pub fn free_slot<V: Lanes>() -> Slot<State<V>, Field<V>> {
-    let state =
-        State { facet: 0, front: false, point_nm: DVec3::ZERO, wavevector: VectorLanes::zero(), spread: V::zero() };
+    let state = State { at: Meeting::NONE, wavevector: VectorLanes::zero(), spread: V::zero() };
     Slot::free(state, Polarised::both(VectorLanes::zero()))
 }

@@ -3,64 +3,61 @@
 
 use crate::complex::ComplexLanes;
 use crate::lanes::Lanes;
+use core::ops::{Add, Mul, Sub};
 use glam::DVec3;
 
-/// A complex vector for each wavelength of a group.
+/// A vector of numbers of lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VectorLanes<V> {
+pub struct Vector<T> {
     /// Along the tangent.
-    pub x: ComplexLanes<V>,
+    pub x: T,
     /// Along the binormal.
-    pub y: ComplexLanes<V>,
+    pub y: T,
     /// Along the macroscopic normal.
-    pub z: ComplexLanes<V>,
+    pub z: T,
 }
 
-impl<V: Lanes> VectorLanes<V> {
-    /// The same real vector in every lane.
-    pub fn splat(v: DVec3) -> Self {
-        let real = |x| ComplexLanes::real(V::splat(x));
-        Self { x: real(v.x), y: real(v.y), z: real(v.z) }
-    }
+/// A complex vector for each wavelength of a group.
+pub type VectorLanes<V> = Vector<ComplexLanes<V>>;
 
-    /// 0.
-    pub fn zero() -> Self {
-        Self { x: ComplexLanes::zero(), y: ComplexLanes::zero(), z: ComplexLanes::zero() }
-    }
+/// A real vector for each wavelength of a group.
+pub type RealLanes<V> = Vector<V>;
 
-    /// Rounds double precision to the lanes' own.
+/// What components have in common: lanes, and complex numbers of them.
+pub trait Component: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    /// self · m + a.
+    fn mul_add(self, m: Self, a: Self) -> Self;
+    /// a − self · m.
+    fn neg_mul_add(self, m: Self, a: Self) -> Self;
+}
+
+impl<V: Lanes> Component for V {
     #[inline]
-    pub fn narrow(precise: VectorLanes<V::Precise>) -> Self {
-        Self {
-            x: ComplexLanes::narrow(precise.x),
-            y: ComplexLanes::narrow(precise.y),
-            z: ComplexLanes::narrow(precise.z),
-        }
+    fn mul_add(self, m: Self, a: Self) -> Self {
+        Lanes::mul_add(self, m, a)
     }
+    #[inline]
+    fn neg_mul_add(self, m: Self, a: Self) -> Self {
+        Lanes::neg_mul_add(self, m, a)
+    }
+}
 
+impl<V: Lanes> Component for ComplexLanes<V> {
+    #[inline]
+    fn mul_add(self, m: Self, a: Self) -> Self {
+        self.mul_add(m, a)
+    }
+    #[inline]
+    fn neg_mul_add(self, m: Self, a: Self) -> Self {
+        self.neg_mul_add(m, a)
+    }
+}
+
+impl<T: Component> Vector<T> {
     /// Σ aᵢbᵢ, without conjugation: q·q = η² holds for this product.
     #[inline]
-    pub fn dot(self, other: Self) -> ComplexLanes<V> {
+    pub fn dot(self, other: Self) -> T {
         self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
-    }
-
-    /// Product with a real vector.
-    #[inline]
-    pub fn dot_real(self, v: DVec3) -> ComplexLanes<V> {
-        let (x, y, z) = (V::splat(v.x), V::splat(v.y), V::splat(v.z));
-        ComplexLanes {
-            re: self.x.re.mul_add(x, self.y.re.mul_add(y, self.z.re * z)),
-            im: self.x.im.mul_add(x, self.y.im.mul_add(y, self.z.im * z)),
-        }
-    }
-
-    /// Product with a real vector for each lane.
-    #[inline]
-    pub fn dot_lanes(self, v: RealLanes<V>) -> ComplexLanes<V> {
-        let [x, y, z] = [self.x, self.y, self.z];
-        let real = RealLanes { x: x.re, y: y.re, z: z.re };
-        let imaginary = RealLanes { x: x.im, y: y.im, z: z.im };
-        ComplexLanes { re: real.dot(v), im: imaginary.dot(v) }
     }
 
     /// Vector product.
@@ -73,10 +70,68 @@ impl<V: Lanes> VectorLanes<V> {
         }
     }
 
-    /// Each component times a complex number.
+    /// Each component times a number.
     #[inline]
-    pub fn scale(self, by: ComplexLanes<V>) -> Self {
-        Self { x: self.x * by, y: self.y * by, z: self.z * by }
+    pub fn scale(self, by: T) -> Self {
+        self.map(|component| component * by)
+    }
+
+    /// f applied to each component.
+    #[inline]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Vector<U> {
+        Vector { x: f(self.x), y: f(self.y), z: f(self.z) }
+    }
+
+    /// f applied to each pair of components.
+    #[inline]
+    pub fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+        Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }
+    }
+}
+
+impl<T: Component> Add for Vector<T> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl<T: Component> Sub for Vector<T> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl<V: Lanes> VectorLanes<V> {
+    /// The same real vector in every lane.
+    pub fn splat(v: DVec3) -> Self {
+        RealLanes::<V>::splat(v).map(ComplexLanes::real)
+    }
+
+    /// 0.
+    pub fn zero() -> Self {
+        Self { x: ComplexLanes::zero(), y: ComplexLanes::zero(), z: ComplexLanes::zero() }
+    }
+
+    /// Rounds double precision to the lanes' own.
+    #[inline]
+    pub fn narrow(precise: VectorLanes<V::Precise>) -> Self {
+        precise.map(ComplexLanes::narrow)
+    }
+
+    /// Product with a real vector.
+    #[inline]
+    pub fn dot_real(self, v: DVec3) -> ComplexLanes<V> {
+        self.dot_lanes(RealLanes::<V>::splat(v))
+    }
+
+    /// Product with a real vector for each lane.
+    #[inline]
+    pub fn dot_lanes(self, v: RealLanes<V>) -> ComplexLanes<V> {
+        ComplexLanes { re: self.map(|c| c.re).dot(v), im: self.map(|c| c.im).dot(v) }
     }
 
     /// self + v·by for a real vector v.
@@ -94,25 +149,8 @@ impl<V: Lanes> VectorLanes<V> {
 
     /// The real part in one lane.
     pub fn direction(self, lane: usize) -> DVec3 {
-        DVec3::new(self.x.re.lane(lane), self.y.re.lane(lane), self.z.re.lane(lane))
+        self.map(|c| c.re).lane(lane)
     }
-
-    /// f applied to each pair of components.
-    #[inline]
-    pub fn zip(self, other: Self, f: impl Fn(ComplexLanes<V>, ComplexLanes<V>) -> ComplexLanes<V>) -> Self {
-        Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }
-    }
-}
-
-/// A real vector for each wavelength of a group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RealLanes<V> {
-    /// Along the tangent.
-    pub x: V,
-    /// Along the binormal.
-    pub y: V,
-    /// Along the macroscopic normal.
-    pub z: V,
 }
 
 impl<V: Lanes> RealLanes<V> {
@@ -122,54 +160,23 @@ impl<V: Lanes> RealLanes<V> {
         Self { x: V::splat(v.x), y: V::splat(v.y), z: V::splat(v.z) }
     }
 
-    /// Σ aᵢbᵢ.
-    #[inline]
-    pub fn dot(self, other: Self) -> V {
-        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
-    }
-
-    /// Vector product.
-    #[inline]
-    pub fn cross(self, other: Self) -> Self {
-        Self {
-            x: self.z.neg_mul_add(other.y, self.y * other.z),
-            y: self.x.neg_mul_add(other.z, self.z * other.x),
-            z: self.y.neg_mul_add(other.x, self.x * other.y),
-        }
-    }
-
-    /// Each component times a number.
-    #[inline]
-    pub fn scale(self, by: V) -> Self {
-        Self { x: self.x * by, y: self.y * by, z: self.z * by }
-    }
-
     /// self + v·by.
     #[inline]
     pub fn add_scaled(self, v: Self, by: V) -> Self {
-        Self { x: v.x.mul_add(by, self.x), y: v.y.mul_add(by, self.y), z: v.z.mul_add(by, self.z) }
+        self.zip(v, |component, v| v.mul_add(by, component))
+    }
+
+    /// Of length 1 where it has a length.
+    #[inline]
+    pub fn normalize_or_zero(self) -> Self {
+        let square = self.dot(self);
+        self.scale(V::zero().select_lt(square, V::one() / square.sqrt(), V::zero()))
     }
 
     /// The vector in one lane.
     #[inline]
     pub fn lane(self, lane: usize) -> DVec3 {
         DVec3::new(self.x.lane(lane), self.y.lane(lane), self.z.lane(lane))
-    }
-}
-
-impl<V: Lanes> core::ops::Add for VectorLanes<V> {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
-
-impl<V: Lanes> core::ops::Sub for VectorLanes<V> {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
     }
 }
 

@@ -54,10 +54,10 @@ pub fn cell<V: Lanes>(visit: Visit<'_>) {
             for ray in 0..RAYS {
                 let [u, v] = sobol(ray, 1);
                 let (path, light) = geometric.start(u, v).expect("no hole");
-                exits.begin(path.point_nm());
+                exits.begin(path.at().point_nm);
                 let mut random = Random::new(ray, 1);
                 let done = if coherent {
-                    let (state, field) = polygons.start(u, v).expect("no hole");
+                    let (state, field) = polygons.start_at(path.at());
                     let spill = Spill::new(&mut geometric, &mut paths, PATH_LIMITS, &mut random);
                     trace_spilling(&mut polygons, state, field, &mut waves, WAVE_LIMITS, spill, &mut exits)
                 } else {

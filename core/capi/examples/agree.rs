@@ -135,10 +135,10 @@ fn ridge(interference: bool) {
     for ray in 0..RAYS {
         let [u, v] = sobol(ray, SEED);
         let (path, light) = geometric.start(u, v).expect("the ridge has no holes");
-        exits.begin(path.point_nm());
+        exits.begin(path.at().point_nm);
         let mut random = Random::new(ray, SEED);
         let done = if interference {
-            let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
+            let (state, field) = polygons.start_at(path.at());
             let spill = Spill::new(&mut geometric, &mut waiting, paths, &mut random);
             let limits = Limits { in_flight: 1e-13, generations: 10_000 };
             trace_spilling(&mut polygons, state, field, &mut waves, limits, spill, &mut exits)

@@ -386,14 +386,14 @@ impl Tracer<'_> {
                 truncated += F32::one();
                 continue;
             };
-            exits.begin(path.point_nm());
+            exits.begin(path.at().point_nm);
             let mut random = Random::new(ray, seed);
-            let done = match polygons.start(u, v).filter(|_| interference) {
-                Some((state, field)) => {
-                    let spill = Spill::new(&mut geometric, self.paths, PATH_LIMITS, &mut random);
-                    trace_spilling(&mut polygons, state, field, self.waves, WAVE_LIMITS, spill, &mut exits)
-                }
-                None => follow_paths(&mut geometric, path, light, self.paths, PATH_LIMITS, &mut random, &mut exits),
+            let done = if interference {
+                let (state, field) = polygons.start_at(path.at());
+                let spill = Spill::new(&mut geometric, self.paths, PATH_LIMITS, &mut random);
+                trace_spilling(&mut polygons, state, field, self.waves, WAVE_LIMITS, spill, &mut exits)
+            } else {
+                follow_paths(&mut geometric, path, light, self.paths, PATH_LIMITS, &mut random, &mut exits)
             };
             truncated += done.truncated + exits.settle(&mut tally);
         }
