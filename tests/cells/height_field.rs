@@ -8,10 +8,10 @@ use goniochrome::interface::{Below, Interface};
 use goniochrome::lanes::{F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
-use goniochrome::paths::follow_paths;
+use goniochrome::paths::{Paths, Sent, follow_paths};
 use goniochrome::polygons::Incident;
 use goniochrome::sampling::Random;
-use goniochrome::trace::{Limits, Sink, Slot};
+use goniochrome::trace::{Limits, Sink, Slot, Target};
 use goniochrome_cli::bumpy::Bumpy;
 use goniochrome_cli::groups::Groups;
 use goniochrome_cli::scene::{Mesh, NamedInterface, NamedMedium, OwnedMedium, Scene, Shape, Triangle};
@@ -89,6 +89,8 @@ pub struct Outcome {
     pub transmitted: f64,
     pub absorbed: f64,
     pub truncated: f64,
+    /// Σ power × length of the ways between facets, in nanometres; what the ambient medium holds of them counts too.
+    pub way_nm: f64,
 }
 
 impl Outcome {
@@ -108,6 +110,44 @@ impl Sink<Leaving<F64>, Coherency<F64>> for Outcome {
             Side::Above => self.up.push((exit.direction.lane(0).normalize(), power)),
             Side::Below => self.transmitted += power,
         }
+    }
+}
+
+/// Paths whose ways are measured.
+struct Measured<'a> {
+    paths: Geometric<'a, F64>,
+    way_nm: f64,
+}
+
+impl<'a> Paths<F64> for Measured<'a> {
+    type State = Path<F64>;
+    type Branch = <Geometric<'a, F64> as Paths<F64>>::Branch;
+    type Light = Coherency<F64>;
+    type Exit = Leaving<F64>;
+
+    fn power(light: &Self::Light) -> F64 {
+        light.power()
+    }
+
+    fn strengthen(light: &Self::Light, by: f64) -> Self::Light {
+        Geometric::strengthen(light, by)
+    }
+
+    fn split(&mut self, state: &Self::State, light: &Self::Light) -> [Option<(Self::Branch, Self::Light)>; 2] {
+        self.paths.split(state, light)
+    }
+
+    fn send(
+        &mut self,
+        from: &Self::State,
+        branch: &Self::Branch,
+        light: &Self::Light,
+    ) -> Sent<Self::State, Self::Exit, Self::Light> {
+        let sent = self.paths.send(from, branch, light);
+        if let Some((Target::State(to), _)) = &sent {
+            self.way_nm += Lanes::lane(light.power(), 0) * to.at().point_nm.distance(from.at().point_nm);
+        }
+        sent
     }
 }
 
@@ -142,15 +182,18 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
     let mut slots: Vec<Slot<Path<F64>, Coherency<F64>>> = vec![free_slot(); states];
     let mut one = |cell: MeshCell<'_>, media: MediaLanes<'_, F64>, start: &Start| {
         let eta = media.eta()[usize::from(cell.above())];
-        let mut geometric = Geometric::new(cell, media, Incident::new(start.wi, eta));
+        let paths = Geometric::new(cell, media, Incident::new(start.wi, eta));
         let mut outcome = Outcome::default();
-        let Some((path, light)) = geometric.start(start.u, start.v) else {
+        let Some((path, light)) = paths.start(start.u, start.v) else {
             return Outcome { truncated: 1.0, ..outcome };
         };
         let mut random = Random::new(start.seed, 0);
-        let done = follow_paths(&mut geometric, path, light, &mut slots, LIMITS, &mut random, &mut outcome);
-        outcome.truncated += done.truncated.lane(0) + geometric.lost().lane(0);
-        outcome.absorbed += geometric.absorbed().lane(0);
+        let mut measured = Measured { paths, way_nm: 0.0 };
+        let done = follow_paths(&mut measured, path, light, &mut slots, LIMITS, &mut random, &mut outcome);
+        let Measured { paths, way_nm } = measured;
+        outcome.truncated += done.truncated.lane(0) + paths.lost().lane(0);
+        outcome.absorbed += paths.absorbed().lane(0);
+        outcome.way_nm = way_nm;
         outcome
     };
     with_cell(scene, wavelength_nm, |cell, media| starts.iter().map(|start| one(cell, media, start)).collect())
