@@ -11,7 +11,7 @@ use goniochrome::mesh::MeshCell;
 use goniochrome::stack::Film;
 
 use crate::error::{Error, Result};
-use crate::scene::{Mesh, NamedInterface, Scene, Shape};
+use crate::scene::{Mesh, NamedInterface, Scene, Shape, on_border};
 
 /// The polygons of a scene, grouped into facets, and the media between them.
 #[derive(Debug, Clone)]
@@ -46,7 +46,7 @@ impl<'s> Bumpy<'s> {
         let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else {
             return Err(Error::failed(format_args!("{}: has no [cell] of polygons", scene.name)));
         };
-        let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
+        let vertices = on_border(mesh, *period_nm);
         let solid: Vec<_> = mesh.triangles.iter().filter(|t| area(&vertices, t.vertices).length() > 0.0).collect();
         if solid.is_empty() {
             return Err(Error::failed(format_args!("{}: no triangle has an area", mesh.path.display())));

@@ -80,7 +80,9 @@ const NOTHING: Interface = Interface { above: MediumIndex::MAX, below: Below::Mi
 const BORDER: f64 = 4.0 * f32::EPSILON as f64;
 
 impl<'a> MeshCell<'a> {
-    /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light.
+    /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light. Vertices
+    /// on the border are best exactly there, at 0 or Λ: between periods that miss each other by rounding light may fall
+    /// through.
     ///
     /// # Errors
     /// [`CellError`], with the first offending facet; [`CellError::Period`] for a period that is not positive or is left by

@@ -129,8 +129,7 @@ fn merged(cell: &Cell, scene: &Scene) -> Option<[f64; 2]> {
         let incident = Incident::new(wi, eta);
         let (mut polygons, mut geometric) =
             (Polygons::new(mesh, media, incident), Geometric::new(mesh, media, incident));
-        // A ray that starts on the very border of the period may pass beside both copies of an edge; it is truncated whole.
-        let (state, field) = polygons.start(u, v)?;
+        let (state, field) = polygons.start(u, v).expect("no hole");
         // As the command line has: one for each side of each sheet, and two pairs.
         let mut waves = vec![free_slot(); 2 * cell.field.sheets() + 4];
         let mut paths = vec![geometric::free_slot(); SPILLED];

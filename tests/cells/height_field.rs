@@ -184,9 +184,7 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
         let eta = media.eta()[usize::from(cell.above())];
         let paths = Geometric::new(cell, media, Incident::new(start.wi, eta));
         let mut outcome = Outcome::default();
-        let Some((path, light)) = paths.start(start.u, start.v) else {
-            return Outcome { truncated: 1.0, ..outcome };
-        };
+        let (path, light) = paths.start(start.u, start.v).expect("no hole");
         let mut random = Random::new(start.seed, 0);
         let mut measured = Measured { paths, way_nm: 0.0 };
         let done = follow_paths(&mut measured, path, light, &mut slots, LIMITS, &mut random, &mut outcome);

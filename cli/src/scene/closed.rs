@@ -40,13 +40,29 @@ pub fn check_closed(
     interfaces: &[NamedInterface],
     media: &[NamedMedium],
 ) -> Result<()> {
-    let largest = mesh.vertices.iter().flatten().chain(&period_nm).fold(0.0, |most: f64, x| most.max(x.abs()));
-    let check = Check { mesh, period_nm, interfaces, media, resolution_nm: largest * SAME_VERTEX };
+    let check = Check { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh, period_nm) };
     check.inside()?;
     let edges = check.edges();
     let mut bodies = Bodies((0..mesh.triangles.len()).collect());
     check.around_edges(&edges, &mut bodies)?;
     check.through_bodies(&edges, &mut bodies)
+}
+
+/// Vertices nearer than this are one vertex.
+fn resolution_nm(mesh: &Mesh, period_nm: [f64; 2]) -> f64 {
+    SAME_VERTEX * mesh.vertices.iter().flatten().chain(&period_nm).fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// The vertices; those beside the border of the period are put onto it, since light would fall through between copies of the
+/// mesh that miss each other.
+pub(crate) fn on_border(mesh: &Mesh, period_nm: [f64; 2]) -> Vec<DVec3> {
+    let resolution_nm = resolution_nm(mesh, period_nm);
+    let moved = |x: f64, period: f64| {
+        let near = |border: &f64| (x - border).abs() <= resolution_nm;
+        [0.0, period].into_iter().find(near).unwrap_or(x)
+    };
+    let [width, depth] = period_nm;
+    mesh.vertices.iter().map(|&[x, y, z]| DVec3::new(moved(x, width), moved(y, depth), z)).collect()
 }
 
 /// A vertex modulo the period.

@@ -55,6 +55,15 @@ fn grain(usemtl: &str, z: f64) -> String {
 }
 
 #[test]
+fn vertices_beside_the_border_are_put_onto_it() {
+    let period = [10.0, 8.0];
+    let vertices = vec![[-1e-9, 8.000001, 1.0], [9.9999999, 1e-7, -1e-9], [0.001, 7.999, 3.0]];
+    let mesh = Mesh { vertices, triangles: Vec::new(), path: "m.obj".into() };
+    let corners = [[0.0, 8.0, 1.0], [10.0, 0.0, -1e-9], [0.001, 7.999, 3.0]];
+    assert_eq!(on_border(&mesh, period), corners.map(DVec3::from));
+}
+
+#[test]
 fn closed_cells_pass() {
     check(&roof("top", 0.0)).unwrap();
     check(&roof("mirror", 40.0)).unwrap(); // far higher than its period

@@ -23,6 +23,7 @@ use crate::error::{Error, Result};
 
 pub use builtin::names as material_names;
 pub use closed::check_closed;
+pub(crate) use closed::on_border;
 pub use medium::{OwnedDispersion, OwnedMedium};
 pub use obj::{Mesh, Triangle};
 pub use planes::{Plane, planes};
