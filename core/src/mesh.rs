@@ -241,7 +241,9 @@ impl<'a> MeshCell<'a> {
                 let near = if hit.front { Below::Medium(interface.above) } else { interface.below };
                 Some(facet) != leaving && near == Below::Medium(medium)
             };
-            if let Some(hit) = self.bvh.closest(&ray, fits) {
+            let beside = || self.beside(&ray, [entered == 0.0, leaves >= last]);
+            let hit = self.bvh.closest(&ray, fits);
+            if let Some(hit) = hit.or_else(|| beside().find_map(|ray| self.bvh.closest(&ray, fits))) {
                 return Next::Facet(Meeting {
                     facet: self.facet_of(&hit),
                     front: hit.front,
@@ -264,5 +266,30 @@ impl<'a> MeshCell<'a> {
             entered = leaves;
         }
         Next::Lost
+    }
+
+    /// A ray that runs along the border of a period, as the neighbours there see it: by rounding it may miss its own half of what it
+    /// meets. The same where it first begins or at last ends on the border, if this is the `first` or the `last` period.
+    fn beside(&self, ray: &Ray, [first, last]: [bool; 2]) -> impl Iterator<Item = Ray> + use<> {
+        let Ray { origin, direction, t_min, t_max } = *ray;
+        let (begin, end) = (origin + direction * t_min, origin + direction * t_max);
+        let step = |begin: f64, end: f64, period: f64| {
+            let on = |begins: bool, ends: bool| begins && (first || ends) || ends && last;
+            let [low, high] = [2.0 * self.slack_nm, period - 2.0 * self.slack_nm];
+            if on(begin <= low, end <= low) {
+                period
+            } else if on(begin >= high, end >= high) {
+                -period
+            } else {
+                0.0
+            }
+        };
+        let [px, py] = self.period_nm;
+        let (x, y) = (step(begin.x, end.x, px), step(begin.y, end.y, py));
+        let (along_x, along_y) = (x != 0.0, y != 0.0);
+        [(along_x, x, 0.0), (along_y, 0.0, y), (along_x && along_y, x, y)]
+            .into_iter()
+            .filter_map(|(there, x, y)| there.then_some(DVec3::new(x, y, 0.0)))
+            .map(move |step| Ray { origin: origin + step, direction, t_min, t_max })
     }
 }
