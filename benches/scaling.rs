@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use goniochrome::bins::DirectionBins;
-use goniochrome::bvh::{Bvh, Corners, Node};
+use goniochrome::bvh::{Bvh, Node};
 use goniochrome::interface::Model;
 use goniochrome::lanes::F32;
 use goniochrome::layers::{Summation, Workspace, trace_layers};
@@ -80,7 +80,7 @@ fn polygons(level: usize) -> [f64; 2] {
     let mesh = Mesh::teapot(level as u32);
     let count = mesh.triangles.len();
     let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
-    let (mut order, mut corners) = (vec![0; count], vec![Corners::EMPTY; count]);
+    let (mut order, mut corners) = (vec![0; count], vec![0.0; Bvh::required_corners(count)]);
     let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners).expect("a good mesh");
     let rays = stages::incoherent(&mesh, 200_000);
     let run = || {

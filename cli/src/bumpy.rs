@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Corners, Node};
+use goniochrome::bvh::{Bvh, Node};
 use goniochrome::cell::Facet;
 use goniochrome::interface::{Below, Interface};
 use goniochrome::medium::{Medium, MediumError, MediumIndex};
@@ -33,7 +33,7 @@ pub struct Bumpy<'s> {
 pub struct CellBuffer<'b> {
     nodes: Vec<Node>,
     order: Vec<u32>,
-    corners: Vec<Corners>,
+    corners: Vec<f64>,
     coatings: Vec<&'b [Film]>,
 }
 
@@ -70,7 +70,7 @@ impl<'s> Bumpy<'s> {
         CellBuffer {
             nodes: vec![Node::default(); Bvh::required_nodes(count)],
             order: vec![0; count],
-            corners: vec![Corners::EMPTY; count],
+            corners: vec![0.0; Bvh::required_corners(count)],
             coatings: self.coatings.iter().map(Vec::as_slice).collect(),
         }
     }

@@ -349,7 +349,7 @@ pub fn free_slot<V: Lanes>() -> Slot<Path<V>, Coherency<V>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::{Bvh, Corners, Node};
+    use crate::bvh::{Bvh, Node};
     use crate::cell::Facet;
     use crate::interface::Interface;
     use crate::lanes::F64;
@@ -383,7 +383,7 @@ mod tests {
         let vertices: [DVec3; 8] = core::array::from_fn(|i| square(if i < 4 { 0.0 } else { -300.0 })[i % 4]);
         let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
         let mut nodes = [Node::EMPTY; Bvh::required_nodes(4)];
-        let (mut order, mut corners) = ([0; 4], [Corners::EMPTY; 4]);
+        let (mut order, mut corners) = ([0; 4], [0.0; Bvh::required_corners(4)]);
         let bvh = Bvh::build(&vertices, &triangles, &mut nodes, &mut order, &mut corners).unwrap();
         let facets = [Facet::horizontal(0.0, 0), Facet::horizontal(-300.0, 1)];
         let interfaces =

@@ -23,8 +23,6 @@ pub type F64 = width::Double;
 
 /// Eight boxes of the bounding volume hierarchy.
 pub(crate) type Eight = wide::f32x8;
-/// The corners of a triangle, and a place left over.
-pub(crate) type Four = wide::f64x4;
 
 /// The instruction set that was compiled in, for `--version` and the C interface.
 #[must_use]

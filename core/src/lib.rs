@@ -83,7 +83,7 @@
 //!
 //! ```
 //! use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-//! use goniochrome::bvh::{Bvh, Corners, Node};
+//! use goniochrome::bvh::{Bvh, Node};
 //! use goniochrome::cell::Facet;
 //! use goniochrome::coherence::Side;
 //! use goniochrome::complex::ComplexLanes;
@@ -101,7 +101,7 @@
 //!     .map(|v| DVec3::from_array(v.map(f64::from)));
 //! let triangles = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
 //! let mut nodes = [Node::EMPTY; Bvh::required_nodes(4)];
-//! let (mut order, mut corners) = ([0; 4], [Corners::EMPTY; 4]);
+//! let (mut order, mut corners) = ([0; 4], [0.0; Bvh::required_corners(4)]);
 //! let bvh = Bvh::build(&vertices, &triangles, &mut nodes, &mut order, &mut corners)?;
 //! let up = DVec3::new(-0.6, 0.0, 1.0).normalize();
 //! let facets = [(up, 0), (DVec3::new(-up.x, 0.0, up.z), 2)]

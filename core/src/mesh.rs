@@ -235,15 +235,14 @@ impl<'a> MeshCell<'a> {
             let leaves = cross_x.min(cross_y);
             let ray =
                 Ray { origin, direction, t_min: entered - self.slack_nm, t_max: leaves.min(last) + self.slack_nm };
-            let fits = |hit: &Hit| {
-                let facet = self.facet_of(hit);
-                let interface = self.interface(facet);
-                let near = if hit.front { Below::Medium(interface.above) } else { interface.below };
-                Some(facet) != leaving && near == Below::Medium(medium)
-            };
-            let beside = || self.beside(&ray, [entered == 0.0, leaves >= last]);
-            let hit = self.bvh.closest(&ray, fits);
-            if let Some(hit) = hit.or_else(|| beside().find_map(|ray| self.bvh.closest(&ray, fits))) {
+            let mut hit = self.meet(&ray, medium, leaving);
+            if hit.is_none() {
+                let steps = self.beside(&ray, [entered == 0.0, leaves >= last]).into_iter();
+                let mut moved =
+                    steps.filter(|step| *step != DVec3::ZERO).map(|step| Ray { origin: origin + step, ..ray });
+                hit = moved.find_map(|ray| self.meet(&ray, medium, leaving));
+            }
+            if let Some(hit) = hit {
                 return Next::Facet(Meeting {
                     facet: self.facet_of(&hit),
                     front: hit.front,
@@ -268,9 +267,20 @@ impl<'a> MeshCell<'a> {
         Next::Lost
     }
 
-    /// A ray that runs along the border of a period, as the neighbours there see it: by rounding it may miss its own half of what it
-    /// meets. The same where it first begins or at last ends on the border, if this is the `first` or the `last` period.
-    fn beside(&self, ray: &Ray, [first, last]: [bool; 2]) -> impl Iterator<Item = Ray> + use<> {
+    /// The next facet in one period that has `medium` on the near side.
+    #[inline(never)] // A traversal is long, and asked for in two places.
+    fn meet(&self, ray: &Ray, medium: MediumIndex, leaving: Option<u32>) -> Option<Hit> {
+        self.bvh.closest(ray, |hit| {
+            let facet = self.facet_of(hit);
+            let interface = self.interface(facet);
+            let near = if hit.front { Below::Medium(interface.above) } else { interface.below };
+            Some(facet) != leaving && near == Below::Medium(medium)
+        })
+    }
+
+    /// Steps to where the neighbours see a ray that runs along the border of a period: by rounding it may miss its own half of
+    /// what it meets. The same where it first begins or at last ends on the border, if this is the `first` or the `last` period.
+    fn beside(&self, ray: &Ray, [first, last]: [bool; 2]) -> [DVec3; 3] {
         let Ray { origin, direction, t_min, t_max } = *ray;
         let (begin, end) = (origin + direction * t_min, origin + direction * t_max);
         let step = |begin: f64, end: f64, period: f64| {
@@ -286,10 +296,7 @@ impl<'a> MeshCell<'a> {
         };
         let [px, py] = self.period_nm;
         let (x, y) = (step(begin.x, end.x, px), step(begin.y, end.y, py));
-        let (along_x, along_y) = (x != 0.0, y != 0.0);
-        [(along_x, x, 0.0), (along_y, 0.0, y), (along_x && along_y, x, y)]
-            .into_iter()
-            .filter_map(|(there, x, y)| there.then_some(DVec3::new(x, y, 0.0)))
-            .map(move |step| Ray { origin: origin + step, direction, t_min, t_max })
+        let corner = if x * y == 0.0 { DVec3::ZERO } else { DVec3::new(x, y, 0.0) };
+        [DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, y, 0.0), corner]
     }
 }

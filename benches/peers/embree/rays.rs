@@ -12,7 +12,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Corners, Hit, Node, Ray};
+use goniochrome::bvh::{Bvh, Hit, Node, Ray};
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::stages;
 use goniochrome_cli::render::camera::{Camera, View};
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mesh = Mesh::teapot(level.parse()?);
     let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(mesh.triangles.len())];
     let mut order = vec![0; mesh.triangles.len()];
-    let mut corners = vec![Corners::EMPTY; mesh.triangles.len()];
+    let mut corners = vec![0.0; Bvh::required_corners(mesh.triangles.len())];
     let start = Instant::now();
     let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners)?;
     let build = start.elapsed().as_secs_f64();

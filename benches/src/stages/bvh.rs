@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Corners, Node, Ray};
+use goniochrome::bvh::{Bvh, Node, Ray};
 use goniochrome_cli::render::mesh::Mesh;
 
 use super::{Visit, Work};
@@ -15,7 +15,7 @@ pub fn bvh(visit: Visit<'_>) {
     let mesh = Mesh::teapot(9);
     let count = mesh.triangles.len();
     let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
-    let (mut order, mut corners) = (vec![0; count], vec![Corners::EMPTY; count]);
+    let (mut order, mut corners) = (vec![0; count], vec![0.0; Bvh::required_corners(count)]);
     visit(&Work { stage: "bvh", name: "build", unit: "triangles", amount: count as f64 }, &mut || {
         let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners);
         black_box(bvh.expect("a good mesh"));

@@ -1,7 +1,7 @@
 //! What a ray meets: a mesh through the core's hierarchy, or the sphere itself.
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Corners, Node, Ray};
+use goniochrome::bvh::{Bvh, Node, Ray};
 
 use super::mesh::{Frame, Mesh};
 use crate::error::{Error, Result};
@@ -22,7 +22,7 @@ pub enum Shape {
 #[derive(Default)]
 pub struct Memory {
     nodes: Vec<Node>,
-    corners: Vec<Corners>,
+    corners: Vec<f64>,
 }
 
 /// A shape made ready for rays.
@@ -58,7 +58,7 @@ impl<'a> Body<'a> {
         let count = mesh.triangles.len();
         memory.nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
         let mut order = vec![0; count];
-        memory.corners = vec![Corners::EMPTY; count];
+        memory.corners = vec![0.0; Bvh::required_corners(count)];
         let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut memory.nodes, &mut order, &mut memory.corners)
             .map_err(|error| Error::failed(format_args!("the mesh cannot be shown: {error}")))?;
         let bounds = mesh.bounding_sphere();

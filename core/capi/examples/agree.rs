@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Corners, Node};
+use goniochrome::bvh::{Bvh, Node};
 use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
@@ -110,7 +110,7 @@ fn ridge(interference: bool) {
         .map(|v| DVec3::from_array(v.map(f64::from)));
     let triangles = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
     let mut nodes = [Node::EMPTY; 4];
-    let (mut order, mut corners) = ([0; 4], [Corners::EMPTY; 4]);
+    let (mut order, mut corners) = ([0; 4], [0.0; Bvh::required_corners(4)]);
     let bvh = Bvh::build(&vertices, &triangles, &mut nodes, &mut order, &mut corners).unwrap();
     let slope = |[a, b, c]: [usize; 3]| Facet {
         normal: (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]).normalize(),

@@ -6,7 +6,7 @@ use crate::stack::GONIO_MIRROR;
 use crate::status::{Status, answer};
 use glam::DVec3;
 use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Corners, Node};
+use goniochrome::bvh::{Bvh, Node};
 use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
 use goniochrome::complex::{ComplexLanes, Polarised};
@@ -132,7 +132,7 @@ pub extern "C" fn gonio_cell_memory_size(triangle_count: usize, interface_count:
     let sizes = [
         room_for::<Node>(Bvh::required_nodes(triangle_count)),
         room_for::<u32>(triangle_count),
-        room_for::<Corners>(triangle_count),
+        room_for::<f64>(Bvh::required_corners(triangle_count)),
         room_for::<u32>(triangle_count),
         room_for::<Facet>(triangle_count),
         room_for::<CoreInterface>(interface_count),
@@ -208,7 +208,7 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
     let count = triangles.len();
     let nodes = block.take(Bvh::required_nodes(count), |_| Node::EMPTY)?;
     let order = block.take(count, |_| 0)?;
-    let corners = block.take(count, |_| Corners::EMPTY)?;
+    let corners = block.take(Bvh::required_corners(count), |_| 0.0)?;
     let facet_of = block.take(count, |_| 0)?;
     let facets = block.take(count, |_| Facet::horizontal(0.0, 0))?;
     for interface in interfaces {

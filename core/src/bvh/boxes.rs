@@ -36,8 +36,7 @@ impl Node {
 
     /// Single precision, one step outwards: at least half a step more than the rounding.
     pub(super) fn store(&mut self, i: usize, low: DVec3, high: DVec3, frame: &Frame) {
-        let place = |corner: DVec3| ((corner - frame.centre) * frame.scale).to_array();
-        let (low, high) = (place(low), place(high));
+        let (low, high) = (frame.place(low).to_array(), frame.place(high).to_array());
         for (axis, [lower, upper]) in self.bounds.iter_mut().enumerate() {
             if let (Some(lower), Some(upper)) = (lower.get_mut(i), upper.get_mut(i)) {
                 *lower = (low[axis] as f32).next_down();
@@ -56,12 +55,12 @@ impl Default for Node {
 /// A ray made ready for box tests: in units of the frame, from where it is nearest to the middle of the mesh, its direction
 /// scaled to a largest component of 1.
 pub(super) struct Slabs {
-    first: Eight,
+    first: f32,
     /// 1/direction.
-    inverse: [Eight; 3],
+    inverse: [f32; 3],
     /// Parameters of the planes through the middle of the mesh, of a ray moved forwards and backwards by the slack.
-    middle_near: [Eight; 3],
-    middle_far: [Eight; 3],
+    middle_near: [f32; 3],
+    middle_far: [f32; 3],
     /// Of each axis, which of the bounds the ray meets first: 1, the upper, if it runs downwards.
     near_side: [usize; 3],
     /// Parameter of the box tests per t, and where the former is 0.
@@ -74,7 +73,7 @@ impl Slabs {
     pub(super) fn new(ray: &Ray, frame: &Frame) -> Self {
         let length = ray.direction.abs().max_element();
         let direction = ray.direction * (1.0 / length);
-        let origin = (ray.origin - frame.centre) * frame.scale;
+        let origin = frame.place(ray.origin);
         let shift = -origin.dot(direction) / direction.dot(direction);
         let nearest = origin + shift * direction;
         let slack = BOX_SLACK * (1.0 + nearest.abs().max_element()) + ORIGIN_SLACK * origin.abs().max_element();
@@ -83,17 +82,17 @@ impl Slabs {
         let forwards = direction.map(|d| slack.copysign(d));
         let inverse = direction.map(|d| 1.0 / d as f32);
         let nearest = nearest.to_array();
-        let middle = |axis: usize, by: f64| Eight::splat(-(nearest[axis] + by) as f32 * inverse[axis]);
+        let middle = |axis: usize, by: f64| -(nearest[axis] + by) as f32 * inverse[axis];
         let slabs = Self {
-            first: Eight::ZERO,
-            inverse: inverse.map(Eight::splat),
+            first: 0.0,
+            inverse,
             middle_near: core::array::from_fn(|axis| middle(axis, forwards[axis])),
             middle_far: core::array::from_fn(|axis| middle(axis, -forwards[axis])),
             near_side: direction.map(|d| usize::from(d < 0.0)),
             scale: length * frame.scale,
             shift,
         };
-        Self { first: Eight::splat(slabs.parameter(ray.t_min, -1.0)), ..slabs }
+        Self { first: slabs.parameter(ray.t_min, -1.0), ..slabs }
     }
 
     /// Parameter of the box tests at t, moved by the slack.
@@ -113,14 +112,15 @@ impl Slabs {
     /// The child of `node` that the ray enters first, before `far`; the others that it enters go to the stack, the nearest last.
     #[inline]
     pub(super) fn enter(&self, node: &Node, far: f32, stack: &mut Stack) -> Option<Child> {
-        let mut near = self.first;
+        let mut near = Eight::splat(self.first);
         let mut last = Eight::splat(far);
         for axis in 0..3 {
             let side = self.near_side[axis] & 1;
             let plane = |side: usize| Eight::new(node.bounds[axis][side]);
             // Empty boxes are infinite and stay so along the axis where the ray is longest, whose inverse is ±1.
-            near = near.fast_max(plane(side).mul_add(self.inverse[axis], self.middle_near[axis]));
-            last = last.fast_min(plane(1 - side).mul_add(self.inverse[axis], self.middle_far[axis]));
+            let inverse = Eight::splat(self.inverse[axis]);
+            near = near.fast_max(plane(side).mul_add(inverse, Eight::splat(self.middle_near[axis])));
+            last = last.fast_min(plane(1 - side).mul_add(inverse, Eight::splat(self.middle_far[axis])));
         }
         let mut entered = near.simd_le(last).to_bitmask();
         if entered == 0 {

@@ -1,8 +1,8 @@
 //! Construction: ranges of `order` are split in place until they are leaves.
 
 use super::{
-    Bvh, BvhError, COUNTS, Child, Corners, Frame, LEAF_TRIANGLES, MAX_COORDINATE, MAX_DEPTH, Node, STACK, WIDTH,
-    vertices_of,
+    Bvh, BvhError, COUNTS, Child, Frame, LEAF_TRIANGLES, LEAST_CHILDREN, MAX_COORDINATE, MAX_DEPTH, Node, STACK, TERMS,
+    WIDTH, leaf, vertices_of,
 };
 use core::cmp::Ordering;
 use glam::DVec3;
@@ -15,12 +15,13 @@ pub(super) fn build<'a>(
     triangles: &'a [[u32; 3]],
     nodes: &'a mut [Node],
     order: &mut [u32],
-    corners: &'a mut [Corners],
+    corners: &'a mut [f64],
 ) -> Result<Bvh<'a>, BvhError> {
     check(vertices, triangles)?;
     let required = Bvh::required_nodes(triangles.len());
-    let memory = BvhError::Memory { nodes: required, order: triangles.len() };
-    if nodes.len() < required || order.len().min(corners.len()) < triangles.len() {
+    let required_corners = Bvh::required_corners(triangles.len());
+    let memory = BvhError::Memory { nodes: required, order: triangles.len(), corners: required_corners };
+    if nodes.len() < required || order.len() < triangles.len() || corners.len() < required_corners {
         return Err(memory);
     }
     let mut kept = 0;
@@ -37,7 +38,8 @@ pub(super) fn build<'a>(
         }
     }
     let order = order.get_mut(..kept).ok_or(memory)?;
-    let mut builder = Builder { vertices, triangles, order, frame: Frame { centre: DVec3::ZERO, scale: 1.0 } };
+    let frame = Frame { centre: DVec3::ZERO, scale: 1.0 };
+    let mut builder = Builder { vertices, triangles, order: &mut *order, frame };
     let root = builder.measure(0, kept);
     let size = root.bounds.high - root.bounds.low;
     if kept > 0 {
@@ -46,10 +48,14 @@ pub(super) fn build<'a>(
     let frame = builder.frame;
     let used = builder.split_all(root, nodes);
     let nodes = nodes.get(..used).ok_or(memory)?;
-    let corners = corners.get_mut(..kept).ok_or(memory)?;
-    for (corners, &triangle) in corners.iter_mut().zip(&*order) {
-        *corners = Corners::new(vertices_of(vertices, triangles, triangle), triangle);
+    for leaf in nodes.iter().flat_map(|node| node.children).filter(|child| child.count() > 0) {
+        for (place, &triangle) in order.iter().skip(leaf.place()).take(leaf.count()).enumerate() {
+            let at = vertices_of(vertices, triangles, triangle);
+            let rows = corners.iter_mut().skip(leaf.place() * TERMS + place).step_by(leaf.count());
+            rows.zip(leaf::terms(at, triangle)).for_each(|(row, term)| *row = term);
+        }
     }
+    let corners = corners.get(..Bvh::required_corners(kept)).ok_or(memory)?;
     Ok(Bvh { vertices, triangles, nodes, corners, frame })
 }
 
@@ -175,7 +181,7 @@ impl Builder<'_> {
         used
     }
 
-    /// Splits the child of greatest area until there are `WIDTH` or none can be split. Where the levels left hold no
+    /// Splits the child of greatest area until there are `WIDTH`, or `LEAST_CHILDREN` that fit into leaves. Where the levels left hold no
     /// more than a balanced tree, the child of most triangles is halved instead: each gets a `WIDTH`th, rounded up.
     fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) {
         let levels_below = (MAX_DEPTH - depth - 1) as u32;
@@ -186,7 +192,11 @@ impl Builder<'_> {
             let weight = |child: &Range| if balanced { child.count() as f64 } else { child.bounds.area() };
             let order = |a: &Range, b: &Range| weight(a).total_cmp(&weight(b)).then(a.count().cmp(&b.count()));
             let (present, coming) = children.split_at_mut(count);
-            let candidates = present.iter_mut().filter(|child| child.count() > 1);
+            let large = present.iter().any(|child| child.count() > LEAF_TRIANGLES);
+            if !large && count >= LEAST_CHILDREN {
+                return;
+            }
+            let candidates = present.iter_mut().filter(|child| child.count() > if large { LEAF_TRIANGLES } else { 1 });
             let Some(child) = candidates.max_by(|a, b| order(a, b)) else { return };
             let (left, right) = if balanced { self.halve(child) } else { self.split(child) };
             *child = left;

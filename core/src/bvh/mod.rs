@@ -1,8 +1,8 @@
 //! Which triangle a ray meets first: a bounding volume hierarchy in memory that the caller owns.
 //!
-//! Built top down by binned surface area heuristic, eight children to a node, so that one box test serves all. Boxes are
-//! tested in single precision, widened by its rounding, in units of the mesh about its middle; rays and triangles are double
-//! precision, the three corners of a triangle side by side. A ray that meets an edge or a vertex of a closed mesh meets at least one of
+//! Built top down by binned surface area heuristic, eight children to a node, so that one box test serves all, and eight
+//! triangles to a leaf at most, which lie side by side. Boxes are tested in single precision, widened by its rounding, in
+//! units of the mesh about its middle; rays and triangles are double precision. A ray that meets an edge or a vertex of a closed mesh meets at least one of
 //! the triangles there.
 //!
 //! Sources: Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007); Wald, Benthin & Boulos, "Getting
@@ -11,23 +11,23 @@
 
 mod boxes;
 mod build;
-mod corners;
+mod leaf;
 #[cfg(test)]
 mod tests;
 
 pub use boxes::Node;
-pub use corners::Corners;
 
 use boxes::Slabs;
-use corners::Shear;
 use glam::DVec3;
+use leaf::{Leaf, Shear, TERMS, WINDOW};
 
 /// Children of a node.
 const WIDTH: usize = 8;
 /// Triangles of a leaf at most.
-const LEAF_TRIANGLES: usize = 4;
-/// Children of an inner node at least: it holds more triangles than a leaf, and is split as far as it can be.
-const LEAST_CHILDREN: usize = if LEAF_TRIANGLES + 1 < WIDTH { LEAF_TRIANGLES + 1 } else { WIDTH };
+const LEAF_TRIANGLES: usize = 8;
+/// Children of an inner node at least, which holds more triangles than a leaf: where fewer are large enough to be nodes, small
+/// ones are split too, since leaves of a few triangles are entered more seldom.
+const LEAST_CHILDREN: usize = 5;
 /// Levels of nodes at most, 48 binary ones; the builder halves by count where the heuristic would exceed it.
 const MAX_DEPTH: usize = 48 / WIDTH.ilog2() as usize;
 /// A node leaves WIDTH − 1 entries behind for each level, and the last leaves WIDTH.
@@ -36,7 +36,8 @@ const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 const MAX_COORDINATE: f64 = (1u128 << 120) as f64;
 
 // Halving by count gives each child a WIDTHth, rounded up, and places every mesh that a child can name.
-const _: () = assert!(WIDTH.is_power_of_two() && WIDTH >= 2);
+const _: () = assert!(WIDTH.is_power_of_two() && LEAST_CHILDREN >= 2 && LEAST_CHILDREN <= WIDTH);
+const _: () = assert!(LEAST_CHILDREN <= LEAF_TRIANGLES + 1);
 const _: () = assert!((LEAF_TRIANGLES as u128) * (WIDTH as u128).pow(MAX_DEPTH as u32) > (u32::MAX / COUNTS) as u128);
 
 /// The half-line origin + t · direction between two parameters.
@@ -78,14 +79,16 @@ pub enum BvhError {
         /// The triangle.
         triangle: usize,
     },
-    /// 2²⁹ triangles or more.
+    /// 2²⁸ triangles or more.
     TooMany,
     /// The memory is too small.
     Memory {
         /// Nodes needed: [`Bvh::required_nodes`].
         nodes: usize,
-        /// Elements of `order` and `corners` needed: one per triangle.
+        /// Elements of `order` needed: one per triangle.
         order: usize,
+        /// Elements of `corners` needed: [`Bvh::required_corners`].
+        corners: usize,
     },
 }
 
@@ -95,9 +98,12 @@ impl core::fmt::Display for BvhError {
             Self::Empty => write!(f, "the mesh has no triangles"),
             Self::NotFinite { vertex } => write!(f, "vertex {vertex} has a coordinate that is not finite or too large"),
             Self::NoVertex { triangle } => write!(f, "triangle {triangle} names a vertex that the mesh does not have"),
-            Self::TooMany => write!(f, "the mesh has 536870912 triangles or more"),
-            Self::Memory { nodes, order } => {
-                write!(f, "the hierarchy needs memory for {nodes} nodes and {order} triangles")
+            Self::TooMany => write!(f, "the mesh has 268435456 triangles or more"),
+            Self::Memory { nodes, order, corners } => {
+                write!(
+                    f,
+                    "the hierarchy needs memory for {nodes} nodes, {order} triangles and {corners} numbers of theirs"
+                )
             }
         }
     }
@@ -111,8 +117,8 @@ pub struct Bvh<'a> {
     vertices: &'a [DVec3],
     triangles: &'a [[u32; 3]],
     nodes: &'a [Node],
-    /// Of the triangles, leaf by leaf.
-    corners: &'a [Corners],
+    /// The corners of the triangles, leaf by leaf.
+    corners: &'a [f64],
     frame: Frame,
 }
 
@@ -124,12 +130,19 @@ struct Frame {
     scale: f64,
 }
 
-/// A node, or the corners of a leaf: where they begin, and how many there are.
+impl Frame {
+    #[inline]
+    fn place(&self, point: DVec3) -> DVec3 {
+        (point - self.centre) * self.scale
+    }
+}
+
+/// A node, or a leaf: where its triangles begin, leaf by leaf, and how many there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Child(u32);
 
 /// Values of a count, 0 to [`LEAF_TRIANGLES`], rounded up to a power of 2.
-const COUNTS: u32 = 8;
+const COUNTS: u32 = 16;
 const _: () = assert!(LEAF_TRIANGLES < COUNTS as usize);
 
 impl Child {
@@ -170,10 +183,19 @@ impl<'a> Bvh<'a> {
         if nodes == 0 { 1 } else { nodes }
     }
 
+    /// Numbers that suffice for the corners of so many triangles.
+    ///
+    /// Beyond those of the triangles, a test of the last leaf reads as many as a full one has.
+    #[must_use]
+    pub const fn required_corners(triangle_count: usize) -> usize {
+        TERMS.saturating_mul(triangle_count).saturating_add(WINDOW)
+    }
+
     /// Checks the mesh and builds the hierarchy over it.
     ///
-    /// `triangles` index `vertices`. `nodes` must have [`Bvh::required_nodes`] elements, `order` and `corners` one per
-    /// triangle; what they hold does not matter, and `order` is free again afterwards. Triangles of zero area are left out, and so never hit.
+    /// `triangles` index `vertices`. `nodes` must have [`Bvh::required_nodes`] elements, `order` one per triangle, `corners`
+    /// [`Bvh::required_corners`]; what they hold does not matter, and `order` is free again afterwards. Triangles of zero area
+    /// are left out, and so never hit.
     ///
     /// # Errors
     /// [`BvhError`], with the first offending index or with the memory needed.
@@ -182,7 +204,7 @@ impl<'a> Bvh<'a> {
         triangles: &'a [[u32; 3]],
         nodes: &'a mut [Node],
         order: &mut [u32],
-        corners: &'a mut [Corners],
+        corners: &'a mut [f64],
     ) -> Result<Self, BvhError> {
         build::build(vertices, triangles, nodes, order, corners)
     }
@@ -232,13 +254,14 @@ impl<'a> Bvh<'a> {
                     continue;
                 }
             } else {
-                let leaf = self.corners.get(child.place()..child.place() + child.count()).unwrap_or_default();
-                for hit in shear.hits(leaf) {
-                    let nearer = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
-                    if nearer && hit.t >= ray.t_min && accept(&hit) {
-                        best = hit;
-                        far = slabs.last(hit.t);
-                    }
+                if let Some(leaf) = Leaf::new(self.corners, child) {
+                    shear.meet(leaf, |hit| {
+                        let nearer = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
+                        if nearer && hit.t >= ray.t_min && accept(&hit) {
+                            best = hit;
+                            far = slabs.last(hit.t);
+                        }
+                    });
                 }
             }
             match stack.pop_before(far) {

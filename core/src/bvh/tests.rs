@@ -3,7 +3,6 @@ extern crate std;
 mod meshes;
 
 use super::*;
-use crate::lanes::Four;
 use meshes::{bumpy_sphere, sheet, slab, soup};
 use std::vec::Vec;
 use std::{print, println, vec};
@@ -13,12 +12,12 @@ use std::{print, println, vec};
 struct Mesh(Vec<DVec3>, Vec<[u32; 3]>);
 
 /// The memory of a hierarchy.
-struct Memory(Vec<Node>, Vec<u32>, Vec<Corners>);
+struct Memory(Vec<Node>, Vec<u32>, Vec<f64>);
 
 impl Mesh {
     fn memory(&self) -> Memory {
         let count = self.1.len();
-        Memory(vec![Node::EMPTY; Bvh::required_nodes(count)], vec![0; count], vec![Corners::EMPTY; count])
+        Memory(vec![Node::EMPTY; Bvh::required_nodes(count)], vec![0; count], vec![0.0; Bvh::required_corners(count)])
     }
 
     fn bvh<'a>(&'a self, memory: &'a mut Memory) -> Bvh<'a> {
@@ -67,7 +66,7 @@ impl Random {
 
 /// Depth within bounds, every triangle in one leaf, every box around its triangles. Returns the depth.
 fn check_structure(bvh: &Bvh) -> usize {
-    let mut seen = vec![false; bvh.corners.len()];
+    let mut seen = vec![false; bvh.triangles.len()];
     let (mut deepest, mut visited) = (0, 0);
     let all = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
     let mut waiting = vec![(0usize, 1usize, all)];
@@ -87,20 +86,18 @@ fn check_structure(bvh: &Bvh) -> usize {
             if count == 0 {
                 waiting.push((first, depth + 1, inner));
             }
-            for (seen, corners) in seen[first..][..count].iter_mut().zip(&bvh.corners[first..]) {
-                assert!(!core::mem::replace(seen, true));
-                for vertex in bvh.triangles[corners.triangle() as usize] {
+            let leaf = (count > 0).then(|| Leaf::new(bvh.corners, Child::leaf(first, count)).unwrap());
+            for triangle in leaf.iter().flat_map(|leaf| (0..count).map(|i| leaf.triangle(i) as usize)) {
+                assert!(!core::mem::replace(&mut seen[triangle], true));
+                for vertex in bvh.triangles[triangle] {
                     let v = ((bvh.vertices[vertex as usize] - bvh.frame.centre) * bvh.frame.scale).to_array();
                     assert!((0..3).all(|axis| inner[0][axis] < v[axis] && v[axis] < inner[1][axis]));
                 }
             }
         }
     }
-    let mut order: Vec<u32> = bvh.corners.iter().map(Corners::triangle).collect();
-    order.sort_unstable();
-    order.dedup();
-    assert_eq!(order.len(), bvh.corners.len());
-    assert!(seen.iter().all(|&s| s));
+    let kept = seen.iter().filter(|seen| **seen).count();
+    assert_eq!(bvh.corners.len(), Bvh::required_corners(kept));
     assert_eq!(visited, bvh.nodes.len());
     assert!(deepest <= MAX_DEPTH);
     deepest
@@ -114,7 +111,11 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
 fn closest_of_all(mesh: &Mesh, ray: &Ray) -> Option<Hit> {
     let shear = Shear::new(ray);
     let hit = |(triangle, corners): (u32, &[u32; 3])| {
-        shear.hits(&[Corners::new(corners.map(|v| mesh.0[v as usize]), triangle)]).next()
+        let mut numbers = [0.0; WINDOW];
+        numbers[..TERMS].copy_from_slice(&leaf::terms(corners.map(|v| mesh.0[v as usize]), triangle));
+        let mut found = None;
+        shear.meet(Leaf::new(&numbers, Child::leaf(0, 1)).unwrap(), |hit| found = Some(hit));
+        found
     };
     let hits = (0..).zip(&mesh.1).filter_map(hit);
     let inside = hits.filter(|hit| (ray.t_min..=ray.t_max).contains(&hit.t));
@@ -246,13 +247,10 @@ fn boxes_thinner_than_a_rounding_are_not_missed() {
 #[test]
 fn equal_products_are_told_apart() {
     // (1 + ε)(1 − ε) rounds to 1.
-    let crosses = |x, y| corners::crosses(Four::new(x), Four::new(y)).to_array();
-    let (x, y) = ([1.0, 1.0 + f64::EPSILON, 0.0, 0.0], [1.0 - f64::EPSILON, 1.0, 0.0, 0.0]);
-    let [_, _, b_a, _] = crosses(x, y);
-    assert!(b_a < 0.0);
-    let turned = |[a, b, c, none]: [f64; 4]| [b, a, c, none];
-    assert_eq!(crosses(turned(x), turned(y))[2], -b_a);
-    assert_eq!(crosses([x[0]; 4], [y[0]; 4]), [0.0; 4]);
+    let (p, q) = ([1.0, 1.0 - f64::EPSILON], [1.0 + f64::EPSILON, 1.0]);
+    assert!(leaf::exact_cross(p, q) > 0.0);
+    assert_eq!(leaf::exact_cross(q, p), -leaf::exact_cross(p, q));
+    assert_eq!(leaf::exact_cross(p, p), 0.0);
 }
 
 #[test]
@@ -397,7 +395,7 @@ fn triangles_without_area_are_never_hit() {
     let mesh = Mesh(vertices, [flat, vec![[0, 1, 3], [0, 1, 5]]].concat());
     let mut memory = mesh.memory();
     let bvh = mesh.bvh(&mut memory);
-    assert_eq!(bvh.corners.len(), 2);
+    assert_eq!(bvh.corners.len(), Bvh::required_corners(2));
     assert!(rays().filter_map(|ray| bvh.closest(&ray, |_| true)).all(|hit| hit.triangle >= 5));
     assert!(rays().any(|ray| bvh.closest(&ray, |_| true).is_some()));
 }
@@ -431,27 +429,23 @@ fn depth_is_bounded_whatever_the_mesh() {
 #[test]
 fn what_is_wrong_is_named() {
     let mesh = sheet(4);
-    let refuse = |vertices: &[DVec3], triangles: &[[u32; 3]], nodes: usize, order: usize| {
-        Bvh::build(
-            vertices,
-            triangles,
-            &mut vec![Node::EMPTY; nodes],
-            &mut vec![0; order],
-            &mut vec![Corners::EMPTY; order],
-        )
-        .err()
+    let refuse = |vertices: &[DVec3], triangles: &[[u32; 3]], [nodes, order, corners]: [usize; 3]| {
+        let mut nodes = vec![Node::EMPTY; nodes];
+        Bvh::build(vertices, triangles, &mut nodes, &mut vec![0; order], &mut vec![0.0; corners]).err()
     };
-    assert_eq!(refuse(&mesh.0, &[], 10, 10), Some(BvhError::Empty));
-    let required = Bvh::required_nodes(32);
-    let memory = Some(BvhError::Memory { nodes: required, order: 32 });
-    assert_eq!(refuse(&mesh.0, &mesh.1, required - 1, 32), memory);
-    assert_eq!(refuse(&mesh.0, &mesh.1, required, 31), memory);
-    assert_eq!(refuse(&mesh.0, &mesh.1, required, 32), None);
-    assert_eq!(refuse(&mesh.0[..24], &mesh.1, required, 32), Some(BvhError::NoVertex { triangle: 30 }));
+    let (nodes, order, corners) = (Bvh::required_nodes(32), 32, Bvh::required_corners(32));
+    let enough = [nodes, order, corners];
+    let memory = Some(BvhError::Memory { nodes, order, corners });
+    assert_eq!(refuse(&mesh.0, &[], enough), Some(BvhError::Empty));
+    assert_eq!(refuse(&mesh.0, &mesh.1, [nodes - 1, order, corners]), memory);
+    assert_eq!(refuse(&mesh.0, &mesh.1, [nodes, order - 1, corners]), memory);
+    assert_eq!(refuse(&mesh.0, &mesh.1, [nodes, order, corners - 1]), memory);
+    assert_eq!(refuse(&mesh.0, &mesh.1, enough), None);
+    assert_eq!(refuse(&mesh.0[..24], &mesh.1, enough), Some(BvhError::NoVertex { triangle: 30 }));
     for bad in [f64::NAN, f64::INFINITY, -1e40] {
         let mut vertices = mesh.0.clone();
         vertices[7].y = bad;
-        assert_eq!(refuse(&vertices, &mesh.1, required, 32), Some(BvhError::NotFinite { vertex: 7 }));
+        assert_eq!(refuse(&vertices, &mesh.1, enough), Some(BvhError::NotFinite { vertex: 7 }));
     }
 }
 

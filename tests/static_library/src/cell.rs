@@ -2,7 +2,7 @@
 
 use core::slice;
 use goniochrome::bins::{BinFields, DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Corners, Node};
+use goniochrome::bvh::{Bvh, Node};
 use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
 use goniochrome::complex::{ComplexLanes, Polarised};
@@ -44,7 +44,7 @@ pub struct Scene<'a> {
 pub struct Memory<'a> {
     nodes: &'a mut [Node],
     order: &'a mut [u32],
-    corners: &'a mut [Corners],
+    corners: &'a mut [f64],
     bins: &'a mut [f64],
 }
 
