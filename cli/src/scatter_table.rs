@@ -71,11 +71,10 @@ impl ScatterTable {
             }
         }
         check_wavelengths(&self.wavelength_nm)?;
-        let is_value = |x: &&f32| !x.is_finite() || **x < 0.0;
-        if let Some(value) = self.brdf.iter().find(is_value) {
+        if let Some(value) = bad_value(&self.brdf) {
             return Err(Error::failed(format_args!("a value of the BRDF is {value}")));
         }
-        if let Some(value) = self.luminance_error.iter().find(is_value) {
+        if let Some(value) = bad_value(&self.luminance_error) {
             return Err(Error::failed(format_args!("a standard error is {value}")));
         }
         if self.rgb.iter().flatten().any(|c| !c.is_finite()) {
@@ -93,6 +92,13 @@ impl ScatterTable {
     pub fn worst_error(&self) -> f64 {
         self.energy.iter().map(|energy| energy.reflected.std_error).fold(0.0, f64::max)
     }
+}
+
+/// A number that is negative or not finite. Most tables have none: all of a chunk are asked at once.
+fn bad_value(values: &[f32]) -> Option<f32> {
+    let good = |x: &f32| (0.0..f32::INFINITY).contains(x);
+    let sound = |chunk: &&[f32]| chunk.iter().fold(true, |sound, x| sound & good(x));
+    values.chunks(1024).find(|chunk| !sound(chunk))?.iter().copied().find(|x| !good(x))
 }
 
 /// Refuses sizes that only a damaged file, or a slip of the keyboard, would ask memory for.

@@ -8,7 +8,7 @@ pub fn check(bytes: &[u8]) {
         Err(error) => assert!(!error.to_string().contains('\n')),
         Ok(table) => {
             table.check().expect("decode checks");
-            let again = encode(&table).expect("what was read can be written");
+            let again = encode(&table, 1).expect("what was read can be written");
             assert_eq!(decode(&again).expect("what was written can be read"), table);
         }
     }

@@ -44,7 +44,7 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         true => scattering(args, &scene)?,
         false => mirror_like(args, &scene).map(|(table, said)| (table, said, None))?,
     };
-    table_file::write(&args.output, &table)?;
+    table_file::write(&args.output, &table, args.computing.request().threads)?;
     if let Some(path) = &args.plot {
         disc_of(&table, None, 0.0)?.save(path)?;
     }

@@ -3,17 +3,21 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
+use exr::block::UncompressedBlock;
+use exr::block::writer::ChunksWriter;
+use exr::image::write::layers::{LayersWriter, WritableLayers};
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, LayerAttributes, ReadChannels, ReadLayers,
-    WritableImage,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
+    ReadLayers, WritableImage,
 };
 
 use super::column::Column;
 use crate::error::{Error, Result};
+use crate::parallel::for_each;
 
 pub(super) const PREFIX: &str = "goniochrome.";
 pub(super) const KIND: &str = "kind";
@@ -21,6 +25,9 @@ pub(super) const WAVELENGTH: &str = "wavelength_nm";
 
 /// OpenEXR's own limit, less the prefix.
 const MAX_KEY_LENGTH: usize = 255 - PREFIX.len();
+
+/// Blocks that are in memory at once: sixteen lines of all channels can be megabytes.
+const MOST_BLOCKS: usize = 4;
 
 /// An image to write: its pixels, and text under our prefix.
 pub(super) struct Contents<'t> {
@@ -43,7 +50,7 @@ impl Contents<'_> {
     }
 
     /// The bytes of the EXR file.
-    pub fn encode(self) -> Result<Vec<u8>> {
+    pub fn encode(self, threads: usize) -> Result<Vec<u8>> {
         let failed =
             |error: &dyn std::fmt::Display| Error::failed(format_args!("cannot encode the table as EXR: {error}"));
         let mut attributes = LayerAttributes::default();
@@ -59,12 +66,37 @@ impl Contents<'_> {
         let encoding = Encoding { compression: self.compression, ..Encoding::UNCOMPRESSED };
         let mut image = Image::from_encoded_channels(self.size, encoding, AnyChannels::sort(channels));
         image.layer_data.attributes = attributes;
-        let mut bytes = Cursor::new(Vec::new());
-        image.write().non_parallel().to_buffered(&mut bytes).map_err(|error| failed(&error))?;
-        let mut bytes = bytes.into_inner();
+        let mut bytes = write(&image, threads).map_err(|error| failed(&error))?;
         sort_attributes(&mut bytes).ok_or_else(|| failed(&"malformed header"))?;
         Ok(bytes)
     }
+}
+
+/// The image's blocks are gathered and compressed by several threads, as many at once; in the file they are in order.
+fn write(image: &Image<Layer<AnyChannels<Column<'_>>>>, threads: usize) -> exr::error::Result<Vec<u8>> {
+    let headers = image.write().infer_meta_data();
+    let layers = image.layer_data.create_writer(&headers);
+    let mut bytes = Cursor::new(Vec::new());
+    exr::block::write(&mut bytes, headers, true, |meta, file| {
+        let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
+        for blocks in blocks.chunks(threads.clamp(1, MOST_BLOCKS)) {
+            let mut chunks: Vec<_> = blocks.iter().map(|(place, index)| (*place, *index, None)).collect();
+            for_each(
+                threads,
+                chunks.iter_mut(),
+                || (),
+                |(), (_, index, chunk)| {
+                    let data = layers.extract_uncompressed_block(&meta.headers, *index);
+                    *chunk = Some(UncompressedBlock { index: *index, data }.compress_to_chunk(&meta.headers));
+                },
+            );
+            for (place, _, chunk) in chunks {
+                file.write_chunk(place, chunk.expect("each was worked on")?)?;
+            }
+        }
+        Ok(())
+    })?;
+    Ok(bytes.into_inner())
 }
 
 /// A file whose header alone has been read: it bounds the memory that the pixels may ask for.

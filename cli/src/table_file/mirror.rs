@@ -45,7 +45,7 @@ pub fn encode(table: &MirrorTable) -> Result<Vec<u8>> {
     let channels = channels.into_iter().map(|(name, values)| (name, Column::new(move |x| values[x]))).collect();
     let mut contents = Contents { size, compression: Compression::ZIP1, channels, attributes };
     contents.add_metadata(&table.metadata)?;
-    contents.encode()
+    contents.encode(1)
 }
 
 /// The table in a file whose kind is known.
@@ -92,7 +92,7 @@ mod tests {
     fn a_table_round_trips_exactly() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.exr");
-        write(&path, &sample().into()).unwrap();
+        write(&path, &sample().into(), 1).unwrap();
         assert_eq!(read(&path).unwrap(), Table::Mirror(sample()));
     }
 

@@ -58,8 +58,8 @@ impl Table {
 }
 
 /// Writes the table to `path`, whole or not at all.
-pub fn write(path: &Path, table: &Table) -> Result<()> {
-    crate::output::write_file(path, &encode(table)?)
+pub fn write(path: &Path, table: &Table, threads: usize) -> Result<()> {
+    crate::output::write_file(path, &encode(table, threads)?)
 }
 
 /// Reads a table that [`write()`] wrote.
@@ -71,11 +71,11 @@ pub fn read(path: &Path) -> Result<Table> {
     decode(&bytes).map_err(|error| Error::failed(format_args!("{name}: {error}")))
 }
 
-/// The bytes of the EXR file.
-pub fn encode(table: &Table) -> Result<Vec<u8>> {
+/// The bytes of the EXR file, which any number of threads writes alike.
+pub fn encode(table: &Table, threads: usize) -> Result<Vec<u8>> {
     match table {
         Table::Mirror(table) => mirror::encode(table),
-        Table::Scatter(table) => scatter::encode(table),
+        Table::Scatter(table) => scatter::encode(table, threads),
     }
 }
 

@@ -69,7 +69,7 @@ fn pair_of(layout: &ScatterLayout, pixel: usize) -> usize {
 }
 
 /// The bytes of the EXR file.
-pub fn encode(table: &ScatterTable) -> Result<Vec<u8>> {
+pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
     table.check()?;
     let layout = &table.layout;
     let names = channel_names(&table.wavelength_nm)?;
@@ -107,7 +107,7 @@ pub fn encode(table: &ScatterTable) -> Result<Vec<u8>> {
     let attributes = attributes.map(|(key, value)| (key.to_owned(), value)).into();
     let mut contents = Contents { size: atlas(layout), compression: Compression::ZIP16, channels, attributes };
     contents.add_metadata(&table.metadata)?;
-    contents.encode()
+    contents.encode(threads)
 }
 
 /// Two whole numbers.
@@ -179,10 +179,10 @@ mod tests {
 
     #[test]
     fn a_table_round_trips_exactly_and_gives_equal_bytes() {
-        let bytes = encode(&sample().into()).unwrap();
+        let bytes = encode(&sample().into(), 1).unwrap();
         assert_eq!(decode(&bytes).unwrap(), Table::Scatter(sample()));
         for _ in 0..3 {
-            assert_eq!(encode(&sample().into()).unwrap(), bytes);
+            assert_eq!(encode(&sample().into(), 3).unwrap(), bytes);
         }
     }
 
@@ -190,7 +190,7 @@ mod tests {
     fn tiles_stand_where_the_layout_says() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.exr");
-        super::super::write(&path, &sample().into()).unwrap();
+        super::super::write(&path, &sample().into(), 1).unwrap();
         let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap().layer_data;
         assert_eq!((image.size.0, image.size.1), (8, 4));
         let names: Vec<_> = image.channel_data.list.iter().map(|c| c.name.to_string()).collect();
@@ -202,7 +202,7 @@ mod tests {
 
     fn patched(from: &str, to: &str) -> String {
         assert_eq!(from.len(), to.len());
-        let mut bytes = encode(&sample().into()).unwrap();
+        let mut bytes = encode(&sample().into(), 1).unwrap();
         let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).expect(from);
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
         decode(&bytes).unwrap_err().to_string()
@@ -216,12 +216,12 @@ mod tests {
         assert!(patched("error.Y", "error.X").contains("channel error.Y is missing"));
         let mut table = sample();
         table.metadata.insert("bins".into(), "x".into());
-        assert!(encode(&table.into()).unwrap_err().to_string().contains("is reserved"));
+        assert!(encode(&table.into(), 1).unwrap_err().to_string().contains("is reserved"));
     }
 
     #[test]
     fn damaged_files_give_one_line_and_no_panic() {
-        let good = encode(&sample().into()).unwrap();
+        let good = encode(&sample().into(), 1).unwrap();
         for length in 0..good.len() {
             assert!(!decode(&good[..length]).unwrap_err().to_string().contains('\n'));
         }
