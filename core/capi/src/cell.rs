@@ -43,8 +43,8 @@ pub struct Interface {
     pub below: u16,
 }
 
-/// A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost,
-/// and may where vertices on the border are not exactly at 0 or the period.
+/// A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost, and
+/// some may find one where vertices on the border are not exactly at 0 or the period.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Mesh {

@@ -181,8 +181,8 @@ impl Builder<'_> {
         used
     }
 
-    /// Splits the child of greatest area until there are `WIDTH`, or `LEAST_CHILDREN` that fit into leaves. Where the levels left hold no
-    /// more than a balanced tree, the child of most triangles is halved instead: each gets a `WIDTH`th, rounded up.
+    /// Splits the child of greatest area until there are `WIDTH`, or `LEAST_CHILDREN` that fit into leaves. Where the levels
+    /// left hold no more than a balanced tree, the child of most triangles is halved instead: each gets a `WIDTH`th, rounded up.
     fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) {
         let levels_below = (MAX_DEPTH - depth - 1) as u32;
         let balanced =

@@ -2,8 +2,8 @@
 //!
 //! Built top down by binned surface area heuristic, eight children to a node, so that one box test serves all, and eight
 //! triangles to a leaf at most, which lie side by side. Boxes are tested in single precision, widened by its rounding, in
-//! units of the mesh about its middle; rays and triangles are double precision. A ray that meets an edge or a vertex of a closed mesh meets at least one of
-//! the triangles there.
+//! units of the mesh about its middle; rays and triangles are double precision. A ray that meets an edge or a vertex of a
+//! closed mesh meets at least one of the triangles there.
 //!
 //! Sources: Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007); Wald, Benthin & Boulos, "Getting
 //! rid of packets" (2008), for wide nodes; Woop, Benthin & Wald, "Watertight ray/triangle intersection" (2013);
