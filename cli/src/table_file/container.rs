@@ -79,10 +79,11 @@ fn write(image: &Image<Layer<AnyChannels<Column<'_>>>>, threads: usize) -> exr::
     let mut bytes = Cursor::new(Vec::new());
     exr::block::write(&mut bytes, headers, true, |meta, file| {
         let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
-        for blocks in blocks.chunks(threads.clamp(1, MOST_BLOCKS)) {
+        let at_once = threads.clamp(1, MOST_BLOCKS);
+        for blocks in blocks.chunks(at_once) {
             let mut chunks: Vec<_> = blocks.iter().map(|(place, index)| (*place, *index, None)).collect();
             for_each(
-                threads,
+                at_once,
                 chunks.iter_mut(),
                 || (),
                 |(), (_, index, chunk)| {
@@ -255,4 +256,23 @@ fn sort_attributes(file: &mut [u8]) -> Option<()> {
     attributes.sort();
     file[MAGIC_AND_VERSION..at].copy_from_slice(&attributes.concat());
     Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_number_of_threads_writes_the_same_blocks() {
+        let encode = |threads| {
+            let channels = vec![("Y".to_owned(), Column::new(|pixel| (pixel * pixel % 97) as f32))];
+            // Seven blocks of 16 lines.
+            let size = (9, 100);
+            let contents = Contents { size, compression: Compression::ZIP16, channels, attributes: BTreeMap::new() };
+            contents.encode(threads).unwrap()
+        };
+        let one = encode(1);
+        assert_eq!(Opened::new(&one).unwrap().pixels().unwrap().take("Y").unwrap()[500], (500 * 500 % 97) as f32);
+        assert!([2, 3, 64].iter().all(|&threads| encode(threads) == one));
+    }
 }
