@@ -1,4 +1,4 @@
-//! Lanes: one number for each of a group of wavelengths. The only file that names the SIMD crate.
+//! Lanes: one number for each of a group of wavelengths. The only file that names the SIMD crates.
 //!
 //! Numerics are generic over [`Lanes`]; [`F32`] and [`F64`] are the two instances. Phases need more digits than single
 //! precision has, so each lane type has a [`Lanes::Precise`] companion of equal width in double precision, in which
@@ -23,6 +23,46 @@ pub type F64 = width::Double;
 
 /// Eight boxes of the bounding volume hierarchy.
 pub(crate) type Eight = wide::f32x8;
+
+/// Eight numbers, not negative, that order as whole numbers do, each with its lane in the last three bits: the least of them says
+/// where it is.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct EightKeys(wide::u32x8);
+
+impl EightKeys {
+    /// No number.
+    pub(crate) const MAX: Self = Self(wide::u32x8::MAX);
+    const LANE: u32 = 7;
+
+    /// Of the lanes that are `there`, a mask.
+    #[inline]
+    pub(crate) fn new(numbers: Eight, there: Eight) -> Self {
+        let [bits, there]: [wide::u32x8; 2] = [numbers, there].map(wide::bytemuck::cast);
+        Self((bits & wide::u32x8::splat(!Self::LANE)) | wide::u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]) | !there)
+    }
+
+    /// The largest key of a number; 0 if it is negative or none.
+    #[inline]
+    pub(crate) fn key(number: f32) -> u32 {
+        if number >= 0.0 { number.to_bits() | Self::LANE } else { 0 }
+    }
+
+    /// The least key, `u32::MAX` if there is none, and the others.
+    #[inline]
+    pub(crate) fn take_least(self) -> (u32, Self) {
+        let least = self.0.reduce_min();
+        (least, Self(self.0 | self.0.simd_eq(wide::u32x8::splat(least))))
+    }
+}
+
+/// Asks for memory that will be read soon, where the machine can.
+#[inline]
+pub(crate) fn prefetch<T>(place: &T) {
+    #[cfg(target_arch = "x86_64")]
+    safe_arch::prefetch_t0(place);
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
+}
 
 /// The instruction set that was compiled in, for `--version` and the C interface.
 #[must_use]

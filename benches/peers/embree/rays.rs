@@ -35,12 +35,22 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Both programs shall see the same rays, and the other one sees single precision.
     let rays: Vec<Ray> = if kind == "primary" { primary(&mesh)? } else { stages::incoherent(&mesh, INCOHERENT) };
-    let mut seconds = Vec::new();
+    let (mut one_by_one, mut by_turns) = (Vec::new(), Vec::new());
     let mut hits: Vec<Option<Hit>> = Vec::new();
     for _ in 0..repeats.parse::<usize>()? {
-        let (found, time) = processor_time(|| black_box(&rays).iter().map(|ray| bvh.closest(ray, |_| true)).collect());
+        let (found, time) =
+            processor_time(|| black_box(&rays).iter().map(|ray| bvh.closest(ray, |_| true)).collect::<Vec<_>>());
+        one_by_one.push(time.as_secs_f64());
+        let (found_by_turns, time) = processor_time(|| {
+            let mut hits = vec![None; rays.len()];
+            bvh.closest_each(black_box(&rays), &mut hits, |_, _| true);
+            hits
+        });
+        by_turns.push(time.as_secs_f64());
+        if found != found_by_turns {
+            return Err("hits differ by turns".into());
+        }
         hits = found;
-        seconds.push(time.as_secs_f64());
     }
 
     let write = |name: &str, bytes: Vec<u8>| fs::write(Path::new(folder).join(name), bytes);
@@ -52,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     write("origins.f32", points(&mut rays.iter().map(|ray| ray.origin.to_array())))?;
     write("directions.f32", points(&mut rays.iter().map(|ray| ray.direction.to_array())))?;
     write("distances.f64", hits.iter().flat_map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t).to_le_bytes()).collect())?;
-    println!("{}", serde_json::json!({ "seconds": seconds, "build": build }));
+    println!("{}", serde_json::json!({ "one by one": one_by_one, "by turns": by_turns, "build": build }));
     Ok(())
 }
 

@@ -29,6 +29,13 @@ pub fn bvh(visit: Visit<'_>) {
             black_box(bvh.closest(ray, |_| true));
         }
     });
+    let mut found = vec![None; RAYS];
+    bvh.closest_each(&rays, &mut found, |_, _| true);
+    assert!(rays.iter().map(|ray| bvh.closest(ray, |_| true)).eq(found.iter().copied()));
+    visit(&Work { stage: "bvh", name: "closest hits by turns", unit: "rays", amount: RAYS as f64 }, &mut || {
+        bvh.closest_each(black_box(&rays), &mut found, |_, _| true);
+        black_box(&found);
+    });
 }
 
 /// Rays from random points of the mesh's bounding sphere through random points of its box, in random order.

@@ -14,6 +14,8 @@ mod build;
 mod leaf;
 #[cfg(test)]
 mod tests;
+mod turns;
+mod walk;
 
 pub use boxes::Node;
 
@@ -53,6 +55,14 @@ pub struct Ray {
     pub t_max: f64,
 }
 
+impl Ray {
+    /// Whether it can hit anything.
+    #[inline]
+    fn has_direction(&self) -> bool {
+        self.origin.is_finite() && self.direction.is_finite() && self.direction != DVec3::ZERO
+    }
+}
+
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -62,6 +72,14 @@ pub struct Hit {
     pub t: f64,
     /// direction · normal < 0, where the vertices run counter-clockwise about the normal.
     pub front: bool,
+}
+
+impl Hit {
+    /// Nearer, or as near and of a lower index.
+    #[inline]
+    fn precedes(&self, other: &Self) -> bool {
+        self.t < other.t || (self.t == other.t && self.triangle < other.triangle)
+    }
 }
 
 /// Why a mesh was refused.
@@ -217,11 +235,17 @@ impl<'a> Bvh<'a> {
     /// where the ray sees the triangle thinner than the rounding of its vertices.
     #[must_use]
     pub fn closest(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
-        if ray.origin.is_finite() && ray.direction.is_finite() && ray.direction != DVec3::ZERO {
-            self.traverse(ray, accept)
-        } else {
-            None
-        }
+        if ray.has_direction() { self.traverse(ray, accept) } else { None }
+    }
+
+    /// [`Bvh::closest`] of each of many rays, the same hits. The rays take turns and so wait for memory together, which pays for
+    /// incoherent rays, and most on meshes beyond the caches; for coherent rays one by one is faster. It takes some 20 KiB of
+    /// stack.
+    ///
+    /// `accept` may be asked about any hit of the ray of an index, in any order. Rays beyond the end of `hits` are left out;
+    /// hits beyond that of `rays` become `None`.
+    pub fn closest_each(&self, rays: &[Ray], hits: &mut [Option<Hit>], accept: impl FnMut(usize, &Hit) -> bool) {
+        turns::closest_each(self, rays, hits, accept);
     }
 
     /// The vertices.
@@ -256,8 +280,7 @@ impl<'a> Bvh<'a> {
             } else {
                 if let Some(leaf) = Leaf::new(self.corners, child) {
                     shear.meet(leaf, |hit| {
-                        let nearer = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
-                        if nearer && hit.t >= ray.t_min && accept(&hit) {
+                        if hit.precedes(&best) && hit.t >= ray.t_min && accept(&hit) {
                             best = hit;
                             far = slabs.last(hit.t);
                         }

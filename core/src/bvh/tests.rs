@@ -1,6 +1,7 @@
 extern crate std;
 
 mod meshes;
+mod turns;
 
 use super::*;
 use meshes::{bumpy_sphere, sheet, slab, soup};
