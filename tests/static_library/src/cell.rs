@@ -2,7 +2,7 @@
 
 use core::slice;
 use goniochrome::bins::{BinFields, DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Node};
+use goniochrome::bvh::{Bvh, Hit, Node, Ray};
 use goniochrome::cell::Facet;
 use goniochrome::coherence::Side;
 use goniochrome::complex::{ComplexLanes, Polarised};
@@ -36,6 +36,7 @@ pub struct Scene<'a> {
     order: [i32; 2],
     rays: u32,
     seed: u32,
+    straight: &'a [Ray],
     medium: u16,
     interference: bool,
 }
@@ -46,6 +47,7 @@ pub struct Memory<'a> {
     order: &'a mut [u32],
     corners: &'a mut [f64],
     bins: &'a mut [f64],
+    hits: &'a mut [Option<Hit>],
 }
 
 struct Power<'a>(&'a mut [f64]);
@@ -67,6 +69,7 @@ pub extern "C" fn cell_power(scene: &Scene<'_>, memory: &mut Memory<'_>) -> f64 
 
 fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let bvh = Bvh::build(scene.vertices_nm, scene.triangles, memory.nodes, memory.order, memory.corners).ok()?;
+    bvh.closest_each(scene.straight, memory.hits, |_, hit| hit.front);
     let cell =
         MeshCell::new(bvh, scene.facet_of, scene.facets, scene.interfaces, scene.period_nm, scene.medium).ok()?;
     let coatings = [scene.films];
