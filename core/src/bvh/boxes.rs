@@ -19,7 +19,8 @@ const ORIGIN_SLACK: f64 = 8.0 * f64::EPSILON;
 /// Components below this, of a direction whose largest is 1, are raised to it: within the mesh the ray moves by less than the
 /// slack.
 const LEAST_COMPONENT: f64 = 1e-20;
-/// Parameters below this lie before the mesh: its points are within √3 of the middle, and the direction is no shorter than 1.
+/// Parameters below this lie before the mesh: its points are within √3 of the middle, and the direction is no shorter than 1. Keys
+/// count from a ray's first parameter, which must be finite for that.
 const BEFORE_MESH: f32 = -2.0;
 
 /// Boxes of the children, in single precision and units of the frame.

@@ -260,6 +260,12 @@ impl<'a> Bvh<'a> {
         self.triangles
     }
 
+    /// A node that is there; of others one without children.
+    #[inline]
+    fn node(&self, place: usize) -> &'a Node {
+        self.nodes.get(place).unwrap_or(&Node::EMPTY)
+    }
+
     /// [`Bvh::closest`] of a ray that has a direction.
     #[inline]
     fn traverse(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
@@ -272,7 +278,7 @@ impl<'a> Bvh<'a> {
         let mut child = Child::ROOT;
         loop {
             if child.count() == 0 {
-                let node = self.nodes.get(child.place()).unwrap_or(&Node::EMPTY);
+                let node = self.node(child.place());
                 if let Some(nearest) = slabs.enter(node, far, &mut stack) {
                     child = nearest;
                     continue;

@@ -1,6 +1,6 @@
 //! A ray on its way through the hierarchy, one node or leaf at a time.
 
-use super::{Bvh, Child, Hit, Leaf, MAX_DEPTH, Node, Ray, Shear, Slabs, TERMS, WIDTH};
+use super::{Bvh, Child, Hit, Leaf, MAX_DEPTH, Ray, Shear, Slabs, TERMS, WIDTH};
 use crate::lanes::{EightKeys, prefetch};
 
 /// Numbers of double precision in a line of the cache.
@@ -66,7 +66,7 @@ impl Walk {
     pub(super) fn step(&mut self, bvh: &Bvh<'_>, levels: &mut Levels, accept: &mut impl FnMut(&Hit) -> bool) -> bool {
         if self.child.count() == 0 {
             let place = self.child.place();
-            let node = node_of(bvh, place);
+            let node = bvh.node(place);
             let (key, keys) = self.slabs.keys(node, self.far).take_least();
             if key != u32::MAX {
                 if let Some(level) = levels.get_mut(self.height) {
@@ -96,7 +96,7 @@ impl Walk {
             let (key, rest) = keys.take_least();
             if key <= self.far_key {
                 *keys = rest;
-                self.child = node_of(bvh, *node as usize).children[key as usize % WIDTH];
+                self.child = bvh.node(*node as usize).children[key as usize % WIDTH];
                 self.height -= usize::from(rest == EightKeys::MAX);
                 return true;
             }
@@ -110,7 +110,7 @@ impl Walk {
     pub(super) fn fetch(&self, bvh: &Bvh<'_>) {
         let place = self.child.place();
         if self.child.count() == 0 {
-            let node = node_of(bvh, place);
+            let node = bvh.node(place);
             node.bounds.iter().for_each(prefetch);
             prefetch(&node.children);
         } else if let Some(lines) = bvh.corners.get(place * TERMS..).and_then(<[f64]>::first_chunk) {
@@ -119,9 +119,4 @@ impl Walk {
             lines.iter().step_by(LINE).for_each(prefetch);
         }
     }
-}
-
-#[inline]
-fn node_of<'a>(bvh: &Bvh<'a>, place: usize) -> &'a Node {
-    bvh.nodes.get(place).unwrap_or(&Node::EMPTY)
 }
