@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::text::one_line;
+
 /// What the user did wrong or what failed, in one line that says what, where and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
@@ -15,12 +17,17 @@ pub type Result<T> = std::result::Result<T, Error>;
 impl Error {
     /// The command line itself is wrong: exit code 2.
     pub fn usage(message: impl fmt::Display) -> Self {
-        Self { message: one_line(&message), exit_code: 2 }
+        Self::new(message, 2)
     }
 
     /// A file, a scene or the machine is at fault: exit code 1.
     pub fn failed(message: impl fmt::Display) -> Self {
-        Self { message: one_line(&message), exit_code: 1 }
+        Self::new(message, 1)
+    }
+
+    /// Libraries report over several lines, and names come from files of strangers: a log wants one line of plain text.
+    fn new(message: impl fmt::Display, exit_code: u8) -> Self {
+        Self { message: one_line(&message.to_string()), exit_code }
     }
 
     /// 1 or 2.
@@ -30,11 +37,6 @@ impl Error {
     }
 }
 
-/// Libraries report over several lines; a log wants one.
-fn one_line(message: &impl fmt::Display) -> String {
-    message.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
@@ -42,3 +44,15 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_one_line_of_plain_text() {
+        let error = Error::failed("name\u{1b}[2J:\n  expected a\u{202e}b\r\n");
+        assert_eq!(error.to_string(), "name\\u{1b}[2J: expected a\\u{202e}b");
+        assert_eq!(Error::usage("\u{9b}0m").to_string(), "\\u{9b}0m");
+    }
+}

@@ -28,4 +28,5 @@ pub mod scatter_table;
 pub mod scene;
 pub mod table;
 pub mod table_file;
+pub mod text;
 pub mod view;

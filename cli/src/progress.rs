@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::text::plain;
+
 /// A bar that shows itself on a terminal if the work takes longer than a moment.
 #[must_use]
 pub fn bar(what: &str, steps: usize, quiet: bool) -> ProgressBar {
@@ -12,7 +14,7 @@ pub fn bar(what: &str, steps: usize, quiet: bool) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::with_draw_target(Some(steps as u64), target).with_style(style);
-    bar.set_message(what.to_owned());
+    bar.set_message(plain(what));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
@@ -20,6 +22,6 @@ pub fn bar(what: &str, steps: usize, quiet: bool) -> ProgressBar {
 /// One line on standard error, unless quiet.
 pub fn remark(quiet: bool, line: impl fmt::Display) {
     if !quiet {
-        eprintln!("{line}");
+        eprintln!("{}", plain(&line.to_string()));
     }
 }

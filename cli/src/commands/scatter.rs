@@ -14,6 +14,7 @@ use crate::output;
 use crate::progress::{bar, remark};
 use crate::scatter::{BATCHES, Coherence, Estimate, Request, Scattered, scatter};
 use crate::scene::load;
+use crate::text;
 
 pub fn run(args: &ScatterArgs) -> Result<()> {
     let scene = load(&args.scene)?;
@@ -48,7 +49,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         remark(args.quiet, warning);
     }
     let text = serde_json::to_string_pretty(&report(args, &request, &found)).map_err(Error::failed)?;
-    output::write_text(&args.json, &(text + "\n"))
+    output::write_text(&args.json, &(text::json(&text) + "\n"))
 }
 
 /// With a target, rays double up to here.

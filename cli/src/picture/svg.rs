@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::raster::Raster;
+use crate::text::is_active;
 
 pub(super) const INK: &str = "#1b1b1f";
 pub(super) const SOFT_INK: &str = "#55555d";
@@ -209,8 +210,8 @@ pub(crate) fn escape(text: &str) -> String {
             '<' => safe.push_str("&lt;"),
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
-            // XML 1.0 cannot hold control characters, not even escaped.
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => safe.push(' '),
+            // XML 1.0 cannot hold control characters, not even escaped, and what turns writing would turn the page's own.
+            c if is_active(c) || matches!(c, '\u{fffe}' | '\u{ffff}') => safe.push(' '),
             c => safe.push(c),
         }
     }
@@ -236,7 +237,7 @@ mod tests {
 
     #[test]
     fn text_from_users_cannot_break_the_document() {
-        assert_eq!(escape("a<b> & \"c\"\u{0}\n"), "a&lt;b&gt; &amp; &quot;c&quot;  ");
+        assert_eq!(escape("a<b> & \"c\"\u{0}\n\u{9b}\u{202e}"), "a&lt;b&gt; &amp; &quot;c&quot;    ");
         let mut canvas = Canvas::default();
         canvas.text(0.0, 0.0, Anchor::Start, Style::label(), "</text>&\u{1}");
         canvas.line((0.0, 0.0), (1.0, 1.0), "\"/>", 1.0);

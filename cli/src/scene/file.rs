@@ -44,6 +44,7 @@ use super::planes::is_horizontal;
 use super::source::{Source, canonical, read_text};
 use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, check_closed, nk, surface};
 use crate::error::Result;
+use crate::text::{one_line, toml_key};
 
 /// After writing out repetitions. Real mirrors have hundreds; a slip in `repeat` asks for millions.
 const MAX_LAYERS: u32 = 10_000;
@@ -81,7 +82,8 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     for key in ["description", "source"] {
         root.get(key).map(|item| item.text()).transpose()?;
     }
-    let name = root.get("name").map(|item| item.text()).transpose()?.unwrap_or(name).to_owned();
+    let name = root.get("name").map(|item| item.text()).transpose()?.unwrap_or(name);
+    let name = one_line(name);
     let extrapolate = extrapolate(&root, Extrapolate::Refuse)?;
     let mut reader = Reader { label, folder, media: Media::new(extrapolate), files: Vec::new() };
     if let Some(materials) = root.get("materials") {
@@ -145,7 +147,7 @@ impl Reader<'_> {
 
     /// `[materials.NAME]`: n and k, or a file.
     fn material(&mut self, item: &Item<'_>, default: Extrapolate) -> Result<OwnedMedium> {
-        let table = item.table(format!("[materials.{}]", item.key()))?;
+        let table = item.table(format!("[materials.{}]", toml_key(item.key())))?;
         table.allow(&["n", "k", "file", "extrapolate", "description", "source"])?;
         let extrapolate = extrapolate(&table, default)?;
         match (table.get("n"), table.get("k"), table.get("file")) {
@@ -236,7 +238,7 @@ impl Reader<'_> {
     }
 
     fn interface(&mut self, item: &Item<'_>) -> Result<NamedInterface> {
-        let table = item.table(format!("[interface.{}]", item.key()))?;
+        let table = item.table(format!("[interface.{}]", toml_key(item.key())))?;
         table.allow(&["above", "below", "coating"])?;
         let above = table.require("above", "the medium on the side of the facet's normal")?;
         let above = self.medium(&above)?;

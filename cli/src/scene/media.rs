@@ -11,6 +11,7 @@ use super::nk::MAX_INDEX;
 use super::source::nearest;
 use super::{NamedMedium, builtin};
 use crate::error::Result;
+use crate::text::toml_key;
 
 /// Stands for a perfect mirror where something may lie below.
 pub(super) const MIRROR: &str = "mirror";
@@ -48,7 +49,7 @@ impl Media {
             None => Ok(()),
             Some(other) => Err(item.refuse(format_args!(
                 "[materials.{}] has the same name but for upper and lower case; rename one",
-                other.name
+                toml_key(&other.name)
             ))),
         }
     }
@@ -117,11 +118,12 @@ impl Media {
             .values()
             .map(|medium| medium.name.as_str())
             .chain(builtin::names().map(|name| -> &str { name }));
+        let key = toml_key(name);
         Err(item.refuse(match nearest(name, known) {
-            Some(near) => format!("unknown material {name:?}; nearest is {near:?}, or declare [materials.{name}]"),
+            Some(near) => format!("unknown material {name:?}; nearest is {near:?}, or declare [materials.{key}]"),
             None => {
                 let known = builtin::names().collect::<Vec<_>>().join(", ");
-                format!("unknown material {name:?}; declare [materials.{name}] (built in: {known})")
+                format!("unknown material {name:?}; declare [materials.{key}] (built in: {known})")
             }
         }))
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::MAX_LENGTH_NM;
 use super::source::{Source, nearest, read_text};
 use crate::error::Result;
+use crate::text::toml_key;
 
 /// Ten million triangles with their hierarchy, checks and file took 3.9 GB.
 const MAX_TRIANGLES: usize = 10_000_000;
@@ -148,7 +149,7 @@ fn material(source: &Source<'_>, line: usize, code: &str, interfaces: &[&str]) -
     let index = interfaces.iter().position(|&known| known == name).and_then(|index| u16::try_from(index).ok());
     index.ok_or_else(|| {
         let near = nearest(name, interfaces.iter().copied());
-        let near = near.map_or_else(String::new, |near| format!("nearest is [interface.{near}]; "));
+        let near = near.map_or_else(String::new, |near| format!("nearest is [interface.{}]; ", toml_key(near)));
         let remedy = "declare each usemtl name in the scene file";
         source.refuse_line(line, format_args!("usemtl {name:?} has no [interface]; {near}{remedy}"))
     })

@@ -14,6 +14,7 @@ use crate::picture::escape;
 use crate::render::camera::View;
 use crate::render::studio::{CEILING, FLOOR, HORIZON, SOFT_BOXES};
 use crate::table_file::Table;
+use crate::text;
 
 /// Bytes of a page: beyond, phones give up.
 pub const MOST_BYTES: usize = 48 << 20;
@@ -67,7 +68,7 @@ pub fn page(table: &Table) -> Result<String> {
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
         .replace("{{style}}", include_str!("page/style.css"))
         // No text of a table can end the script that holds it.
-        .replace("{{data}}", &data.to_string().replace('<', "\\u003c"))
+        .replace("{{data}}", &text::json(&data.to_string()).replace('<', "\\u003c"))
         .replace("{{script}}", &SCRIPTS.concat());
     if html.len() > MOST_BYTES {
         return Err(Error::failed(format_args!(

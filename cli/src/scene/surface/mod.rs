@@ -43,6 +43,7 @@ use super::item::{Item, Table};
 use super::obj::{Mesh, Triangle};
 use super::source::nearest;
 use crate::error::Result;
+use crate::text::toml_key;
 
 /// Far finer than any microscopic surface needs; a slip in a count asks for billions.
 const MAX_TRIANGLES: u64 = 1_000_000;
@@ -83,7 +84,8 @@ pub(super) fn build(item: &Item<'_>, label: &str, period_nm: [f64; 2], names: &[
     if let Some(other) = names.iter().find(|name| !wanted.contains(name)) {
         let wanted = wanted.join(", ");
         return Err(item.refuse(format_args!(
-            "[interface.{other}] is not of this surface; kind {kind:?} has {wanted}; remove or rename it"
+            "[interface.{}] is not of this surface; kind {kind:?} has {wanted}; remove or rename it",
+            toml_key(other)
         )));
     }
     let mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: Path::new(label).to_owned() };
