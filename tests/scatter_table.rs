@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::Vec3;
 use goniochrome::bins::DirectionBins;
-use goniochrome::sampling::sobol;
+use goniochrome::sampling::{Random, sobol};
 use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable, TableError};
 
 /// A table of f at the middles of bins; f takes θ_i, φ_i, cos θ_o, φ_o − φ_i and the channel.
@@ -168,8 +168,91 @@ fn directions_are_drawn_by_their_density() {
     assert_eq!(sampler.sample(-Vec3::Z, [0.5; 2]), None);
     for u in [0.0, 0.999_999_94, 1.0, f32::NAN] {
         let (wo, pdf) = sampler.sample(Vec3::Z, [u; 2]).unwrap();
-        assert!(wo.z > 0.0 && pdf >= 0.0 && wo.is_finite(), "{u}: {wo} {pdf}");
+        assert!(wo.z > 0.0 && pdf > 0.0 && wo.is_finite(), "{u}: {wo} {pdf}");
     }
+}
+
+/// Tables of which half of the bins are empty, some rows and incident directions among them, and whose others reach from 1 down
+/// to 10⁻³⁰.
+fn sparse(layout: ScatterLayout, seed: u32) -> Vec<f32> {
+    let mut random = Random::new(0, seed);
+    let bins = layout.bins();
+    let mut values = Vec::new();
+    for _ in 0..layout.incident_count() {
+        let dark = random.next() < 0.2;
+        for _ in 0..bins.cos {
+            let dark = dark || random.next() < 0.3;
+            for _ in 0..bins.phi {
+                let value = if random.next() < 0.5 { 1.0 } else { 10.0_f64.powf(-30.0 * random.next()) };
+                values.push(if dark || random.next() < 0.3 { 0.0 } else { value as f32 });
+            }
+        }
+    }
+    values
+}
+
+/// Numbers at which a sampler's choice changes: the sums themselves and their neighbours, 0, and the largest below 1.
+fn edges(sums: &[f32]) -> Vec<f32> {
+    let around = |sum: &f32| [sum.next_down(), *sum, sum.next_up()];
+    let inside = sums.iter().flat_map(around).filter(|u| (0.0..1.0).contains(u));
+    inside.chain([0.0, f32::MIN_POSITIVE, 1.0f32.next_down()]).collect()
+}
+
+#[test]
+fn no_number_draws_a_direction_without_density_or_where_nothing_is_reflected() {
+    let mut drawn = 0;
+    for (seed, (theta, phi, cos, around)) in
+        [(3, 4, 5, 8), (2, 1, 1, 7), (1, 1, 4, 1), (2, 3, 16, 48), (1, 2, 3, 1024)].into_iter().enumerate()
+    {
+        let layout = ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around }).unwrap();
+        let values = sparse(layout, seed as u32);
+        let table = ScatterTable::new(&values, layout, 1).unwrap();
+        let mut sums = vec![0.0; ScatterSampler::required_len(&layout)];
+        ScatterSampler::new(&table, &mut sums).unwrap();
+        let mut memory = sums.clone();
+        let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
+        let (rows, columns) = (cos as usize, around as usize);
+        for (incident, sums) in sums.chunks_exact(sums.len() / layout.incident_count()).enumerate() {
+            let [theta, phi] = layout.incident(incident);
+            for nudge in [0.0, 1e-7, 0.1] {
+                let wi = direction(theta + nudge, phi + nudge);
+                let reflects = values.iter().any(|f| *f > 0.0)
+                    && (0..layout.bins().count()).any(|bin| {
+                        let [cos, relative] = layout.outgoing(bin);
+                        table.rgb(wi, direction(cos.acos(), f64::from(wi.y.atan2(wi.x)) + relative))[0] > 0.0
+                    });
+                for u0 in edges(&sums[1..=rows]) {
+                    for row in 0..rows {
+                        for u1 in edges(&sums[1 + rows + row * columns..][..columns.min(40)]) {
+                            let (wo, pdf) = sampler.sample(wi, [u0, u1]).unwrap();
+                            assert!(pdf > 0.0 && pdf.is_finite(), "{seed} {incident} {u0:e} {u1:e}: {wo} {pdf}");
+                            assert_eq!(pdf, sampler.pdf(wi, wo));
+                            assert!(!reflects || table.rgb(wi, wo)[0] > 0.0, "{seed} {incident} {u0:e} {u1:e}: {wo}");
+                            drawn += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(drawn > 100_000, "{drawn}");
+}
+
+#[test]
+fn every_bin_that_reflects_can_be_drawn_however_little_it_reflects() {
+    let layout = ScatterLayout::new(1, 1, DirectionBins { cos: 8, phi: 64 }).unwrap();
+    let values = sparse(layout, 7);
+    let table = ScatterTable::new(&values, layout, 1).unwrap();
+    let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
+    let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
+    let wi = direction(0.7, 0.3);
+    let mut faint = 0;
+    for (bin, &f) in values.iter().enumerate().filter(|(_, f)| **f > 0.0) {
+        let [cos, relative] = layout.outgoing(bin);
+        assert!(sampler.pdf(wi, direction(cos.acos(), 0.3 + relative)) > 0.0, "{bin}: {f:e}");
+        faint += u32::from(f < 1e-10);
+    }
+    assert!(faint > 10);
 }
 
 #[test]

@@ -199,6 +199,10 @@ impl Cells {
             rows.push(total);
             (above, here) = (here, below);
         }
+        if total <= 0.0 {
+            // Darkness is the same everywhere: one cell.
+            return Self { size: [1, 1], rows: vec![1.0], columns: vec![1.0] };
+        }
         rows.iter_mut().for_each(|row| *row /= total);
         Self { size: [width, height], rows, columns }
     }
@@ -235,11 +239,16 @@ fn step(cumulative: &[f64], place: usize) -> f64 {
     cumulative[place] - if place == 0 { 0.0 } else { cumulative[place - 1] }
 }
 
-/// Which place `u` falls on, and how far into it.
+/// How far from the edges of its cell a direction is drawn, as a fraction of the cell: on an edge, rounding would give it to
+/// the next cell, which may be dark. Within a cell by a pole, a row's arc cosine is rounded most: by 2⁻⁵³ over the square of its
+/// polar angle, 10⁻⁸ of a row among 32768.
+const EDGE: f64 = 1e-6;
+
+/// Which place `u` falls on, the first whose sum is larger, and how far into it.
 fn take(cumulative: &[f64], u: f64) -> (usize, f64) {
     let place = cumulative.partition_point(|&sum| sum <= u).min(cumulative.len() - 1);
     let (width, from) = (step(cumulative, place), if place == 0 { 0.0 } else { cumulative[place - 1] });
-    (place, if width > 0.0 { ((u - from) / width).clamp(0.0, 1.0) } else { 0.5 })
+    (place, if width > 0.0 { ((u - from) / width).clamp(EDGE, 1.0 - EDGE) } else { 0.5 })
 }
 
 #[cfg(test)]
@@ -302,6 +311,37 @@ mod tests {
             // Both estimates of 65536 well spread points.
             assert!((by_light / by_sphere - 1.0).abs() < 3e-3, "{by_light} {by_sphere}");
             assert!((density * sphere - 1.0).abs() < 3e-3);
+        }
+    }
+
+    #[test]
+    fn no_number_draws_a_direction_without_density() {
+        let mut texels = vec![[0.0; 3]; 16 * 8];
+        for lit in [3, 4, 9, 64, 70, 127] {
+            texels[lit] = [1.0; 3];
+        }
+        for turn in [0.0, 33.0] {
+            let environment = Environment::new(Light::Image(LatLong::new([16, 8], texels.clone()).unwrap()), turn);
+            let edges = |sums: &[f64]| {
+                let around = sums.iter().flat_map(|sum| [sum.next_down(), *sum, sum.next_up()]);
+                around.chain([0.0, 1.0 - f64::EPSILON / 2.0]).filter(|u| (0.0..1.0).contains(u)).collect::<Vec<f64>>()
+            };
+            for u1 in edges(&environment.cells.rows) {
+                for u0 in edges(&environment.cells.columns) {
+                    let (wi, pdf) = environment.sample([u0, u1]);
+                    assert!(pdf > 0.0 && pdf.is_finite(), "{u0} {u1}: {pdf}");
+                    assert!((pdf / environment.pdf(wi) - 1.0).abs() < 1e-6, "{u0} {u1}: {pdf}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn darkness_is_drawn_from_everywhere() {
+        let dark = Environment::new(Light::Image(LatLong::new([4, 2], vec![[0.0; 3]; 8]).unwrap()), 0.0);
+        for u in [[0.0, 0.0], [0.3, 0.8]] {
+            let (wi, pdf) = dark.sample(u);
+            assert!((pdf * 4.0 * PI - 1.0).abs() < 1e-9 && dark.radiance(wi) == [0.0; 3], "{pdf}");
         }
     }
 

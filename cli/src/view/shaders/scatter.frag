@@ -108,9 +108,10 @@ vec3 fromTable(vec3 wo, Nodes mixture, vec2 u) {
     int chosen = mixture.index[3];
     float from = 0.0;
     for (int k = 0; k < 4; ++k) {
+        if (mixture.weight[k] <= 0.0) continue; // rounding must not choose what reflects nothing
+        chosen = mixture.index[k];
         if (u.x < from + mixture.weight[k]) {
-            chosen = mixture.index[k];
-            u.x = (u.x - from) / mixture.weight[k];
+            u.x = clamp((u.x - from) / mixture.weight[k], 0.0, 0.9999999);
             break;
         }
         from += mixture.weight[k];
