@@ -69,6 +69,21 @@ def material_rgb(material, theta_deg):
     return [(1 - factor) * schlick(f, cosine) + factor * i for f, i in zip(f0, iridescent)]
 
 
+def transmitted(material, theta_deg):
+    """The share of light that goes through: fresnel_mix and rgb_mix of the extension's text weigh the base, all of which is
+    transmission here, by 1 less the largest channel; none through metals."""
+    if "KHR_materials_transmission" not in material["extensions"]:
+        return None
+    base = material["pbrMetallicRoughness"]
+    assert material["extensions"]["KHR_materials_transmission"] == {"transmissionFactor": 1}
+    assert base["baseColorFactor"] == [1, 1, 1, 1] and base["metallicFactor"] == 0
+    film = material["extensions"]["KHR_materials_iridescence"]
+    factor = film["iridescenceFactor"]
+    of = lambda share: max(material_rgb({**material, "extensions": {
+        **material["extensions"], "KHR_materials_iridescence": {**film, "iridescenceFactor": share}}}, theta_deg))
+    return max(1 - (1 - factor) * of(0) - factor * of(1), 0)
+
+
 # Single precision there (see the test of iridescence.rs), and five digits in the file.
 TOLERANCE = 6e-5 + 0.5e-5
 
@@ -79,6 +94,12 @@ def check(path):
     assert len(colours) > 1
     worst = max(abs(a - b) for stated in colours
                 for a, b in zip(stated["gltf_rgb"], material_rgb(material, stated["theta_deg"])))
+    for stated in colours:
+        through = transmitted(material, stated["theta_deg"])
+        assert (through is None) == ("gltf_transmitted_grey" not in stated), path
+        if through is not None:
+            worst = max(worst, abs(through - stated["gltf_transmitted_grey"]))
+            assert all(abs(r + t - 1) < 2e-5 for r, t in zip(stated["exact_rgb"], stated["exact_transmitted_rgb"])), path
     print(f"{path}: stated colours are the formula's within {worst:.1e} (at most {TOLERANCE:.1e})")
     return worst <= TOLERANCE
 

@@ -1,4 +1,5 @@
-//! Which scenes are what `KHR_materials_iridescence` describes: one clear film in air, on a base of any kind.
+//! Which scenes are what `KHR_materials_iridescence` describes: one clear film in air, on a base of any kind, and what becomes
+//! of the light that the film lets through.
 
 use goniochrome::interface::Below;
 use goniochrome::medium::MediumIndex;
@@ -16,12 +17,30 @@ pub struct Film {
     pub thickness_nm: f64,
     /// What it lies on.
     pub base: Base,
+    /// What becomes of the light that enters the base.
+    pub behind: Behind,
+}
+
+/// What lies behind a film, in the terms of glTF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Behind {
+    /// A metal, or a medium that swallows light within wavelengths: nothing comes through.
+    Opaque,
+    /// Air, as before the film: a thin wall, through which light goes straight on.
+    Air,
+    /// A transparent medium: a solid body.
+    Body {
+        /// Its index at 550 nm.
+        ior: f64,
+        /// What it absorbs of red, green and blue, 1/m: 4πk/λ.
+        absorption_per_m: [f64; 3],
+    },
 }
 
 /// What a film lies on, in the terms of glTF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Base {
-    /// Not metallic: `KHR_materials_ior`, under a black base colour, since what enters a half-space does not return.
+    /// Not metallic: `KHR_materials_ior`; what is not reflected goes on into [`Film::behind`].
     Dielectric {
         /// Its index.
         ior: f64,
@@ -79,30 +98,36 @@ impl Film {
                 return refuse(format!("glTF's film has an index of 1 or more, and this one {:.3} at {nm} nm", eta.re));
             }
         }
-        Ok(Self {
-            ior: index(planar, film.medium, MIDDLE_NM)?.re,
-            thickness_nm: film.thickness_nm,
-            base: base(planar, stack.substrate())?,
-        })
+        let (base, behind) = base(planar, stack.substrate())?;
+        Ok(Self { ior: index(planar, film.medium, MIDDLE_NM)?.re, thickness_nm: film.thickness_nm, base, behind })
     }
 }
 
-fn base(planar: &Planar<'_>, below: Below) -> Result<Base> {
-    let Below::Medium(medium) = below else { return Ok(Base::Metal { f0: [1.0; 3] }) };
+fn base(planar: &Planar<'_>, below: Below) -> Result<(Base, Behind)> {
+    let Below::Medium(medium) = below else { return Ok((Base::Metal { f0: [1.0; 3] }, Behind::Opaque)) };
     let mut clear = true;
     for nm in SEEN_NM {
         let eta = index(planar, medium, nm)?;
         clear &= eta.im < CLEAR_K && eta.re >= 1.0;
     }
     if clear {
-        return Ok(Base::Dielectric { ior: index(planar, medium, MIDDLE_NM)?.re });
+        let eta = index(planar, medium, MIDDLE_NM)?;
+        let base = Base::Dielectric { ior: eta.re };
+        if (eta - 1.0).norm() <= OUTSIDE {
+            return Ok((base, Behind::Air));
+        }
+        let mut absorption_per_m = [0.0; 3];
+        for (absorption, nm) in absorption_per_m.iter_mut().zip(RGB_NM) {
+            *absorption = 4.0 * std::f64::consts::PI * index(planar, medium, nm)?.im / (nm * 1e-9);
+        }
+        return Ok((base, Behind::Body { ior: eta.re, absorption_per_m }));
     }
     let mut f0 = [0.0; 3];
     for (f0, nm) in f0.iter_mut().zip(RGB_NM) {
         let eta = index(planar, medium, nm)?;
         *f0 = ((eta - 1.0) / (eta + 1.0)).norm_sqr();
     }
-    Ok(Base::Metal { f0 })
+    Ok((Base::Metal { f0 }, Behind::Opaque))
 }
 
 fn index(planar: &Planar<'_>, medium: MediumIndex, nm: f64) -> Result<Complex64> {
@@ -124,10 +149,29 @@ mod tests {
     fn single_films_are_taken() {
         let soap = "ambient = 'air'\nlayers = [{ material = 1.33, thickness_nm = 320 }]\nsubstrate = ";
         let on = |base: &str| film(&format!("{soap}{base}")).unwrap();
-        assert_eq!(on("1.5"), Film { ior: 1.33, thickness_nm: 320.0, base: Base::Dielectric { ior: 1.5 } });
+        let behind = Behind::Body { ior: 1.5, absorption_per_m: [0.0; 3] };
+        assert_eq!(on("1.5"), Film { ior: 1.33, thickness_nm: 320.0, base: Base::Dielectric { ior: 1.5 }, behind });
         assert_eq!(on("'mirror'").base, Base::Metal { f0: [1.0; 3] });
         let Base::Metal { f0: [r, g, b] } = on("'Au'").base else { panic!("gold is a metal") };
         assert!(r > 0.9 && (0.5..0.95).contains(&g) && b < 0.5, "{r} {g} {b}");
+    }
+
+    #[test]
+    fn light_goes_through_air_and_clear_media_and_not_through_metals() {
+        let behind = |base: &str| {
+            let stack =
+                format!("ambient = 'air'\nlayers = [{{ material = 1.33, thickness_nm = 320 }}]\nsubstrate = {base}");
+            film(&stack).unwrap().behind
+        };
+        assert_eq!((behind("'air'"), behind("1.0")), (Behind::Air, Behind::Air));
+        for opaque in ["'mirror'", "'Au'", "[1.5, 0.01]"] {
+            assert_eq!(behind(opaque), Behind::Opaque, "{opaque}");
+        }
+        let Behind::Body { ior, absorption_per_m: [r, g, b] } = behind("[1.5, 1e-7]") else {
+            panic!("glass is a body")
+        };
+        // 4π · 1e-7 / 610 nm and so on.
+        assert!(ior == 1.5 && (r - 2.0601).abs() < 1e-4 && (g - 2.2848).abs() < 1e-4 && (b - 2.7024).abs() < 1e-4);
     }
 
     #[test]

@@ -4,26 +4,33 @@
 //! and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics, so those are
 //! written whose colours come nearest, and how near that is stands in the material's `extras` and on the terminal.
 //!
+//! Light that a clear film on a clear substrate lets through goes on ([`transmission`]). The file is complete: a sphere wears
+//! the material ([`body`]).
+//!
 //! Colours are compared as ΔE2000 at 0, 1, … 85° in D65, where a perfect mirror is L* = 100: see [`difference`]. Exact
 //! colours may leave the gamut of sRGB and are not clipped.
 
+pub mod body;
 pub mod difference;
 pub mod film;
 pub mod fit;
 pub mod iridescence;
 mod simplex;
+pub mod transmission;
 
 use goniochrome::colour::VISIBLE_NM;
 use serde_json::{Value, json};
 
 use self::difference::{Colour, Summary, lab};
-use self::film::{Base, Film};
+use self::film::{Base, Behind, Film};
 use self::fit::{LAST_DEG, Parameters, angles, fit, round};
+use self::transmission::transmitted;
 use super::lut::exact_rgb;
 use crate::error::{Error, Result};
 use crate::grid::Wavelengths;
 use crate::planar::Planar;
 use crate::scene::Scene;
+use crate::text;
 
 /// Angles at which `extras` and the terminal show both colours.
 const SHOWN_DEG: [u16; 7] = [0, 15, 30, 45, 60, 75, 85];
@@ -61,12 +68,13 @@ impl Fitted {
         Ok(Self { name: scene.name.clone(), film, parameters, residual, unfitted, exact })
     }
 
-    /// A glTF 2.0 file with this material alone.
+    /// A glTF 2.0 file of a sphere that wears this material.
     #[must_use]
     pub fn json(&self) -> String {
         let Parameters { factor, ior, thickness_nm, base } = self.parameters;
         let (metallic, colour) = match base {
-            Base::Dielectric { .. } => (0, [0.0; 3]),
+            // White: what is not reflected is transmitted as it is.
+            Base::Dielectric { .. } => (0, [1.0; 3]),
             Base::Metal { f0 } => (1, f0),
         };
         let mut extensions = json!({
@@ -79,22 +87,26 @@ impl Fitted {
         if let Base::Dielectric { ior } = base {
             extensions["KHR_materials_ior"] = json!({ "ior": ior });
         }
-        let used: Vec<&String> = extensions.as_object().into_iter().flat_map(|object| object.keys()).collect();
-        let file = json!({
+        let mut material = json!({
+            "name": self.name,
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [colour[0], colour[1], colour[2], 1.0],
+                "metallicFactor": metallic,
+                "roughnessFactor": 0,
+            },
+            "extensions": extensions,
+            "extras": { "goniochrome": self.extras() },
+        });
+        transmission::add(&mut material, self.film.behind);
+        let used: Vec<&String> =
+            material["extensions"].as_object().into_iter().flat_map(|object| object.keys()).collect();
+        let mut file = json!({
             "asset": { "version": "2.0", "generator": concat!("goniochrome ", env!("CARGO_PKG_VERSION")) },
             "extensionsUsed": used,
-            "materials": [{
-                "name": self.name,
-                "pbrMetallicRoughness": {
-                    "baseColorFactor": [colour[0], colour[1], colour[2], 1.0],
-                    "metallicFactor": metallic,
-                    "roughnessFactor": 0,
-                },
-                "extensions": extensions,
-                "extras": { "goniochrome": self.extras() },
-            }],
+            "materials": [material],
         });
-        format!("{file:#}\n")
+        body::add(&mut file);
+        text::json(&format!("{file:#}\n"))
     }
 
     fn extras(&self) -> Value {
@@ -102,12 +114,20 @@ impl Fitted {
         let colours: Vec<Value> = self
             .shown()
             .map(|(theta, exact, gltf, delta)| {
-                let [exact, gltf] = [exact, gltf].map(|rgb| rgb.map(round));
-                json!({ "theta_deg": theta, "exact_rgb": exact, "gltf_rgb": gltf, "delta_e_2000": round(delta) })
+                let [exact_rgb, gltf_rgb] = [exact, gltf].map(|rgb| rgb.map(round));
+                let mut colours = json!({
+                    "theta_deg": theta, "exact_rgb": exact_rgb, "gltf_rgb": gltf_rgb, "delta_e_2000": round(delta),
+                });
+                if self.film.behind != Behind::Opaque {
+                    colours["exact_transmitted_rgb"] = json!(exact.map(|r| round(1.0 - r)));
+                    colours["gltf_transmitted_grey"] = json!(round(transmitted(&self.parameters, theta.into())));
+                }
+                colours
             })
             .collect();
         json!({
             "film": { "ior_550nm": self.film.ior, "thickness_nm": self.film.thickness_nm },
+            "transmission": transmission::words(self.film.behind, self.parameters.base),
             "compared": format!("0 to {LAST_DEG} degrees by 1, linear sRGB, D65; L* = 100 is a perfect mirror"),
             "delta_e_2000": summary(self.residual),
             "delta_e_2000_of_the_films_own_values": summary(self.unfitted),
@@ -128,14 +148,15 @@ impl Fitted {
     #[must_use]
     pub fn report(&self) -> Vec<String> {
         let Parameters { factor, ior, thickness_nm, base } = self.parameters;
-        let base = match base {
+        let on = match base {
             Base::Dielectric { ior } => format!("on ior {ior:.3}"),
             Base::Metal { f0: [r, g, b] } => format!("on a metal of {r:.3}, {g:.3}, {b:.3}"),
         };
         let Summary { mean, p95, largest } = self.residual;
         let own = self.unfitted.p95;
         let mut lines = vec![
-            format!("{thickness_nm:.1} nm of ior {ior:.3} {base}, factor {factor:.3}"),
+            format!("{thickness_nm:.1} nm of ior {ior:.3} {on}, factor {factor:.3}"),
+            transmission::words(self.film.behind, base),
             format!(
                 "from the exact colour at 0 to {LAST_DEG}°: mean ΔE2000 {mean:.2}, p95 {p95:.2}, largest {largest:.2} \
                  (p95 {own:.2} with the film's own values)"
@@ -208,13 +229,32 @@ mod tests {
         let film = fitted(300.0, "1.5");
         let file: Value = serde_json::from_str(&film.json()).unwrap();
         let material = &file["materials"][0];
-        assert_eq!(file["extensionsUsed"], json!(["KHR_materials_ior", "KHR_materials_iridescence"]));
+        let used = ["ior", "iridescence", "transmission", "volume"].map(|name| format!("KHR_materials_{name}"));
+        assert_eq!(file["extensionsUsed"], json!(used));
         let film_of = &material["extensions"]["KHR_materials_iridescence"];
         assert_eq!(film_of["iridescenceThicknessMaximum"], json!(film.parameters.thickness_nm));
         assert_eq!(material["pbrMetallicRoughness"]["metallicFactor"], json!(0));
         assert_eq!(material["extras"]["goniochrome"]["delta_e_2000"]["p95"], json!(round(film.residual.p95)));
+        assert!(film.report()[1].contains("solid body") && film.report()[1].contains("1.500"), "{:?}", film.report());
         let metal: Value = serde_json::from_str(&fitted(300.0, "\"Au\"").json()).unwrap();
         assert_eq!(metal["extensionsUsed"], json!(["KHR_materials_iridescence"]));
         assert_eq!(metal["materials"][0]["pbrMetallicRoughness"]["metallicFactor"], json!(1));
+        assert!(metal["materials"][0]["extras"]["goniochrome"]["colours"][0]["exact_transmitted_rgb"].is_null());
+    }
+
+    #[test]
+    fn a_bubble_lets_light_through_and_has_a_body() {
+        let bubble = fitted(300.0, "1.0");
+        let file: Value = serde_json::from_str(&bubble.json()).unwrap();
+        let material = &file["materials"][0];
+        assert_eq!(material["extensions"]["KHR_materials_transmission"]["transmissionFactor"], json!(1));
+        assert_eq!(material["pbrMetallicRoughness"]["baseColorFactor"], json!([1.0, 1.0, 1.0, 1.0]));
+        assert!(material["extensions"]["KHR_materials_volume"].is_null() && material["doubleSided"] == json!(true));
+        let facing = &material["extras"]["goniochrome"]["colours"][0];
+        let (grey, exact) = (facing["gltf_transmitted_grey"].as_f64().unwrap(), &facing["exact_transmitted_rgb"]);
+        assert!(grey > 0.85 && (0..3).all(|c| (exact[c].as_f64().unwrap() - grey).abs() < 0.1), "{grey} {exact}");
+        let place = |list: &str, at: usize| file[list][at].clone();
+        let mesh = &place("nodes", file["scenes"][0]["nodes"][0].as_u64().unwrap() as usize)["mesh"];
+        assert_eq!(place("meshes", mesh.as_u64().unwrap() as usize)["primitives"][0]["material"], json!(0));
     }
 }
