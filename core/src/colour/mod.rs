@@ -1,13 +1,17 @@
 //! Spectral reflectance to colour: CIE 1931 2° observer, illuminants E and D65, RGB spaces.
 //!
-//! XYZ = Σ w_i ρ(λ_i), where the weights w hold the observer, the illuminant and the grid of wavelengths, scaled so that
-//! ρ = 1 has Y = 1. Linear RGB follows by a 3×3 matrix and may be negative: a table keeps such values, only pictures clip.
+//! XYZ = ∫ ρ x̄ȳz̄ S dλ / ∫ ȳ S dλ = Σ w_i ρ(λ_i), where the weights w hold the observer, the illuminant S and the grid of
+//! wavelengths, so that ρ = 1 has Y = 1. Linear RGB follows by a 3×3 matrix and may be negative: a table keeps such values,
+//! only pictures clip.
 
 mod cie;
+mod cubic;
+
+pub use cubic::SpectrumCubic;
 
 use cie::{CIE_1931, CIE_1931_FIRST_NM, D65, D65_FIRST_NM, D65_STEP_NM};
 
-/// First and last wavelength of the sums, nm.
+/// First and last wavelength of the integrals, nm.
 pub const VISIBLE_NM: [u16; 2] = [380, 780];
 
 /// The light that falls on the surface.
@@ -35,10 +39,11 @@ impl Illuminant {
     }
 }
 
-/// How a sum over 1 nm becomes a sum over the wavelengths at hand.
+/// How the integral over the wavelength becomes a sum over the wavelengths at hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quadrature {
-    /// ρ is interpolated to 1 nm by cubics through four neighbours, and held beyond the ends. A flat ρ is exact.
+    /// ρ is interpolated by cubics ([`SpectrumCubic`]) and held beyond the ends; observer and illuminant are linear between
+    /// whole nanometres; their product is integrated exactly. Every sample counts, on any grid, and a flat ρ is exact.
     #[default]
     Interpolated,
     /// The observer is sampled at the wavelengths, as the paper does (section 4.4). White depends on the samples.
@@ -122,7 +127,7 @@ fn response(illuminant: Illuminant, nm: u16) -> [f64; 3] {
     observer.map_or([0.0; 3], |xyz| xyz.map(|x| x * illuminant.power(nm)))
 }
 
-/// The same between integer wavelengths, linear; zero outside [`VISIBLE_NM`].
+/// x̄ȳz̄ times illuminant at any wavelength, linear between integer ones; zero outside [`VISIBLE_NM`].
 fn response_between(illuminant: Illuminant, nm: f64) -> [f64; 3] {
     let [first, last] = VISIBLE_NM;
     if !(nm >= f64::from(first) && nm <= f64::from(last)) {
@@ -162,13 +167,7 @@ pub fn xyz_weights(
         }
         Quadrature::Interpolated => {
             weights.fill([0.0; 3]);
-            for nm in VISIBLE_NM[0]..=VISIBLE_NM[1] {
-                let response = response(illuminant, nm);
-                let (from, kernel) = cubic(wavelengths_nm, f64::from(nm));
-                for (weight, share) in weights.iter_mut().skip(from).zip(kernel) {
-                    *weight = core::array::from_fn(|c| weight[c] + share * response[c]);
-                }
-            }
+            integrate(wavelengths_nm, illuminant, weights);
         }
     }
     let luminance: f64 = weights.iter().map(|w| w[1]).sum();
@@ -181,19 +180,86 @@ pub fn xyz_weights(
     Ok(())
 }
 
-/// The Lagrange polynomial through the four samples around x (fewer if there are fewer): first sample, and shares.
-fn cubic(samples: &[f64], x: f64) -> (usize, [f64; 4]) {
-    let order = samples.len().min(4);
-    let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else { return (0, [0.0; 4]) };
-    let x = x.max(first).min(last);
-    let above = samples.partition_point(|&s| s < x);
-    let from = above.saturating_sub(order / 2).min(samples.len() - order);
-    let nodes = samples.iter().skip(from).take(order);
-    let mut shares = [0.0; 4];
-    for (share, &node) in shares.iter_mut().zip(nodes.clone()) {
-        *share = nodes.clone().filter(|&&other| other != node).map(|other| (x - other) / (node - other)).product();
+/// Adds to each weight the integral of its sample's share of the spectrum times the response.
+fn integrate(samples: &[f64], illuminant: Illuminant, weights: &mut [[f64; 3]]) {
+    let [from, to] = VISIBLE_NM.map(f64::from);
+    let last = samples.len().saturating_sub(1);
+    let (Some(&lowest), Some(&highest)) = (samples.first(), samples.last()) else { return };
+    let mut pieces = Pieces::new(illuminant);
+    let mut span = |cubic: SpectrumCubic, a: f64, b: f64| {
+        // The CIE's sum over whole nanometres is the trapezoidal rule and half of the two ends. With them a flat spectrum
+        // has the published white.
+        for end in VISIBLE_NM.into_iter().filter(|&nm| a < f64::from(nm) && f64::from(nm) <= b) {
+            add(
+                weights,
+                &cubic,
+                cubic.shares(f64::from(end)).map(|share| response(illuminant, end).map(|x| 0.5 * share * x)),
+            );
+        }
+        let (a, b) = (a.max(from), b.min(to));
+        if a < b {
+            add(weights, &cubic, pieces.sums(&cubic, a, b));
+        }
+    };
+    span(SpectrumCubic::constant(0), 0.0, lowest);
+    for (interval, pair) in samples.windows(2).enumerate() {
+        if let ([a, b], Some(cubic)) = (pair, SpectrumCubic::new(samples, interval)) {
+            span(cubic, *a, *b);
+        }
     }
-    (from, shares)
+    span(SpectrumCubic::constant(last), highest, f64::INFINITY);
+}
+
+/// Adds sums over a cubic's four samples to their weights.
+fn add(weights: &mut [[f64; 3]], cubic: &SpectrumCubic, sums: [[f64; 3]; 4]) {
+    for (sum, index) in sums.into_iter().zip(cubic.index()) {
+        if let Some(weight) = weights.get_mut(index) {
+            *weight = core::array::from_fn(|c| weight[c] + sum[c]);
+        }
+    }
+}
+
+/// Integration between whole nanometres, where the response is linear.
+struct Pieces {
+    illuminant: Illuminant,
+    /// The nanometre whose response, and whose end's, are at hand.
+    nm: u16,
+    response: [[f64; 3]; 2],
+}
+
+/// Abscissas in (0, 1) and weights of Gauss's rule of three points. A cubic times a line is of degree 4; it is exact to 5.
+const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
+impl Pieces {
+    fn new(illuminant: Illuminant) -> Self {
+        Self { illuminant, nm: u16::MAX, response: [[0.0; 3]; 2] }
+    }
+
+    /// The integrals of a cubic's shares times the response from `a` to `b`, both in [`VISIBLE_NM`].
+    fn sums(&mut self, cubic: &SpectrumCubic, a: f64, b: f64) -> [[f64; 3]; 4] {
+        let mut sums = [[0.0; 3]; 4];
+        let mut low = a;
+        while low < b {
+            let nm = libm::floor(low) as u16;
+            if nm != self.nm {
+                self.nm = nm;
+                self.response = [nm, nm + 1].map(|nm| response(self.illuminant, nm));
+            }
+            let high = b.min(f64::from(nm + 1));
+            let [start, end] = self.response;
+            for (t, weight) in GAUSS {
+                let x = low + t * (high - low);
+                let (u, width) = (x - f64::from(nm), weight * (high - low));
+                let response: [f64; 3] = core::array::from_fn(|c| width * (start[c] + u * (end[c] - start[c])));
+                for (sum, share) in sums.iter_mut().zip(cubic.shares(x)) {
+                    *sum = core::array::from_fn(|c| sum[c] + share * response[c]);
+                }
+            }
+            low = high;
+        }
+        sums
+    }
 }
 
 /// XYZ of a reflectance spectrum under weights made by [`xyz_weights`].
@@ -242,13 +308,33 @@ mod tests {
     }
 
     #[test]
-    fn cubics_are_exact_for_cubics() {
-        let samples = [400.0, 411.0, 450.0, 460.0, 500.0, 570.0];
-        let f = |x: f64| 1.0 + x * (2e-3 - x * (1e-5 - 3e-8 * x));
-        for x in [400.0, 405.0, 455.0, 530.0, 570.0] {
-            let (from, shares) = cubic(&samples, x);
-            let got: f64 = shares.iter().zip(&samples[from..]).map(|(share, &s)| share * f(s)).sum();
-            assert!((got - f(x)).abs() < 1e-12, "{x}: {got}");
+    fn every_sample_counts_between_whole_nanometres() {
+        // A line of 0.2 nm between 550 and 551 nm: a sum over whole nanometres misses it, the integral is its area.
+        let grid: [f64; 401 + 9] = core::array::from_fn(|i| match i {
+            0..=170 => 380.0 + i as f64,
+            171..=179 => 550.1 + 0.1 * (i - 171) as f64,
+            _ => 371.0 + i as f64,
+        });
+        let w = weights(grid, Illuminant::E, Quadrature::Interpolated).unwrap();
+        let line = |nm: f64| (1.0 - (nm - 550.5).abs() / 0.2).max(0.0);
+        let got = xyz(&w, grid.map(line));
+        /// Area of the triangle times ȳ(550.5 nm) over Σ ȳ.
+        const WANTED: f64 = 0.2 * 0.995 / 106.857;
+        /// The cubics round the triangle's corners.
+        const CORNERS: f64 = 0.05;
+        assert!((got[1] / WANTED - 1.0).abs() < CORNERS, "{got:?}");
+    }
+
+    #[test]
+    fn any_grid_integrates_a_line_alike() {
+        let rho = |nm: f64| 0.2 + 1e-3 * (nm - 400.0);
+        let of = |w: &[[f64; 3]], grid: &[f64]| xyz(w, grid.iter().map(|&nm| rho(nm)));
+        let coarse = [380.0, 391.3, 520.0, 520.01, 520.02, 640.7, 780.0];
+        let fine: [f64; 401] = core::array::from_fn(|i| 380.0 + i as f64);
+        for illuminant in [Illuminant::E, Illuminant::D65] {
+            let a = of(&weights(coarse, illuminant, Quadrature::Interpolated).unwrap(), &coarse);
+            let b = of(&weights(fine, illuminant, Quadrature::Interpolated).unwrap(), &fine);
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
         }
     }
 
