@@ -2,10 +2,11 @@
  *
  *     goniochrome estimate jewel-beetle -o beetle.exr
  *     goniochrome export beetle.exr --to blob -o beetle.gonio
- *     cc -O2 sphere.c -lgoniochrome -lm -o sphere && ./sphere beetle.gonio sphere.ppm
+ *     cc -O2 sphere.c libgoniochrome.a -lm -o sphere && ./sphere beetle.gonio sphere.ppm
  */
 #include <goniochrome.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -17,8 +18,19 @@ static float sky(const float d[3]) {
     return d[1] < 0.0f ? 0.12f + 0.1f * d[1] : 0.35f + 0.65f * d[1] + 6.0f * window;
 }
 
+/* Two numbers in [0, 1) of a pixel's own: PCG 2D (Jarzynski and Olano, JCGT 2020). If all pixels drew by the same numbers, the
+ * edges of what they draw would show as contour lines. */
+static void numbers_of(uint32_t x, uint32_t y, float own[2]) {
+    x = x * 1664525u + 1013904223u, y = y * 1664525u + 1013904223u;
+    x += y * 1664525u, y += x * 1664525u;
+    x ^= x >> 16, y ^= y >> 16;
+    x += y * 1664525u, y += x * 1664525u;
+    x ^= x >> 16, y ^= y >> 16;
+    own[0] = (float)(x >> 8) / 16777216.0f, own[1] = (float)(y >> 8) / 16777216.0f;
+}
+
 /* Both kinds of table: one direction for a mirror, the mean of some drawn ones for the rest. */
-static void shade(const gonio_table *table, const float normal[3], float rgb[3]) {
+static void shade(const gonio_table *table, const float normal[3], const float own[2], float rgb[3]) {
     enum { SIDE = 4 };
     /* The surface's frame: the eye looks down -z. */
     const float length = hypotf(normal[0], normal[2]);
@@ -27,7 +39,9 @@ static void shade(const gonio_table *table, const float normal[3], float rgb[3])
     const float eye[3] = {t[2], b[2], normal[2]};
     rgb[0] = rgb[1] = rgb[2] = 0.0f;
     for (int i = 0; i < SIDE * SIDE; i++) {
-        const float u[2] = {((float)(i % SIDE) + 0.5f) / SIDE, ((float)(i / SIDE) + 0.5f) / SIDE};
+        /* One number pair in each cell of a grid, all moved by the pixel's own and around the ends. */
+        float u[2] = {(float)(i % SIDE) / SIDE + own[0], (float)(i / SIDE) / SIDE + own[1]};
+        for (int c = 0; c < 2; c++) u[c] -= u[c] < 1.0f ? 0.0f : 1.0f;
         gonio_sample drawn;
         if (gonio_table_sample(table, eye, u, &drawn) != GONIO_STATUS_OK) continue;
         float d[3];
@@ -69,7 +83,9 @@ int main(int count, char **arguments) {
             const float inside = 1.0f - n[0] * n[0] - n[1] * n[1];
             if (inside > 0.0f) {
                 n[2] = sqrtf(inside);
-                shade(&table, n, rgb);
+                float own[2];
+                numbers_of((uint32_t)x, (uint32_t)y, own);
+                shade(&table, n, own, rgb);
             }
             for (int c = 0; c < 3; c++) fputc(encoded(rgb[c]), picture);
         }
