@@ -76,7 +76,9 @@ pub fn screen_rgb(metadata: &BTreeMap<String, String>, rgb: &[[f32; 3]]) -> Vec<
     rgb.iter().map(|&rgb| (convert * DVec3::from_array(rgb.map(f64::from))).to_array().map(|c| c as f32)).collect()
 }
 
-fn space_of(metadata: &BTreeMap<String, String>) -> RgbSpace {
+/// The space of a table's colours.
+#[must_use]
+pub fn space_of(metadata: &BTreeMap<String, String>) -> RgbSpace {
     let named = metadata.get("colour_space").map_or("", String::as_str);
     SpaceArg::from_str(named, true).map_or(RgbSpace::Srgb, RgbSpace::from)
 }

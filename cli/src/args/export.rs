@@ -31,6 +31,9 @@ pub struct ExportArgs {
     /// lut of a scene: the thickness in nm of a layer (1 is the top) over y, such as 1=100:800:64
     #[arg(long, value_name = "LAYER=FROM:TO:STEPS")]
     pub vary: Option<Vary>,
+    /// lut with --vary: the side of the picture at which the range starts [default: top]
+    #[arg(long, value_enum)]
+    pub origin: Option<Origin>,
     /// lut: also the shader function that samples it (.glsl, .hlsl or .wgsl)
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
@@ -52,6 +55,16 @@ pub enum ExportKind {
     Gltf,
     /// The bytes that the library and its C interface load at run time (.gonio)
     Blob,
+}
+
+/// Where the rows of a varied thickness start.
+#[derive(Debug, Clone, Copy, Default, ValueEnum, PartialEq, Eq)]
+pub enum Origin {
+    /// The first row of the file: for programs that upload rows in the file's order
+    #[default]
+    Top,
+    /// The last row of the file: for programs in which v = 0 is the bottom of a picture, such as Blender and three.js
+    Bottom,
 }
 
 /// Below, single precision no longer holds the lobe's peak.

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::args::export::{ExportArgs, ExportKind};
+use crate::args::export::{ExportArgs, ExportKind, Origin};
 use crate::args::spelled;
 use crate::blob;
-use crate::colours::screen_rgb;
+use crate::colours::{screen_rgb, screen_space};
 use crate::error::{Error, Result};
 use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
@@ -76,6 +76,7 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (args.rgb, "rgb", args.to == ExportKind::Bsdf, "bsdf"),
         (args.width.is_some(), "width", lut, "lut"),
         (args.vary.is_some(), "vary", lut, "lut"),
+        (args.origin.is_some(), "origin", lut, "lut"),
         (args.shader.is_some(), "shader", lut, "lut"),
         (args.half, "half", args.to == ExportKind::Blob, "blob"),
     ] {
@@ -111,6 +112,9 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         output::check_destination(path, inputs)?;
         output::refuse_same_output(&args.output, path)?;
     }
+    if args.origin.is_some() && args.vary.is_none() {
+        return Err(Error::usage("--origin is for the rows of --vary; this lut has one row: leave it out"));
+    }
     let width = usize::from(args.width.unwrap_or(WIDTH));
     let path = Path::new(&args.source);
     let to_png = has_extension(&args.output, "png");
@@ -124,6 +128,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
                 if to_png {
                     // Its chunks say sRGB, whatever the table's space.
                     lut.texels = screen_rgb(&table.metadata, &lut.texels);
+                    lut.space = screen_space(&table.metadata);
                 }
                 lut
             }
@@ -139,6 +144,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         output::check_destination(&args.output, &scene.files)?;
         Lut::of_scene(&scene, width, args.vary)?
     };
+    let lut = if args.origin == Some(Origin::Bottom) { lut.turned_over() } else { lut };
     let bytes = if to_png { png::encode(&lut)? } else { lut.exr()? };
     match (&args.shader, shader) {
         (Some(path), Some(text)) => {
@@ -147,7 +153,17 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         _ => output::write_file(&args.output, &bytes)?,
     }
     let height = lut.texels.len() / width;
-    remark(args.quiet, format_args!("{}: {width} × {height} texels", args.output.display()));
+    let output = args.output.display();
+    remark(args.quiet, format_args!("{output}: {width} × {height} texels"));
+    if let Some([first, last]) = lut.rows_nm {
+        let bottom = args.origin == Some(Origin::Bottom);
+        let fits = if bottom { "v = 0 is the bottom of a picture" } else { "rows are uploaded in the file's order" };
+        let other = if bottom { "" } else { "; for Blender and three.js add --origin bottom" };
+        remark(
+            args.quiet,
+            format_args!("{output}: first row {first} nm, last row {last} nm, for programs in which {fits}{other}"),
+        );
+    }
     Ok(())
 }
 

@@ -1,17 +1,22 @@
 //! Linear RGB reflectance over cos θ and, where a layer's thickness is varied, over that: a texture for shaders.
 //!
 //! Texel centres lie at the ends: column x of N is cos θ = x/(N − 1), from grazing to facing; row y of M, from the top of the
-//! image, is parameter y/(M − 1). Values are kept as they are, negative ones (out of gamut) too, as half floats in OpenEXR;
-//! [`super::png`] brings them into the gamut.
+//! image, is parameter y/(M − 1), or from its bottom where [`Lut::turned_over`]. Values are kept as they are, negative ones (out
+//! of gamut) too, as half floats in OpenEXR; [`super::png`] brings them into the gamut. The header says what the texels are:
+//! see [`Lut::about`].
 
+use std::collections::BTreeMap;
 use std::io::Cursor;
 
-use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, WritableImage, f16};
+use clap::ValueEnum;
+use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
+use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Vec2, WritableImage, f16};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
 use goniochrome::interface::Model;
 
+use crate::args::{SpaceArg, spelled};
 use crate::args::export::Vary;
-use crate::colours::colours;
+use crate::colours::{colours, illuminant_of, space_of};
 use crate::error::{Error, Result};
 use crate::estimate::{Method, Precision, Request, spectra};
 use crate::grid::Wavelengths;
@@ -19,17 +24,25 @@ use crate::parallel;
 use crate::planar::Planar;
 use crate::scene::{Scene, Shape};
 use crate::table::MirrorTable;
+use crate::table_file::{PREFIX, sort_attributes};
+use crate::text;
 
 /// Grazing light, as near as a stack's equations go.
 const GRAZING_COS: f64 = 1e-6;
 
 /// The texture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Lut {
     /// Texels over cos θ.
     pub width: usize,
-    /// Row by row from parameter 0.
+    /// Row by row from the top.
     pub texels: Vec<[f32; 3]>,
+    /// The colour space of the texels.
+    pub space: RgbSpace,
+    /// The scene, its light and, where a thickness is varied, the layer.
+    pub(super) facts: BTreeMap<&'static str, String>,
+    /// Thickness in nm of the first and the last row, where it is varied.
+    pub rows_nm: Option<[f64; 2]>,
 }
 
 /// θ in degrees of each column.
@@ -41,7 +54,14 @@ impl Lut {
     /// One row from a table, in the table's colour space; held beyond its last angle.
     #[must_use]
     pub fn of_table(table: &MirrorTable, width: usize) -> Self {
-        Self { width, texels: angles(width).map(|theta| table.rgb_at(theta)).collect() }
+        let name = table.metadata.get("scene").map_or("table", String::as_str);
+        Self {
+            width,
+            texels: angles(width).map(|theta| table.rgb_at(theta)).collect(),
+            space: space_of(&table.metadata),
+            facts: facts(name, illuminant_of(&table.metadata)),
+            rows_nm: None,
+        }
     }
 
     /// From a planar scene, exact at every texel: closed form, D65, linear sRGB.
@@ -49,8 +69,9 @@ impl Lut {
     /// # Errors
     /// A scene that is not planar, or has no such layer.
     pub fn of_scene(scene: &Scene, width: usize, vary: Option<Vary>) -> Result<Self> {
+        let facts = facts(&scene.name, Illuminant::D65);
         let Some(Vary { layer, range_nm: [from, to], steps }) = vary else {
-            return Ok(Self { width, texels: row(scene, width)? });
+            return Ok(Self { width, texels: row(scene, width)?, facts, ..Self::default() });
         };
         let mut scene = scene.clone();
         let mut texels = Vec::with_capacity(width * usize::from(steps));
@@ -69,7 +90,34 @@ impl Lut {
             varied.thickness_nm = thickness_nm;
             texels.extend(row(&scene, width)?);
         }
-        Ok(Self { width, texels })
+        let mut lut = Self { width, texels, facts, rows_nm: Some([from, to]), ..Self::default() };
+        lut.facts.insert("varied_layer", layer.to_string());
+        Ok(lut)
+    }
+
+    /// The same texture with its rows from the bottom of the image.
+    #[must_use]
+    pub fn turned_over(mut self) -> Self {
+        self.texels = self.texels.chunks(self.width).rev().flatten().copied().collect();
+        self.rows_nm = self.rows_nm.map(|[first, last]| [last, first]);
+        self
+    }
+
+    /// What the header says, by its keys: scene, light and space of the colours, and what columns and rows are.
+    #[must_use]
+    pub fn about(&self) -> BTreeMap<String, String> {
+        let space = SpaceArg::value_variants().iter().find(|known| RgbSpace::from(**known) == self.space);
+        let space = space.map_or_else(String::new, |space| spelled(*space));
+        let mut about = self.facts.clone();
+        about.insert("kind", "lut".into());
+        about.insert("colour_space", space);
+        about.insert("first_column_cos_theta", "0".into());
+        about.insert("last_column_cos_theta", "1".into());
+        if let Some([first, last]) = self.rows_nm {
+            about.insert("first_row_thickness_nm", first.to_string());
+            about.insert("last_row_thickness_nm", last.to_string());
+        }
+        about.into_iter().map(|(key, value)| (format!("{PREFIX}{key}"), value)).collect()
     }
 
     /// The bytes of an OpenEXR file of half floats.
@@ -83,14 +131,20 @@ impl Lut {
         };
         let channels = AnyChannels::sort([channel("R", 0), channel("G", 1), channel("B", 2)].into_iter().collect());
         let size = (self.width, self.texels.len() / self.width);
-        let image = Image::from_encoded_channels(size, Encoding::UNCOMPRESSED, channels);
+        let mut image = Image::from_encoded_channels(size, Encoding::UNCOMPRESSED, channels);
+        image.attributes.chromaticities = chromaticities(self.space);
+        // UTF-8, as in tables.
+        let text = |string: &str| Text::from_slice_unchecked(string.as_bytes());
+        let about = self.about().into_iter();
+        let attributes = about.map(|(key, value)| (text(&key), AttributeValue::Text(text(&value))));
+        image.layer_data.attributes.other.extend(attributes);
         let mut bytes = Cursor::new(Vec::new());
-        image
-            .write()
-            .non_parallel()
-            .to_buffered(&mut bytes)
-            .map_err(|error| Error::failed(format_args!("cannot encode the table as EXR: {error}")))?;
-        Ok(bytes.into_inner())
+        let failed =
+            |error: &dyn std::fmt::Display| Error::failed(format_args!("cannot encode the table as EXR: {error}"));
+        image.write().non_parallel().to_buffered(&mut bytes).map_err(|error| failed(&error))?;
+        let mut bytes = bytes.into_inner();
+        sort_attributes(&mut bytes).ok_or_else(|| failed(&"malformed header"))?;
+        Ok(bytes)
     }
 
     /// The look-up that the shaders make: bilinear, held at the edges.
@@ -110,6 +164,27 @@ impl Lut {
             along(y0) + v * (along(y1) - along(y0))
         })
     }
+}
+
+/// What is known of the colours. The name may come from a file of a stranger.
+fn facts(scene: &str, illuminant: Illuminant) -> BTreeMap<&'static str, String> {
+    let illuminant = match illuminant {
+        Illuminant::D65 => "D65",
+        Illuminant::E => "E",
+    };
+    [("scene", text::one_line(scene)), ("illuminant", illuminant.to_owned())].into()
+}
+
+/// Primaries and white of a space; the paper's matrix has none that are known.
+fn chromaticities(space: RgbSpace) -> Option<Chromaticities> {
+    let [red, green, blue, white] = match space {
+        RgbSpace::Srgb => [(0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329)],
+        RgbSpace::Rec2020 => [(0.708, 0.292), (0.17, 0.797), (0.131, 0.046), (0.3127, 0.329)],
+        RgbSpace::AcesCg => [(0.713, 0.293), (0.165, 0.83), (0.128, 0.044), (0.321_68, 0.337_67)],
+        RgbSpace::Paper => return None,
+    }
+    .map(|(x, y)| Vec2(x, y));
+    Some(Chromaticities { red, green, blue, white })
 }
 
 fn row(scene: &Scene, width: usize) -> Result<Vec<[f32; 3]>> {
@@ -139,9 +214,44 @@ mod tests {
 
     #[test]
     fn texels_come_back_at_their_places() {
-        let lut = Lut { width: 3, texels: (0..6).map(|i| [i as f32, 0.5, -1.0]).collect() };
+        let texels = (0..6).map(|i| [i as f32, 0.5, -1.0]).collect();
+        let lut = Lut { width: 3, texels, rows_nm: Some([10.0, 20.0]), ..Lut::default() };
         assert_eq!(lut.sample(0.5, 1.0), [4.0, 0.5, -1.0]);
         assert_eq!(lut.sample(0.25, 0.5), [2.0, 0.5, -1.0]);
         assert_eq!(lut.sample(2.0, -1.0), [2.0, 0.5, -1.0]);
+        let over = lut.clone().turned_over();
+        assert_eq!(over.sample(0.5, 0.0), lut.sample(0.5, 1.0));
+        assert_eq!((over.rows_nm, &over.clone().turned_over()), (Some([20.0, 10.0]), &lut));
+    }
+
+    #[test]
+    fn the_header_says_what_the_texels_are() {
+        let toml = "[stack]\nambient = 1\nlayers = [{ material = 1.33, thickness_nm = 250 }]\nsubstrate = 1\n";
+        let scene = crate::scene::parse("film\u{1b}[2J", toml).unwrap();
+        let vary = "1=100:300:3".parse().unwrap();
+        let lut = Lut::of_scene(&scene, 4, Some(vary)).unwrap().turned_over();
+        let bytes = lut.exr().unwrap();
+        assert_eq!(bytes, lut.exr().unwrap());
+        let header = exr::meta::MetaData::read_from_buffered(bytes.as_slice(), true).unwrap().headers.remove(0);
+        let said = |key: &str| {
+            let value =
+                header.own_attributes.other.get(&Text::from_slice_unchecked(format!("{PREFIX}{key}").as_bytes()));
+            let Some(AttributeValue::Text(text)) = value else { panic!("{key} is not said") };
+            String::from_utf8(text.bytes().to_vec()).unwrap()
+        };
+        for (key, value) in [
+            ("kind", "lut"),
+            ("scene", "film\\u{1b}[2J"),
+            ("colour_space", "srgb"),
+            ("illuminant", "D65"),
+            ("varied_layer", "1"),
+            ("first_row_thickness_nm", "300"),
+            ("last_row_thickness_nm", "100"),
+            ("first_column_cos_theta", "0"),
+            ("last_column_cos_theta", "1"),
+        ] {
+            assert_eq!(said(key), value);
+        }
+        assert_eq!(header.shared_attributes.chromaticities.unwrap().red, Vec2(0.64, 0.33));
     }
 }

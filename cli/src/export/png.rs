@@ -3,7 +3,7 @@
 //! Samples are linear: 0 is black, 65535 is 1. PNG holds neither negative numbers nor any above 1, so colours are brought
 //! into the gamut by the policy of the pictures ([`crate::picture::in_gamut`]): those with a negative component are mixed
 //! with the grey of their luminance until it is 0, those above 1 are scaled. OpenEXR keeps them as they are. The chunks
-//! cICP (primaries of BT.709, linear transfer, full range), gAMA (1) and cHRM say so to readers.
+//! cICP (primaries of BT.709, linear transfer, full range), gAMA (1) and cHRM say so to readers; iTXt chunks hold [`Lut::about`].
 
 use png::chunk::ChunkType;
 use png::{BitDepth, ColorType, Encoder, ScaledFloat, SourceChromaticities};
@@ -41,6 +41,9 @@ pub fn encode(lut: &Lut) -> Result<Vec<u8>> {
     let [red, green, blue] = PRIMARIES;
     encoder.set_source_chromaticities(SourceChromaticities::new(WHITE, red, green, blue));
     let failed = |error| Error::failed(format_args!("cannot encode the table as PNG: {error}"));
+    for (key, value) in lut.about() {
+        encoder.add_itxt_chunk(key, value).map_err(failed)?;
+    }
     let mut writer = encoder.write_header().map_err(failed)?;
     writer.write_chunk(CICP_TYPE, &CICP).map_err(failed)?;
     writer.write_image_data(&samples).map_err(failed)?;
@@ -57,7 +60,7 @@ mod tests {
     #[test]
     fn a_reader_finds_the_colours_and_that_they_are_linear() {
         let texels = vec![[0.0, 0.25, 1.0], [0.5, 0.125, 0.75], [0.3, 0.3, -0.1], [2.0, 1.0, 0.5]];
-        let file = encode(&Lut { width: 2, texels: texels.clone() }).unwrap();
+        let file = encode(&Lut { width: 2, texels: texels.clone(), ..Lut::default() }).unwrap();
         let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
         let info = reader.info();
         assert_eq!((info.width, info.height), (2, 2));
@@ -66,6 +69,8 @@ mod tests {
         let [red, green, blue] = PRIMARIES;
         assert_eq!(info.chrm_chunk, Some(SourceChromaticities::new(WHITE, red, green, blue)));
         assert!(info.srgb.is_none());
+        let said = info.utf8_text.iter().map(|chunk| (chunk.keyword.as_str(), chunk.get_text().unwrap()));
+        assert!(said.into_iter().any(|(key, text)| key == "goniochrome.colour_space" && text == "srgb"));
         let cicp = info.coding_independent_code_points.unwrap();
         assert_eq!((cicp.color_primaries, cicp.transfer_function, cicp.matrix_coefficients), (1, 8, 0));
         let mut samples = vec![0; reader.output_buffer_size().unwrap()];

@@ -19,7 +19,8 @@ use super::column::Column;
 use crate::error::{Error, Result};
 use crate::parallel::for_each;
 
-pub(super) const PREFIX: &str = "goniochrome.";
+/// Before the name of each attribute of ours.
+pub(crate) const PREFIX: &str = "goniochrome.";
 pub(super) const KIND: &str = "kind";
 pub(super) const WAVELENGTH: &str = "wavelength_nm";
 
@@ -239,7 +240,7 @@ fn own_attributes(header: &Header) -> Result<BTreeMap<String, String>> {
 
 /// Puts the header's attributes in the order of their names, as OpenEXR itself does: the crate keeps them in a hash map, whose
 /// order differs from run to run. Only the order changes, so no offset does. `None` if the header is cut short.
-fn sort_attributes(file: &mut [u8]) -> Option<()> {
+pub(crate) fn sort_attributes(file: &mut [u8]) -> Option<()> {
     const MAGIC_AND_VERSION: usize = 8;
     let text_length = |bytes: &[u8]| bytes.iter().position(|&b| b == 0);
     let mut attributes: Vec<Vec<u8>> = Vec::new();

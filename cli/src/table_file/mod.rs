@@ -14,7 +14,8 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::scatter_table::ScatterTable;
 use crate::table::MirrorTable;
-use container::{KIND, Opened, PREFIX};
+use container::{KIND, Opened};
+pub(crate) use container::{PREFIX, sort_attributes};
 
 /// A table of either kind.
 #[derive(Debug, Clone, PartialEq)]
