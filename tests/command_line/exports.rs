@@ -14,7 +14,10 @@ fn every_format_is_written_from_a_mirror_like_table() {
     assert!(user.read("rgb.bsdf").starts_with(b"tensor_file\0\x01\0\x09\0\0\0"));
     user.ok("export t.exr --to lut --shader t.wgsl -o lut.exr --quiet");
     assert!(String::from_utf8(user.read("t.wgsl")).unwrap().contains("fn goniochrome_reflectance("));
-    user.ok("export soap-bubble --to lut --vary 1=100:300:3 --width 8 -o vary.exr --quiet");
+    let said = user.ok("export soap-bubble --to lut --vary 1=100:300:3 --width 8 -o vary.exr").stderr;
+    assert!(said.contains("first row 100 nm, last row 300 nm") && said.contains("--origin bottom"), "{said}");
+    let said = user.ok("export soap-bubble --to lut --vary 1=100:300:3 --width 8 --origin bottom -o over.exr").stderr;
+    assert!(said.contains("first row 300 nm, last row 100 nm") && !said.contains("--origin"), "{said}");
     user.ok("export t.exr --to lut --width 8 -o lut.png --quiet");
     // The signature, then IHDR: 8 × 1 texels of 16 bits, RGB.
     assert!(user.read("lut.png").starts_with(b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x08\0\0\0\x01\x10\x02"));
@@ -34,6 +37,8 @@ fn what_a_format_cannot_hold_is_refused_with_the_remedy() {
         ("export t.exr --to lut --roughness 0.5 -o a.exr", ["--roughness is for", "merl and bsdf"]),
         ("export t.exr --to merl --rgb --roughness 0.5 -o a.binary", ["--rgb is for", "bsdf"]),
         ("export t.exr --to lut --vary 1=1:2:2 -o a.exr", ["--vary", "needs a scene"]),
+        ("export soap-bubble --to lut --origin bottom -o a.exr", ["--origin", "--vary"]),
+        ("export t.exr --to merl --origin top --roughness 0.5 -o a.binary", ["--origin is for", "lut"]),
         ("export soap-bubble --to lut --vary 2=1:2:2 -o a.exr", ["has 1 layers", "1 is the top"]),
         ("export soap-bubble --to lut --vary 1=2:1:2 -o a.exr", ["--vary", "FROM < TO"]),
         ("export soap-bubble --to merl --roughness 0.5 -o a.binary", ["takes a table", "goniochrome estimate"]),

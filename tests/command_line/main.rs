@@ -11,6 +11,7 @@ mod exports;
 mod figures;
 mod kills;
 mod meshes;
+mod plain_text;
 mod presets;
 mod render;
 mod scenes;

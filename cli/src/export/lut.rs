@@ -14,8 +14,8 @@ use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Vec2, 
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
 use goniochrome::interface::Model;
 
-use crate::args::{SpaceArg, spelled};
 use crate::args::export::Vary;
+use crate::args::{SpaceArg, spelled};
 use crate::colours::{colours, illuminant_of, space_of};
 use crate::error::{Error, Result};
 use crate::estimate::{Method, Precision, Request, spectra};
