@@ -172,8 +172,8 @@ fn directions_are_drawn_by_their_density() {
     }
 }
 
-/// Tables of which half of the bins are empty, some rows and incident directions among them, and whose others reach from 1 down
-/// to 10⁻³⁰.
+/// Tables of which half of the bins are empty, some rows and incident directions among them, and whose others reach
+/// from 1 down to 10⁻³⁰.
 fn sparse(layout: ScatterLayout, seed: u32) -> Vec<f32> {
     let mut random = Random::new(0, seed);
     let bins = layout.bins();

@@ -1,14 +1,14 @@
 //! Names and messages that others wrote, made safe to show.
 //!
-//! A scene, a mesh, a table or a folder may hold any character in its names. Some of them make a terminal move its cursor,
-//! change its title or its colours, or turn the order of what stands after them; a document shows something else than its
-//! bytes say. Such characters reach no terminal and no document: messages and JSON spell them out, pictures and pages show a
-//! space.
+//! A scene, a mesh, a table or a folder may hold any character in its names. Some of them make a terminal move its
+//! cursor, change its title or its colours, or turn the order of what stands after them; a document shows something
+//! else than its bytes say. Such characters reach no terminal and no document: messages and JSON spell them out,
+//! pictures and pages show a space.
 
 use std::fmt::Write;
 
-/// Whether a character acts on what shows it instead of being shown: control characters (C0, DEL, C1), line and paragraph
-/// separators, and those that turn the direction of writing.
+/// Whether a character acts on what shows it instead of being shown: control characters (C0, DEL, C1), line and
+/// paragraph separators, and those that turn the direction of writing.
 #[must_use]
 pub fn is_active(c: char) -> bool {
     c.is_control()

@@ -1,4 +1,5 @@
-//! Gives the dynamic library the name under which programs ask for it: libgoniochrome.so.0, whatever its file is called.
+//! Gives the dynamic library the name under which programs ask for it: libgoniochrome.so.0, whatever its file is
+//! called.
 //!
 //! The number counts incompatible changes of the interface.
 

@@ -1,4 +1,5 @@
-//! Names come from files of strangers: whatever they hold, no terminal and no document gets a character that acts on it.
+//! Names come from files of strangers: whatever they hold, no terminal and no document gets a character that acts on
+//! it.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -11,8 +12,8 @@ use goniochrome_cli::table_file;
 
 use crate::user::User;
 
-/// Control characters but line ends and tabs, separators of lines and paragraphs, and what turns the direction of writing; after
-/// Unicode's tables.
+/// Control characters but line ends and tabs, separators of lines and paragraphs, and what turns the direction of
+/// writing; after Unicode's tables.
 fn acts(c: char) -> bool {
     let code = u32::from(c);
     let control = code < 0x20 && c != '\n' && c != '\t' || (0x7f..=0x9f).contains(&code);

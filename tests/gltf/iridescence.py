@@ -70,8 +70,8 @@ def material_rgb(material, theta_deg):
 
 
 def transmitted(material, theta_deg):
-    """The share of light that goes through: fresnel_mix and rgb_mix of the extension's text weigh the base, all of which is
-    transmission here, by 1 less the largest channel; none through metals."""
+    """The share of light that goes through: fresnel_mix and rgb_mix of the extension's text weigh the base, all of which
+    is transmission here, by 1 less the largest channel; none through metals."""
     if "KHR_materials_transmission" not in material["extensions"]:
         return None
     base = material["pbrMetallicRoughness"]

@@ -1,4 +1,5 @@
-// three.js loads the exported files, and shows what they mean: bubbles are seen through, rows of textures are where they belong.
+// three.js loads the exported files, and shows what they mean: bubbles are seen through, rows of textures are where
+// they belong.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -35,7 +36,7 @@ after(async () => {
 
 const picture = (file) => page.evaluate((file) => window.before(file), file);
 
-/** Red, green and blue along the middle line, a quarter of the picture to each side of the centre: well within the sphere. */
+/** RGB along the middle line, a quarter of the picture to each side of the centre: well within the sphere. */
 const middle = (pixels) =>
   Array.from({ length: 128 }, (_, i) => pixels.slice(4 * (128 * 256 + 64 + i), 4 * (128 * 256 + 64 + i) + 3));
 const mean = (line) => line.flat().reduce((sum, x) => sum + x, 0) / (3 * line.length);

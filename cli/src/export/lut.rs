@@ -1,9 +1,9 @@
 //! Linear RGB reflectance over cos θ and, where a layer's thickness is varied, over that: a texture for shaders.
 //!
-//! Texel centres lie at the ends: column x of N is cos θ = x/(N − 1), from grazing to facing; row y of M, from the top of the
-//! image, is parameter y/(M − 1), or from its bottom where [`Lut::turned_over`]. Values are kept as they are, negative ones (out
-//! of gamut) too, as half floats in OpenEXR; [`super::png`] brings them into the gamut. The header says what the texels are:
-//! see [`Lut::about`].
+//! Texel centres lie at the ends: column x of N is cos θ = x/(N − 1), from grazing to facing; row y of M, from the top
+//! of the image, is parameter y/(M − 1), or from its bottom where [`Lut::turned_over`]. Values are kept as they are,
+//! negative ones (out of gamut) too, as half floats in OpenEXR; [`super::png`] brings them into the gamut. The header
+//! says what the texels are: see [`Lut::about`].
 
 use std::collections::BTreeMap;
 use std::io::Cursor;

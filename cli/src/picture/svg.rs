@@ -210,7 +210,8 @@ pub(crate) fn escape(text: &str) -> String {
             '<' => safe.push_str("&lt;"),
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
-            // XML 1.0 cannot hold control characters, not even escaped, and what turns writing would turn the page's own.
+            // XML 1.0 cannot hold control characters, not even escaped, and what turns writing would turn the page's
+            // own.
             c if is_active(c) || matches!(c, '\u{fffe}' | '\u{ffff}') => safe.push(' '),
             c => safe.push(c),
         }

@@ -239,9 +239,9 @@ fn step(cumulative: &[f64], place: usize) -> f64 {
     cumulative[place] - if place == 0 { 0.0 } else { cumulative[place - 1] }
 }
 
-/// How far from the edges of its cell a direction is drawn, as a fraction of the cell: on an edge, rounding would give it to
-/// the next cell, which may be dark. Within a cell by a pole, a row's arc cosine is rounded most: by 2⁻⁵³ over the square of its
-/// polar angle, 10⁻⁸ of a row among 32768.
+/// How far from the edges of its cell a direction is drawn, as a fraction of the cell: on an edge, rounding would give
+/// it to the next cell, which may be dark. Within a cell by a pole, a row's arc cosine is rounded most: by 2⁻⁵³ over
+/// the square of its polar angle, 10⁻⁸ of a row among 32768.
 const EDGE: f64 = 1e-6;
 
 /// Which place `u` falls on, the first whose sum is larger, and how far into it.

@@ -18,8 +18,8 @@ static float sky(const float d[3]) {
     return d[1] < 0.0f ? 0.12f + 0.1f * d[1] : 0.35f + 0.65f * d[1] + 6.0f * window;
 }
 
-/* Two numbers in [0, 1) of a pixel's own: PCG 2D (Jarzynski and Olano, JCGT 2020). If all pixels drew by the same numbers, the
- * edges of what they draw would show as contour lines. */
+/* Two numbers in [0, 1) of a pixel's own: PCG 2D (Jarzynski and Olano, JCGT 2020). If all pixels drew by the same
+ * numbers, the edges of what they draw would show as contour lines. */
 static void numbers_of(uint32_t x, uint32_t y, float own[2]) {
     x = x * 1664525u + 1013904223u, y = y * 1664525u + 1013904223u;
     x += y * 1664525u, y += x * 1664525u;

@@ -152,8 +152,8 @@ impl<'a> ScatterSampler<'a> {
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
 
-/// A uniform number, kept between 0 and 1: what is less probable than 2⁻⁴⁶ is not drawn by an exact 0, since its density could
-/// not be told from 0 in single precision.
+/// A uniform number, kept between 0 and 1: what is less probable than 2⁻⁴⁶ is not drawn by an exact 0, since its
+/// density could not be told from 0 in single precision.
 fn within(u: f32) -> f32 {
     const ABOVE_ZERO: f32 = f32::EPSILON * f32::EPSILON;
     if u > ABOVE_ZERO { u.min(BELOW_ONE) } else { ABOVE_ZERO }
@@ -195,8 +195,9 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
     put(rows, 1.0);
 }
 
-/// The probability of a part of a sum, of whose parts `lit` are not 0. Each of those gets 2⁻²³ first, and the rest by its
-/// size: less would be lost where probabilities are summed up in single precision, and what is reflected there never drawn.
+/// The probability of a part of a sum, of whose parts `lit` are not 0. Each of those gets 2⁻²³ first, and the rest by
+/// its size: less would be lost where probabilities are summed up in single precision, and what is reflected there
+/// never drawn.
 fn share(part: f64, whole: f64, lit: usize) -> f64 {
     const LEAST: f64 = f32::EPSILON as f64;
     if part > 0.0 { (part / whole + LEAST) / (1.0 + lit as f64 * LEAST) } else { 0.0 }
@@ -212,8 +213,8 @@ fn before(cumulative: Values<'_>, place: usize) -> f32 {
     place.checked_sub(1).map_or(0.0, |place| cumulative.at(place))
 }
 
-/// Which place `u` falls on, the first whose sum is larger; `u` becomes uniform again. A place without probability has the sum
-/// of the one before it, and is never the first.
+/// Which place `u` falls on, the first whose sum is larger; `u` becomes uniform again. A place without probability has
+/// the sum of the one before it, and is never the first.
 fn take(cumulative: Values<'_>, u: &mut f32) -> usize {
     let (mut place, mut last) = (0, cumulative.len().saturating_sub(1));
     while place < last {
@@ -225,12 +226,12 @@ fn take(cumulative: Values<'_>, u: &mut f32) -> usize {
     place
 }
 
-/// Where a bin's tent ends, in bins from its middle, among `count`: short of the middle of the next bin, where the tent is 0 and
-/// a direction, rounded, may lie beyond it.
+/// Where a bin's tent ends, in bins from its middle, among `count`: short of the middle of the next bin, where the tent
+/// is 0 and a direction, rounded, may lie beyond it.
 ///
-/// A direction's azimuth goes through a sine, a cosine and an arc tangent, and is added to another and taken from it: seven
-/// roundings of numbers below 4π, each at most 2⁻²⁴ of them, are within 8 · 2⁻²³ of a turn. A cosine is rounded less. Of the
-/// directions, the square of what is cut off is moved: 10⁻⁶ of them for 1024 bins, 4 · 10⁻⁹ for 64.
+/// A direction's azimuth goes through a sine, a cosine and an arc tangent, and is added to another and taken from it:
+/// seven roundings of numbers below 4π, each at most 2⁻²⁴ of them, are within 8 · 2⁻²³ of a turn. A cosine is rounded
+/// less. Of the directions, the square of what is cut off is moved: 10⁻⁶ of them for 1024 bins, 4 · 10⁻⁹ for 64.
 fn tent_end(count: usize) -> f32 {
     1.0 - 8.0 * f32::EPSILON * count as f32
 }

@@ -1,5 +1,5 @@
-//! Which scenes are what `KHR_materials_iridescence` describes: one clear film in air, on a base of any kind, and what becomes
-//! of the light that the film lets through.
+//! Which scenes are what `KHR_materials_iridescence` describes: one clear film in air, on a base of any kind, and what
+//! becomes of the light that the film lets through.
 
 use goniochrome::interface::Below;
 use goniochrome::medium::MediumIndex;

@@ -4,8 +4,8 @@
 //! and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics, so those are
 //! written whose colours come nearest, and how near that is stands in the material's `extras` and on the terminal.
 //!
-//! Light that a clear film on a clear substrate lets through goes on ([`transmission`]). The file is complete: a sphere wears
-//! the material ([`body`]).
+//! Light that a clear film on a clear substrate lets through goes on ([`transmission`]). The file is complete: a sphere
+//! wears the material ([`body`]).
 //!
 //! Colours are compared as ΔE2000 at 0, 1, … 85° in D65, where a perfect mirror is L* = 100: see [`difference`]. Exact
 //! colours may leave the gamut of sRGB and are not clipped.

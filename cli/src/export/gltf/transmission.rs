@@ -1,16 +1,20 @@
 //! What a material says of the light that its film lets through: `KHR_materials_transmission` and, for solid bodies,
 //! `KHR_materials_volume`.
 //!
-//! Both are approximate. Of the light that falls on a film, glTF lets the share 1 − max(R, G, B) of the reflectance through,
-//! equal in all channels, where a clear film lets through 1 − R of each. A refracted ray follows the index of
-//! `KHR_materials_ior`, which was fitted to reflected colours. Renderers that draw triangles do not follow rays into a body,
-//! but take its thickness from the material.
+//! Both are approximate. Of the light that falls on a film, glTF lets the share 1 − max(R, G, B) of the reflectance
+//! through, equal in all channels, where a clear film lets through 1 − R of each. A refracted ray follows the index of
+//! `KHR_materials_ior`, which was fitted to reflected colours. Renderers that draw triangles do not follow rays into a
+//! body, but take its thickness from the material.
 
 use serde_json::{Value, json};
 
 use super::body::MEAN_CHORD;
 use super::film::{Base, Behind};
 use super::fit::{Parameters, round};
+
+/// Less than this share of light, swallowed on its way through the body, is not written: distances would grow beyond
+/// numbers.
+const UNSEEN: f64 = 1e-6;
 
 /// Adds to a material what becomes of transmitted light.
 pub fn add(material: &mut Value, behind: Behind) {
@@ -26,7 +30,7 @@ pub fn add(material: &mut Value, behind: Behind) {
         Behind::Body { absorption_per_m, .. } => {
             let mut volume = json!({ "thicknessFactor": round(MEAN_CHORD) });
             let most = absorption_per_m.into_iter().fold(0.0, f64::max);
-            if most > 0.0 {
+            if most * MEAN_CHORD > UNSEEN {
                 volume["attenuationDistance"] = json!(1.0 / most);
                 volume["attenuationColor"] = json!(absorption_per_m.map(|a| round((-a / most).exp())));
             }
@@ -77,6 +81,15 @@ mod tests {
             let over_a_metre = colour.as_f64().unwrap().powf(1.0 / distance);
             // Five digits of the colour, to the power 4.
             assert!((over_a_metre - (-absorption).exp()).abs() < 4.0 * 0.5e-5, "{over_a_metre}");
+        }
+    }
+
+    #[test]
+    fn a_medium_that_hardly_absorbs_is_clear() {
+        for absorption in [0.0, 1e-320, 1e-8] {
+            let mut material = json!({ "extensions": {} });
+            add(&mut material, Behind::Body { ior: 1.5, absorption_per_m: [absorption; 3] });
+            assert_eq!(material["extensions"]["KHR_materials_volume"], json!({ "thicknessFactor": 1.33333 }));
         }
     }
 
