@@ -146,7 +146,6 @@ impl Problem<'_> {
     }
 
     /// The relative error of a film's η by which lanes of this roundoff keep its wave off the critical angle (`Wave::in_film`).
-    #[allow(dead_code, reason = "random stacks never come so near, fuzzed ones do")]
     pub fn kept_off(&self, roundoff: f64) -> f64 {
         let q_t = self.eta[0].re * self.sin_theta;
         let films = &self.eta[1..=self.thickness_nm.len()];
@@ -306,6 +305,7 @@ impl Twin {
 
     /// Bounds of |δR| and |δT| for rays of the power `truncated` that were not followed, lost in so many generations
     /// (Cauchy–Schwarz over the states, and over the generations in which rays were dropped).
+    #[allow(dead_code, reason = "stacks know their error better; flat cells, which are fuzzed, do not")]
     pub fn truncation(&self, truncated: f64, generations: f64) -> [f64; 2] {
         let error = (truncated * generations).sqrt();
         [squared(self.reflection, error * self.stored[0]), squared(self.transmission, error * self.stored[1])]

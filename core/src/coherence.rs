@@ -53,7 +53,7 @@ impl<V: Lanes> Sink<Side, Polarised<ComplexLanes<V>>> for Specular<V> {
     }
 }
 
-/// Where the power of a trace went: reflected + transmitted + absorbed + truncated + imbalance = 1 per polarisation.
+/// Where the power of a trace went: reflected + transmitted + absorbed + imbalance = 1 per polarisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ledger<V> {
     /// Left on the side of the light.
@@ -62,16 +62,19 @@ pub struct Ledger<V> {
     pub transmitted: Polarised<V>,
     /// Lost inside the cell, from the fields there.
     pub absorbed: Polarised<V>,
-    /// In flight at the end, or dropped: the error bar of the result.
+    /// The error bar of rays that were not followed: the largest difference of `reflected` and `transmitted`, of s and
+    /// p, from their values with all loops closed in the same precision. It includes what a long sum lost by rounding.
+    /// 0 where loops are closed.
     pub truncated: V,
-    /// What is missing: rounding on planar cells in the physical model. The paper's model does not conserve power.
+    /// What is missing: rounding, and what rays that were not followed would change. The paper's model does not
+    /// conserve power.
     pub imbalance: Polarised<V>,
 }
 
 impl<V: Lanes> Ledger<V> {
     /// Closes the ledger.
     pub fn new(reflected: Polarised<V>, transmitted: Polarised<V>, absorbed: Polarised<V>, truncated: V) -> Self {
-        let rest = |r: V, t: V, a: V| V::one() - r - t - a - truncated;
+        let rest = |r: V, t: V, a: V| V::one() - r - t - a;
         let imbalance = Polarised {
             s: rest(reflected.s, transmitted.s, absorbed.s),
             p: rest(reflected.p, transmitted.p, absorbed.p),

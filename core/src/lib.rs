@@ -31,7 +31,7 @@
 //! | [`bvh`] | the triangle that a ray meets first | u, v, w of one sign |
 //! | [`trace`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
 //! | [`paths`] | rays that do not interfere, followed one by one | a branch is drawn in proportion to its power |
-//! | [`coherence`] | how exits add; the power ledger | R + T + absorbed + truncated + imbalance = 1 |
+//! | [`coherence`] | how exits add; the power ledger | R + T + absorbed + imbalance = 1 |
 //! | [`layers`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
 //! | [`polygons`] | waves in polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
 //! | [`geometric`] | paths in polygon cells: the coherency matrix of their light | ⟨E_s E_p*⟩ |

@@ -73,24 +73,25 @@ impl<S, F> Slot<S, F> {
 /// When to stop following rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Power in flight, relative to the incident, below which the sum is complete. What is left enters the amplitude that
-    /// leaves, so reflectance is in error by up to 2√(R·in flight).
+    /// Power in flight, relative to the incident, below which rays are dropped. It bounds no error: waves caught in a
+    /// loop of gain g would still add up to √`in_flight`/|1 − g| to the amplitude that leaves.
     pub in_flight: f64,
     /// Generations after which to give up.
     pub generations: u32,
 }
 
 impl Limits {
-    /// For single precision: 2√1e-14 = 2e-7 is of the order of its rounding.
+    /// For single precision: drops amplitudes of 1e-7, which is of the order of its rounding.
     pub const SINGLE: Self = Self { in_flight: 1e-14, generations: 1_000_000 };
-    /// For double precision: 2√1e-22 = 2e-11.
-    pub const DOUBLE: Self = Self { in_flight: 1e-22, generations: 4_000_000 };
+    /// For double precision: drops amplitudes of 3e-12.
+    pub const DOUBLE: Self = Self { in_flight: 1e-23, generations: 4_000_000 };
 }
 
 /// What a trace cost and what it left undone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<V> {
-    /// Power in flight at the end plus power of rays dropped for want of a slot, per lane. Above 1 the sum diverged.
+    /// Power in flight at the end plus power of rays dropped on the way, per lane. It is no error bar: see
+    /// [`Limits::in_flight`]. A sum that is given up because it grows leaves more than 1.
     pub truncated: V,
     /// States visited: one for each splitting of a merged ray.
     pub visits: u64,
@@ -98,32 +99,35 @@ pub struct Trace<V> {
     pub generations: u32,
 }
 
-/// Takes the waves for which there is no slot.
+/// Takes the waves for which there is no slot, and those that are not worth following. By default the former are
+/// dropped and the latter are none.
 pub(crate) trait Overflow<V: Lanes, W: Waves<V>, K> {
-    /// Power in flight, relative to the incident, at which a sum of rays is given up.
-    const DIVERGED: f64;
+    /// Power in flight, relative to the incident, at which a sum of rays is given up. Where absorbing or evanescent
+    /// waves make a loop's gain |g| > 1 although the cell is passive, the sum by generations diverges. Amplitudes of
+    /// 10⁶ leave no digit of single precision and ten of double.
+    const DIVERGED: f64 = 1e12;
+
     /// Whether a wave of this mean power over lanes is taken although there may be a slot.
-    fn prefers(&self, mean: f64) -> bool;
+    fn prefers(&self, _mean: f64) -> bool {
+        false
+    }
+
     /// Takes a wave of this power after so many hits; returns what it dropped and the hits it made.
-    fn take(&mut self, state: &W::State, field: &W::Field, power: V, visits: u64, sink: &mut K) -> (V, u64);
+    fn take(&mut self, _: &W::State, _: &W::Field, power: V, _visits: u64, _: &mut K) -> (V, u64) {
+        (power, 0)
+    }
+
+    /// Looks at the waves that wait for `generation`, of the power `in_flight` in all: clears the lanes that are not
+    /// worth following and returns their power.
+    fn review(&mut self, _: &mut [Slot<W::State, W::Field>], _generation: u32, _in_flight: V) -> V {
+        V::zero()
+    }
 }
 
 /// Where nothing spills.
 struct Dropped;
 
-impl<V: Lanes, W: Waves<V>, K> Overflow<V, W, K> for Dropped {
-    /// Where absorbing or evanescent waves make a loop's gain |g| > 1 although the stack is passive, the sum by generations
-    /// diverges. Amplitudes of 10⁶ leave no digit of single precision and ten of double.
-    const DIVERGED: f64 = 1e12;
-
-    fn prefers(&self, _: f64) -> bool {
-        false
-    }
-
-    fn take(&mut self, _: &W::State, _: &W::Field, power: V, _: u64, _: &mut K) -> (V, u64) {
-        (power, 0)
-    }
-}
+impl<V: Lanes, W: Waves<V>, K> Overflow<V, W, K> for Dropped {}
 
 /// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Waves for which it has no room are dropped into
 /// [`Trace::truncated`].
@@ -182,6 +186,9 @@ pub(crate) fn generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: 
             .iter()
             .filter(|slot| slot.generation == next)
             .fold(V::zero(), |sum, slot| sum + cell.power(&slot.state, &slot.field));
+        let cleared = overflow.review(slots, next, in_flight);
+        let in_flight = in_flight - cleared;
+        dropped += cleared;
         let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(O::DIVERGED);
         if done || generation >= limits.generations {
             return Trace { truncated: in_flight + dropped, visits, generations: generation };

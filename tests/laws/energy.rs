@@ -7,7 +7,7 @@ fn energy_goes_somewhere() {
     let mut worst = [Worst::of("R + T + A = 1"), Worst::of("R + T = 1"), Worst::of("0 <= R, T, A")];
     each(4, |random| {
         let case = Case::random(random, random.0.is_multiple_of(2), true);
-        let (ledger, _) = case.ledger::<F64>(Summation::ClosedLoops);
+        let ledger = case.traced::<F64>(Summation::ClosedLoops).ledger;
         let Power { r, t } = case.power();
         for (lane, twins) in case.twins().iter().enumerate() {
             for (pol, twin) in twins.iter().enumerate() {

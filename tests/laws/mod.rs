@@ -3,18 +3,17 @@
 #![allow(clippy::needless_range_loop, reason = "one index runs through several arrays")]
 
 mod agreement;
-mod convergence;
 mod energy;
 mod invariance;
 mod limits;
+mod truncation;
 
 use crate::reference::Layered;
 use crate::scalar::{Problem, Twin};
-use goniochrome::coherence::Ledger;
 use goniochrome::complex::Polarised;
 use goniochrome::interface::Model;
 use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome::layers::{Summation, TraceMemory, Traced, Workspace, trace_layers};
 use goniochrome::trace::Limits;
 use num_complex::Complex64;
 
@@ -102,11 +101,17 @@ impl Case {
         })
     }
 
-    fn ledger<V: Lanes>(&self, summation: Summation) -> (Ledger<V>, f64) {
+    fn traced<V: Lanes>(&self, summation: Summation) -> Traced<V> {
+        self.traced_in(2 * (self.stack.thickness_nm.len() + 1), summation)
+    }
+
+    /// [`Case::traced`] with so many slots.
+    fn traced_in<V: Lanes>(&self, slots: usize, summation: Summation) -> Traced<V> {
         let mut workspace = Box::new(Workspace::<V, 32>::new());
         self.stack.with_optics::<V, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
-            let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
-            (traced.ledger, f64::from(traced.trace.generations))
+            let memory = workspace.memory();
+            let memory = TraceMemory { totals: memory.totals, slots: &mut memory.slots[..slots] };
+            trace_layers(optics, summation, memory).expect("the stack fits")
         })
     }
 
