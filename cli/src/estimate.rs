@@ -10,6 +10,7 @@ use goniochrome::trace::Limits;
 
 use crate::error::{Error, Result};
 use crate::groups::Groups;
+use crate::hits;
 use crate::parallel;
 use crate::planar::Planar;
 use crate::table::MAX_SAMPLES;
@@ -22,7 +23,8 @@ pub enum Method {
     /// Ray splitting, every loop summed exactly.
     #[default]
     Trace,
-    /// Ray splitting hit by hit, until nothing is left in flight.
+    /// Ray splitting hit by hit; samples whose sum diverges or takes too long fall back to closed loops, and are
+    /// counted.
     Hits,
 }
 
@@ -56,7 +58,8 @@ pub struct Sample {
     pub reflectance: Polarised<f64>,
     /// Transmittance into the substrate.
     pub transmittance: Polarised<f64>,
-    /// Power that was not followed to its end: the tracer's error bar. 0 in closed form.
+    /// The error bar of rays that were not followed: the largest difference of the four powers above from those of
+    /// [`Method::Trace`]. 0 but for [`Method::Hits`].
     pub truncated: f64,
     /// What the tracer's ledger misses, the larger of s and p. 0 in closed form.
     pub imbalance: f64,
@@ -79,6 +82,8 @@ pub struct Spectra {
     pub wavelength_nm: Vec<f64>,
     /// One for each pair.
     pub samples: Vec<Sample>,
+    /// How many of them [`Method::Hits`] could not sum, so that their loops were closed instead.
+    pub fell_back: usize,
 }
 
 impl Spectra {
@@ -101,6 +106,23 @@ impl Spectra {
 /// # Errors
 /// A medium without data at a wavelength, an ambient medium that absorbs, a grid larger than [`MAX_SAMPLES`].
 pub fn spectra(
+    planar: &Planar<'_>,
+    theta_deg: &[f64],
+    wavelength_nm: &[f64],
+    request: &Request,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Spectra> {
+    let found = computed(planar, theta_deg, wavelength_nm, request, progress)?;
+    if request.method != Method::Hits {
+        return Ok(found);
+    }
+    let closed = Request { method: Method::Trace, ..*request };
+    let closed = computed(planar, theta_deg, wavelength_nm, &closed, &|| ())?;
+    Ok(hits::settled(found, &closed, request.precision))
+}
+
+/// What the method itself gives.
+fn computed(
     planar: &Planar<'_>,
     theta_deg: &[f64],
     wavelength_nm: &[f64],
@@ -150,7 +172,7 @@ fn run<V: Lanes>(
             progress();
         },
     );
-    Ok(Spectra { theta_deg: theta_deg.to_vec(), wavelength_nm: wavelength_nm.to_vec(), samples })
+    Ok(Spectra { theta_deg: theta_deg.to_vec(), wavelength_nm: wavelength_nm.to_vec(), samples, fell_back: 0 })
 }
 
 /// Light that arrives through an absorbing medium has no power to compare with.
@@ -210,7 +232,7 @@ impl<V: Lanes> Worker<V> {
                 return;
             }
             Method::Trace => Summation::ClosedLoops,
-            Method::Hits => Summation::Generations(limits),
+            Method::Hits => Summation::Generations(hits::affordable(limits, stack.planes())),
         };
         let ledger = trace_layers(&optics, summation, TraceMemory { totals, slots })
             .expect("the worker's memory was made for this stack")

@@ -14,6 +14,7 @@ pub mod estimate;
 pub mod export;
 pub mod grid;
 pub mod groups;
+mod hits;
 pub mod html;
 pub mod output;
 pub mod parallel;

@@ -4,7 +4,7 @@ use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM};
 
 use crate::colours::{Colour, colours};
 use crate::error::Result;
-use crate::estimate::{Request, spectra};
+use crate::estimate::{Request, Spectra, spectra};
 use crate::picture::{LineOptions, PALETTE, Picture, Series, line_chart};
 use crate::planar::Planar;
 
@@ -42,8 +42,7 @@ pub fn midpoints(count: u16) -> Vec<f64> {
 /// # Errors
 /// As [`spectra`].
 pub fn sampled(planar: &Planar<'_>, count: u16, setting: &Setting<'_>) -> Result<Vec<Colour>> {
-    let spectra = spectra(planar, setting.theta_deg, &midpoints(count), &setting.request, &|| ())?;
-    colours(&spectra, setting.illuminant, setting.space, Quadrature::Sampled)
+    setting.colours(&setting.spectra(planar, &midpoints(count))?, Quadrature::Sampled)
 }
 
 /// Colours at every angle from sums over 1 nm.
@@ -51,12 +50,24 @@ pub fn sampled(planar: &Planar<'_>, count: u16, setting: &Setting<'_>) -> Result
 /// # Errors
 /// As [`spectra`].
 pub fn converged(planar: &Planar<'_>, setting: &Setting<'_>) -> Result<Vec<Colour>> {
-    let every_nm: Vec<f64> = (VISIBLE_NM[0]..=VISIBLE_NM[1]).map(f64::from).collect();
-    let spectra = spectra(planar, setting.theta_deg, &every_nm, &setting.request, &|| ())?;
-    colours(&spectra, setting.illuminant, setting.space, Quadrature::Interpolated)
+    setting.colours(&setting.spectra(planar, &every_nm())?, Quadrature::Interpolated)
 }
 
-/// The error curve: `progress` is told of each finished count.
+fn every_nm() -> Vec<f64> {
+    (VISIBLE_NM[0]..=VISIBLE_NM[1]).map(f64::from).collect()
+}
+
+impl Setting<'_> {
+    fn spectra(&self, planar: &Planar<'_>, wavelength_nm: &[f64]) -> Result<Spectra> {
+        spectra(planar, self.theta_deg, wavelength_nm, &self.request, &|| ())
+    }
+
+    fn colours(&self, spectra: &Spectra, quadrature: Quadrature) -> Result<Vec<Colour>> {
+        colours(spectra, self.illuminant, self.space, quadrature)
+    }
+}
+
+/// The error curve: `progress` is given the spectra behind the exact colours, and then those of each count.
 ///
 /// # Errors
 /// As [`spectra`].
@@ -64,12 +75,16 @@ pub fn error_curve(
     planar: &Planar<'_>,
     counts: &[u16],
     setting: &Setting<'_>,
-    progress: &dyn Fn(),
+    progress: &dyn Fn(&Spectra),
 ) -> Result<Vec<Point>> {
-    let exact = converged(planar, setting)?;
+    let colours = |wavelength_nm: &[f64], quadrature| {
+        let spectra = setting.spectra(planar, wavelength_nm)?;
+        progress(&spectra);
+        setting.colours(&spectra, quadrature)
+    };
+    let exact = colours(&every_nm(), Quadrature::Interpolated)?;
     let point = |&samples: &u16| {
-        let got = sampled(planar, samples, setting)?;
-        progress();
+        let got = colours(&midpoints(samples), Quadrature::Sampled)?;
         let differences = got.iter().zip(&exact).flat_map(|(a, b)| (0..3).map(|c| (a.rgb[c] - b.rgb[c]).abs()));
         Ok(Point { samples, error: differences.fold(0.0, f64::max) })
     };

@@ -12,8 +12,8 @@ fn difference(a: &str, b: &str) -> f64 {
 
 /// Loops summed exactly leave only rounding.
 const DOUBLE_ROUNDING: f64 = 1e-11;
-/// Hits are followed until what is in flight would not change the ninth digit.
-const DOUBLE_TRUNCATION: f64 = 1e-8;
+/// Samples that hits would leave further off have their loops closed.
+const DOUBLE_TRUNCATION: f64 = 1e-9;
 /// Each of up to 21 planes rounds once, 1.2e-7; a resonance between two planes amplifies that by the inverse square of what
 /// one plane transmits, no less than 0.37 up to 75°: 2e-5.
 const SINGLE: f64 = 2e-5;

@@ -9,6 +9,7 @@ mod destinations;
 mod disk_full;
 mod exports;
 mod figures;
+mod hits;
 mod kills;
 mod meshes;
 mod plain_text;

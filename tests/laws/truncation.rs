@@ -124,7 +124,7 @@ fn sums_of_hits_converge_where_light_travels_without_loss() {
     let limits = Limits { in_flight: 1e-16, generations: 10_000 };
     let (mut converged, mut late, mut early) = (0u32, 0u32, 0u32);
     let mut random = Random(3);
-    for _ in 0..SOME_STACKS {
+    for _ in 0..SOME_STACKS / 5 {
         let case = Case::random(&mut random, true, true);
         let q_t = case.stack.eta[0].re * case.sin_theta();
         if case.stack.eta.iter().any(|eta| eta.re <= q_t) {
@@ -134,7 +134,7 @@ fn sums_of_hits_converge_where_light_travels_without_loss() {
         for lane in 0..F64::WIDTH {
             if Lanes::lane(trace.truncated, lane) <= limits.in_flight {
                 converged += 1;
-                // Amplitudes of 1e-8, and resonances of up to 1e3 that such stacks have.
+                // Amplitudes in flight of 1e-8, and resonances of up to 1e3 that such stacks have.
                 let truncated = Lanes::lane(ledger.truncated, lane);
                 assert!(truncated <= 1e-5, "{truncated:e}: {:?}", case.stack.eta);
             } else {
@@ -148,7 +148,7 @@ fn sums_of_hits_converge_where_light_travels_without_loss() {
         }
     }
     println!("{converged} lanes converged, {late} were given up, {early} of them too early");
-    assert!(f64::from(late) < 0.05 * f64::from(converged) && f64::from(early) < 0.05 * f64::from(late));
+    assert!(late > 0 && f64::from(late) < 0.05 * f64::from(converged) && f64::from(early) < 0.1 * f64::from(late));
 }
 
 #[test]

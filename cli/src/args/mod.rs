@@ -127,7 +127,8 @@ pub struct SpectrumArgs {
     /// Wavelengths in nm: 450,550 or 380:780:5 or auto
     #[arg(long, allow_hyphen_values = true, default_value = "380:780:5")]
     pub wavelengths: Wavelengths,
-    /// Where the CSV goes; - is standard output
+    /// Where the CSV goes; - is standard output. Its last column, truncated, is how far the other four may be from
+    /// their values with loops closed; 0 but for --method hits
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub csv: PathBuf,
     /// How to compute

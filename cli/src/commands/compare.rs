@@ -1,7 +1,7 @@
 //! `goniochrome compare`.
 
 use crate::args::CompareArgs;
-use crate::commands::{check_outputs, number, write_csv};
+use crate::commands::{check_outputs, number, remark_fall_backs, write_csv};
 use crate::comparison::Comparison;
 use crate::error::Result;
 use crate::output;
@@ -34,6 +34,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             output::write_file_and(path, &picture.encoded(path)?, csv)?;
         }
     }
+    let traced = &comparison.traced;
+    remark_fall_backs(traced.fell_back, traced.samples.len(), args.computing.quiet);
     remark(
         args.computing.quiet,
         format_args!("largest difference of R_s or R_p: {:.2e}", comparison.largest_difference()),

@@ -182,6 +182,7 @@ fn scatter_metadata(args: &EstimateArgs, scene: &Scene, tracing: &Request) -> BT
 
 /// How the table was made. Nothing here depends on when or where, so equal runs give equal files.
 fn metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spectra) -> BTreeMap<String, String> {
+    let fell_back = (args.computing.method == Method::Hits).then(|| ("fell_back", spectra.fell_back.to_string()));
     [
         ("generator", format!("goniochrome {}", env!("CARGO_PKG_VERSION"))),
         ("scene", scene.name.clone()),
@@ -195,6 +196,8 @@ fn metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spectra) -> BTreeMap<S
         ("truncated_max", format!("{:e}", spectra.worst(|sample| sample.truncated))),
         ("imbalance_max", format!("{:e}", spectra.worst(|sample| sample.imbalance))),
     ]
+    .into_iter()
+    .chain(fell_back)
     .map(|(key, value)| (key.to_owned(), value))
-    .into()
+    .collect()
 }

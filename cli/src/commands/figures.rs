@@ -183,7 +183,7 @@ fn figure_6(folder: &Path, request: &Request) -> Result<Section> {
             grid.push(sampling::sampled(&planar, count, &disc_setting)?);
         }
         grid.push(sampling::converged(&planar, &disc_setting)?);
-        curves.push((label.to_owned(), error_curve(&planar, &FIGURE_6_CURVE, &curve_setting, &|| ())?));
+        curves.push((label.to_owned(), error_curve(&planar, &FIGURE_6_CURVE, &curve_setting, &|_| ())?));
     }
     let looks: Vec<_> =
         grid.iter().map(|colours| move |theta_deg: f64, _: f64| between(colours, space, theta_deg)).collect();

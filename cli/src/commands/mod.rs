@@ -74,7 +74,21 @@ fn compute(
     let progress = bar(&planar.scene().name, theta_deg.len(), computing.quiet);
     let spectra = spectra(planar, theta_deg, &wavelength_nm, &computing.request(), &|| progress.inc(1))?;
     progress.finish_and_clear();
+    remark_fall_backs(spectra.fell_back, spectra.samples.len(), computing.quiet);
     Ok(spectra)
+}
+
+/// Says of how many samples the loops were closed although `--method hits` was asked for.
+fn remark_fall_backs(fell_back: usize, samples: usize, quiet: bool) {
+    if fell_back > 0 {
+        remark(
+            quiet,
+            format_args!(
+                "{fell_back} of {samples} samples do not converge hit by hit within the work allowed; \
+                 their loops are closed, as by --method trace"
+            ),
+        );
+    }
 }
 
 /// Refuses, before long work, a CSV and a picture that cannot be written at its end.

@@ -1,7 +1,9 @@
 //! `goniochrome sampling`.
 
+use std::cell::Cell;
+
 use crate::args::SamplingArgs;
-use crate::commands::{check_outputs, write_csv};
+use crate::commands::{check_outputs, remark_fall_backs, write_csv};
 use crate::error::Result;
 use crate::output;
 use crate::planar::Planar;
@@ -19,9 +21,15 @@ pub fn run(args: &SamplingArgs) -> Result<()> {
         space: args.space.into(),
         request: args.computing.request(),
     };
-    let progress = bar(&scene.name, args.samples.len(), args.computing.quiet);
-    let points = error_curve(&planar, &args.samples, &setting, &|| progress.inc(1))?;
+    let progress = bar(&scene.name, args.samples.len() + 1, args.computing.quiet);
+    let (fell_back, all) = (Cell::new(0), Cell::new(0));
+    let points = error_curve(&planar, &args.samples, &setting, &|spectra| {
+        fell_back.set(fell_back.get() + spectra.fell_back);
+        all.set(all.get() + spectra.samples.len());
+        progress.inc(1);
+    })?;
     progress.finish_and_clear();
+    remark_fall_backs(fell_back.get(), all.get(), args.computing.quiet);
     let rows = points.iter().map(|point| vec![point.samples.to_string(), format!("{:.6}", point.error)]);
     let csv = || write_csv(&args.csv, &["samples", "largest_error"], rows);
     let Some(path) = &args.output else { return csv() };
