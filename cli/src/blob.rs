@@ -8,6 +8,7 @@ use goniochrome::table::{MirrorTable as Mirror, ScatterSampler, ScatterTable as 
 
 use crate::args::export::ExportArgs;
 use crate::error::{Error, Result};
+use crate::memory::filled;
 use crate::output;
 use crate::progress::remark;
 use crate::table::MirrorTable;
@@ -41,7 +42,7 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
         }
         Table::Scatter(scatter) => {
             let table = Scatter::new(scatter.rgb.as_flattened(), scatter.layout, 3).map_err(Error::failed)?;
-            let mut memory = vec![0.0; ScatterSampler::required_len(&scatter.layout)];
+            let mut memory = filled(0.0, ScatterSampler::required_len(&scatter.layout), "the blob")?;
             let sampler = ScatterSampler::new(&table, &mut memory).map_err(Error::failed)?;
             write(space(&scatter.metadata), Contents::Scatter(table, sampler), precision)
         }
@@ -51,7 +52,7 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
 fn write(space: Space, contents: Contents<'_>, precision: Precision) -> Result<Vec<u8>> {
     let blob = Blob { space, contents };
     let length = blob.required_len(precision).ok_or_else(|| Error::failed(BlobError::Dimensions))?;
-    let mut bytes = vec![0; length];
+    let mut bytes = filled(0, length, "the blob")?;
     match blob.write(precision, &mut bytes) {
         Err(BlobError::Range { index }) => {
             Err(Error::failed(format_args!("value {index} is beyond half precision, 65504; leave --half out")))

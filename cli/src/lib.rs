@@ -16,6 +16,7 @@ pub mod grid;
 pub mod groups;
 mod hits;
 pub mod html;
+pub mod memory;
 pub mod output;
 pub mod parallel;
 pub mod picture;

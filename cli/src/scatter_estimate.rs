@@ -13,6 +13,7 @@ use crate::checkpoint::{Checkpoint, Identity};
 use crate::error::Result;
 use crate::estimate::Precision;
 use crate::groups::{Group, Groups};
+use crate::memory::filled;
 use crate::parallel;
 use crate::scatter::{BATCHES, Estimate, Request, Tally, Workspace, converged, trace_batch};
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
@@ -103,10 +104,10 @@ fn run<V: Lanes>(
     let mut table = ScatterTable {
         layout,
         wavelength_nm: wavelength_nm.to_vec(),
-        brdf: vec![0.0; pairs * wavelength_nm.len()],
-        rgb: vec![[0.0; 3]; pairs],
-        luminance_error: vec![0.0; pairs],
-        energy: vec![Energy::default(); layout.incident_count()],
+        brdf: filled(0.0, pairs * wavelength_nm.len(), "the table")?,
+        rgb: filled([0.0; 3], pairs, "the table")?,
+        luminance_error: filled(0.0, pairs, "the table")?,
+        energy: filled(Energy::default(), layout.incident_count(), "the table")?,
         metadata: std::collections::BTreeMap::default(),
     };
     let brdfs = table.brdf.chunks_mut(bins * wavelength_nm.len());

@@ -5,6 +5,7 @@ use goniochrome::bvh::{Bvh, Node, Ray};
 
 use super::mesh::{Frame, Mesh};
 use crate::error::{Error, Result};
+use crate::memory::filled;
 
 /// How far from a surface a reflected ray starts, in radii of the mesh: far above the rounding of a hit, far below a pixel.
 const OFFSET: f64 = 1e-9;
@@ -49,16 +50,17 @@ impl<'a> Body<'a> {
     /// Builds the hierarchy.
     ///
     /// # Errors
-    /// If the mesh has no triangle with an area, or too many.
+    /// If the mesh has no triangle with an area, too many, or more than fit into memory.
     pub fn new(shape: &'a Shape, memory: &'a mut Memory) -> Result<Self> {
         let mesh = match shape {
             Shape::Sphere => return Ok(Self { kind: Kind::Sphere, bounds: (DVec3::ZERO, 1.0) }),
             Shape::Mesh(mesh) => mesh,
         };
         let count = mesh.triangles.len();
-        memory.nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
-        let mut order = vec![0; count];
-        memory.corners = vec![0.0; Bvh::required_corners(count)];
+        let what = format_args!("a mesh of {count} triangles");
+        memory.nodes = filled(Node::EMPTY, Bvh::required_nodes(count), what)?;
+        let mut order = filled(0, count, what)?;
+        memory.corners = filled(0.0, Bvh::required_corners(count), what)?;
         let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut memory.nodes, &mut order, &mut memory.corners)
             .map_err(|error| Error::failed(format_args!("the mesh cannot be shown: {error}")))?;
         let bounds = mesh.bounding_sphere();

@@ -29,7 +29,7 @@ use surface::Surface;
 use tracer::{Scratch, Stream, Tracer};
 
 use crate::error::Result;
-use crate::parallel;
+use crate::{memory, parallel};
 
 /// What is seen past the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,7 +72,7 @@ pub struct Stage<'a> {
 /// Draws the picture; `tick` is called after each of its rows.
 ///
 /// # Errors
-/// If the surface's table cannot be sampled.
+/// If the surface's table cannot be sampled, or memory for the picture is short.
 pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) -> Result<Film> {
     let mut memory = Vec::new();
     let tracer = Tracer {
@@ -83,7 +83,8 @@ pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) ->
         reflections: quality.reflections.max(1),
     };
     let [width, height] = stage.camera.size;
-    let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
+    let what = format_args!("a picture of {width} × {height} pixels");
+    let mut pixels = memory::filled([0.0; 4], width as usize * height as usize, what)?;
     let rows = pixels.chunks_mut(width as usize).zip(0..height);
     let shows_body = AtomicBool::new(false);
     let scratch = || Scratch::new(tracer.channels.count());

@@ -8,6 +8,7 @@ use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 use super::channels::Channels;
 use crate::args::{IlluminantArg, SpaceArg};
 use crate::error::{Error, Result};
+use crate::memory::filled;
 use crate::table_file::Table;
 
 /// A reflectance for each channel.
@@ -100,7 +101,7 @@ impl Surface {
             Kind::Mirror { theta_deg, values } => Ok(Prepared::Mirror { theta_deg, values }),
             Kind::Scatter { layout, values } => {
                 let table = ScatterTable::new(values, *layout, self.channels.count()).map_err(Error::failed)?;
-                memory.resize(ScatterSampler::required_len(layout), 0.0);
+                *memory = filled(0.0, ScatterSampler::required_len(layout), "sampling the table")?;
                 let sampler = ScatterSampler::new(&table, memory).map_err(Error::failed)?;
                 Ok(Prepared::Scatter { table, sampler })
             }

@@ -30,6 +30,7 @@ use goniochrome::table::ScatterLayout;
 use super::column::Column;
 use super::container::{Contents, KIND, Opened, PREFIX, WAVELENGTH, channel_names, format_numbers};
 use crate::error::{Error, Result};
+use crate::memory::filled;
 use crate::scatter::Estimate;
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
 
@@ -148,7 +149,7 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
 
     let mut columns = file.pixels()?;
     let place: Vec<usize> = pixels(&layout).collect();
-    let mut brdf = vec![0.0; layout.count() * names.len()];
+    let mut brdf = filled(0.0, layout.count() * names.len(), "the table")?;
     let bins = layout.bins().count();
     for (w, name) in names.iter().enumerate() {
         let image = columns.take(name)?;

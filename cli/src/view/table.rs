@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::pack;
 use crate::colours::{illuminant_of, screen_rgb, screen_space, visible_weights};
 use crate::error::{Error, Result};
+use crate::memory::filled;
 use crate::scatter_table::ScatterTable;
 use crate::table::MirrorTable;
 use crate::table_file::Table;
@@ -55,7 +56,7 @@ fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
     let rgb = screen_rgb(&table.metadata, &table.rgb);
     let values = rgb.as_flattened();
     let lookup = Lookup::new(values, table.layout, 3).map_err(Error::failed)?;
-    let mut cumulative = vec![0.0; ScatterSampler::required_len(&table.layout)];
+    let mut cumulative = filled(0.0, ScatterSampler::required_len(&table.layout), "sampling the table")?;
     ScatterSampler::new(&lookup, &mut cumulative).map_err(Error::failed)?;
     // Halves end at 65504; most of their precision is near 1.
     let largest = values.iter().fold(0.0_f32, |most, x| most.max(x.abs()));

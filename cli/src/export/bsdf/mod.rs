@@ -22,6 +22,7 @@ use self::tensor::{Field, Values};
 use super::Reflection;
 use super::reflection::{Evaluator, Kind};
 use crate::error::Result;
+use crate::memory::filled;
 use crate::parallel;
 use crate::table_file::Table;
 
@@ -109,8 +110,8 @@ pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8
     let grid = Grid::new(&reflection);
     let (slices, channels, side) = (grid.slices(), reflection.channels, grid.side());
     let area = side * side;
-    let mut luminance = vec![0.0; slices * area];
-    let mut spectra = vec![0.0; slices * channels * area];
+    let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;
+    let mut spectra = filled(0.0, slices * channels * area, "the .bsdf file")?;
     let work = luminance.chunks_mut(area).zip(spectra.chunks_mut(channels * area));
     let work = work.map(|(luminance, spectra)| Slice { luminance, spectra }).enumerate();
     parallel::for_each(
