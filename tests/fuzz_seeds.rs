@@ -8,6 +8,11 @@ mod replay;
 use replay::replay;
 
 #[test]
+fn seeds_of_environment_hold() {
+    replay("environment", checks::environment::check);
+}
+
+#[test]
 fn seeds_of_exr_table_hold() {
     replay("exr_table", checks::exr_table::check);
 }

@@ -1,6 +1,7 @@
 //! What must hold for any input: the bodies of the fuzz targets, which the normal tests run on every seed.
 #![allow(dead_code, reason = "each fuzz target uses one")]
 
+pub mod environment;
 pub mod exr_table;
 #[path = "../../tests/cells/height_field.rs"]
 mod height_field;

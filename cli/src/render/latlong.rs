@@ -1,14 +1,9 @@
 //! Lat-long images from the bytes of OpenEXR and Radiance HDR files.
 
-use std::io::Cursor;
-
-use exr::meta::MetaData;
-use exr::prelude::{ReadChannels, ReadLayers};
-use image::codecs::hdr::HdrDecoder;
-use image::{DynamicImage, ImageDecoder};
-
 use super::environment::LatLong;
+use super::{openexr, radiance};
 use crate::error::{Error, Result};
+use crate::memory;
 
 /// Texels of an image; 8192 × 4096 and half as much again fit in 600 MB.
 const MAX_TEXELS: usize = 50_000_000;
@@ -16,7 +11,25 @@ const MAX_TEXELS: usize = 50_000_000;
 /// Radiance in place of infinity: the largest half.
 const BRIGHTEST: f32 = 65_504.0;
 
-/// What had to be mended in an image: components that were no radiance.
+/// Chromaticities x and y of the primaries of Rec. 709: red, green, blue. Files round them to two digits.
+const PRIMARIES: [f64; 6] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06];
+
+/// Largest difference of a primary: Radiance puts green at 0.29.
+const SAME_PRIMARY: f64 = 0.015;
+
+/// A picture as a file holds it.
+#[derive(Debug, PartialEq)]
+pub(super) struct Decoded {
+    pub size: [usize; 2],
+    /// Row by row from the upper left.
+    pub texels: Vec<[f32; 3]>,
+    /// The file names primaries that are not those of Rec. 709.
+    pub has_other_primaries: bool,
+    /// It holds luminance alone.
+    pub is_grey: bool,
+}
+
+/// What had to be mended in an image, and how it was understood.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mended {
     /// Negative components, now 0.
@@ -25,20 +38,34 @@ pub struct Mended {
     pub not_a_number: usize,
     /// Infinite or beyond the largest half, now that.
     pub infinite: usize,
+    /// Its R, G, B have other primaries than Rec. 709, and are taken as they stand.
+    pub other_primaries: bool,
+    /// It holds luminance alone, and is taken as grey.
+    pub grey: bool,
 }
 
 impl Mended {
-    /// One line about what was mended, if anything was.
+    /// One line about each thing that was mended or had to be understood.
     #[must_use]
-    pub fn says(&self) -> Option<String> {
+    pub fn says(&self) -> Vec<String> {
         let parts = [
             (self.negative, "negative, now 0"),
             (self.not_a_number, "not numbers, now 0"),
             (self.infinite, "infinite, now 65504"),
         ];
-        let said: Vec<String> =
+        let counted: Vec<String> =
             parts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
-        (!said.is_empty()).then(|| format!("components of the environment: {}", said.join("; ")))
+        let mut said = Vec::new();
+        if !counted.is_empty() {
+            said.push(format!("components of the environment: {}", counted.join("; ")));
+        }
+        if self.other_primaries {
+            said.push("its primaries are not those of Rec. 709 (sRGB); R, G, B are taken as they stand".to_owned());
+        }
+        if self.grey {
+            said.push("it holds luminance alone; the light is grey".to_owned());
+        }
+        said
     }
 }
 
@@ -49,15 +76,17 @@ impl Mended {
 /// One line that names the file.
 pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, Mended)> {
     let failed = |what: &str| Error::failed(format_args!("{label}: {what}"));
-    let (size, mut texels) = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        exr_texels(bytes)
+    let decoded = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        openexr::read(bytes)
     } else if bytes.starts_with(b"#?") {
-        hdr_texels(bytes)
+        radiance::read(bytes)
     } else {
         Err("neither OpenEXR nor Radiance HDR; export the environment as one of them".to_owned())
-    }
-    .map_err(|what| failed(&what))?;
-    let mended = mend(&mut texels);
+    };
+    let Decoded { size, mut texels, has_other_primaries, is_grey } = decoded.map_err(|what| failed(&what))?;
+    // By which the light is sampled.
+    memory::expect(size_of::<f64>() * texels.len(), "the environment").map_err(|error| failed(&error.to_string()))?;
+    let mended = Mended { other_primaries: has_other_primaries, grey: is_grey, ..mend(&mut texels) };
     if texels.iter().flatten().all(|&x| x == 0.0) {
         return Err(failed("every texel of the environment is black; the picture would be, too"));
     }
@@ -65,52 +94,23 @@ pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, Mended)> {
     Ok((image, mended))
 }
 
-/// Width, height and texels, or what is wrong.
-type Texels = std::result::Result<([usize; 2], Vec<[f32; 3]>), String>;
-
-fn check_size(width: usize, height: usize) -> std::result::Result<(), String> {
-    if width != 2 * height || height == 0 {
-        return Err(format!("{width} × {height} texels are no lat-long image, which is twice as wide as high"));
+/// Whether a picture of this size is one that can be read.
+pub(super) fn check_size(width: usize, height: usize) -> std::result::Result<(), String> {
+    if height == 0 || height.checked_mul(2) != Some(width) {
+        return Err(format!(
+            "{width} × {height} texels are no lat-long image, which is twice as wide as high; convert cube maps and mirror balls"
+        ));
     }
-    if width * height > MAX_TEXELS {
+    if width.checked_mul(height).is_none_or(|count| count > MAX_TEXELS) {
         return Err(format!("{width} × {height} texels are too many; {MAX_TEXELS} is the limit, so scale it down"));
     }
     Ok(())
 }
 
-fn exr_texels(bytes: &[u8]) -> Texels {
-    let broken = |error: exr::error::Error| format!("not a readable EXR file: {error}; export it anew");
-    let meta = MetaData::read_from_buffered(bytes, true).map_err(broken)?;
-    let header = meta.headers.first().ok_or("the EXR file is empty")?;
-    let (width, height) = (header.layer_size.0, header.layer_size.1);
-    let is_table = |name: &exr::meta::attribute::Text| name.to_string().starts_with("goniochrome.");
-    if header.own_attributes.other.keys().any(is_table) {
-        return Err("a BRDF table, where an environment is expected: swap the two".to_owned());
-    }
-    check_size(width, height)?;
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| vec![[0.0f32; 3]; size.0 * size.1],
-            move |texels: &mut Vec<[f32; 3]>, at, (r, g, b): (f32, f32, f32)| texels[at.1 * width + at.0] = [r, g, b],
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(broken)?;
-    Ok(([width, height], image.layer_data.channel_data.pixels))
-}
-
-fn hdr_texels(bytes: &[u8]) -> Texels {
-    let broken = |error: image::ImageError| format!("not a readable Radiance HDR file: {error}; export it anew");
-    let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(broken)?;
-    let (width, height) = decoder.dimensions();
-    let size = [width as usize, height as usize];
-    check_size(size[0], size[1])?;
-    let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
-    Ok((size, image.into_rgb32f().pixels().map(|pixel| pixel.0).collect()))
+/// Whether red, green and blue have chromaticities that differ from those of Rec. 709.
+pub(super) fn are_other_primaries(primaries: &[f64]) -> bool {
+    let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_PRIMARY;
+    primaries.len() < PRIMARIES.len() || !primaries.iter().zip(&PRIMARIES).all(same)
 }
 
 fn mend(texels: &mut [[f32; 3]]) -> Mended {
@@ -132,6 +132,8 @@ fn mend(texels: &mut [[f32; 3]]) -> Mended {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use exr::prelude::{Encoding, Image, SpecificChannels, WritableImage};
 
     use super::*;
@@ -173,14 +175,13 @@ mod tests {
     fn what_is_no_radiance_is_mended_and_said() {
         let strange = [1.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, 0.0, 0.0];
         let (image, mended) = decode("e.exr", &exr(4, 2, |i| strange[i])).unwrap();
-        assert_eq!(mended, Mended { negative: 2, not_a_number: 1, infinite: 1 });
+        assert_eq!(mended, Mended { negative: 2, not_a_number: 1, infinite: 1, ..Mended::default() });
         assert_eq!(image.texels()[3][0], BRIGHTEST);
-        let said = mended.says().unwrap();
         assert_eq!(
-            said,
-            "components of the environment: 2 negative, now 0; 1 not numbers, now 0; 1 infinite, now 65504"
+            mended.says(),
+            ["components of the environment: 2 negative, now 0; 1 not numbers, now 0; 1 infinite, now 65504"]
         );
-        assert_eq!(Mended::default().says(), None);
+        assert!(Mended::default().says().is_empty());
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub mod film;
 mod latlong;
 pub mod mesh;
 mod obj;
+mod openexr;
+mod radiance;
 pub mod studio;
 pub mod surface;
 mod teapot;

@@ -40,12 +40,27 @@ async function decodeExr(buffer) {
   return { width, height, rgb };
 }
 
-/** Which of R, G, B each channel fills. */
+/**
+ * Which of R, G, B each channel fills. As in `render`, a name is that of a layer, a point, and its own; channels without a layer
+ * come first, then the layer that Blender calls Combined, then the only one.
+ */
 function exrSources(channels) {
   const names = channels.map((channel) => channel.name);
-  if (["R", "G", "B"].every((name) => names.includes(name))) return new Map([["R", [0]], ["G", [1]], ["B", [2]]]);
-  if (names.includes("Y")) return new Map([["Y", [0, 1, 2]]]);
-  throw new Error(`an EXR environment needs the channels R, G and B, or Y; this one has ${names.join(", ")}`);
+  const layers = (needed) => {
+    const all = [...new Set(names.map((name) => name.slice(0, name.lastIndexOf(".") + 1)))];
+    return all.filter((layer) => needed.every((own) => names.includes(layer + own)));
+  };
+  const colours = layers(["R", "G", "B"]);
+  const greys = layers(["Y"]).filter((layer) => !["X", "RY", "BY"].some((own) => names.includes(layer + own)));
+  const found = colours.length ? colours : greys;
+  const combined = found.filter((layer) => /(^|\.)Combined\.$/.test(layer));
+  const [layer] = found.includes("") ? [""] : combined.length === 1 ? combined : found;
+  if (layer === undefined) throw new Error(`an EXR environment needs the channels R, G and B, or Y; this one has ${names.join(", ")}`);
+  if (found.length > 1 && layer !== "" && combined.length !== 1) {
+    throw new Error(`this EXR file holds ${found.length} pictures: ${found.map((name) => name.slice(0, -1)).join(", ")}; save the one to open`);
+  }
+  if (colours.length) return new Map(["R", "G", "B"].map((own, c) => [layer + own, [c]]));
+  return new Map([[`${layer}Y`, [0, 1, 2]]]);
 }
 
 function exrHeader(view) {
@@ -76,15 +91,20 @@ function exrHeader(view) {
       }
     } else if (name === "compression") {
       found.compression = EXR_COMPRESSIONS[view.getUint8(at)] ?? "of an unknown kind";
-    } else if (name === "dataWindow") {
+    } else if (name === "dataWindow" || name === "displayWindow") {
       const [left, top, right, bottom] = [0, 4, 8, 12].map((offset) => view.getInt32(at + offset, true));
-      Object.assign(found, { top, width: right - left + 1, height: bottom - top + 1 });
+      const window = { top, width: right - left + 1, height: bottom - top + 1 };
+      if (name === "dataWindow") Object.assign(found, window);
+      else found.whole = window;
     }
     at = end;
   }
   found.end = at + 1;
   if (!(found.channels && found.width > 0 && found.height > 0 && found.width * found.height <= MOST_TEXELS)) {
     throw new Error("this EXR file is damaged, or larger than 50 million pixels");
+  }
+  if (found.whole && (found.whole.width !== found.width || found.whole.height !== found.height)) {
+    throw new Error("this EXR file holds a part of a picture; save the whole");
   }
   return found;
 }

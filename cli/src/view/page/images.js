@@ -30,7 +30,10 @@ function mend(rgb) {
   return mended;
 }
 
-/** Radiance RGBE, with or without run lengths. */
+/**
+ * Radiance RGBE in any orientation, with or without run lengths, as `render` reads it: what programs multiplied pixels by, which
+ * the header tells, is divided out.
+ */
 function decodeHdr(data) {
   let at = 0;
   const line = () => {
@@ -38,49 +41,94 @@ function decodeHdr(data) {
     if (end < 0) throw new Error("this HDR file is damaged: its header does not end");
     const text = String.fromCharCode(...data.subarray(at, end));
     at = end + 1;
-    return text;
+    return text.replace(/\r+$/, "");
   };
-  let text = line();
-  while (text !== "") {
-    if (text.startsWith("FORMAT=") && text !== "FORMAT=32-bit_rle_rgbe") throw new Error(`${text} is not supported here; save R, G, B`);
-    text = line();
-  }
-  const size = /^-Y (\d+) \+X (\d+)$/.exec(line());
-  if (!size) throw new Error("HDR files must run from the upper left, row by row (-Y … +X …)");
-  const [height, width] = [Number(size[1]), Number(size[2])];
+  const multiplied = hdrFactors(line);
+  const size = /^([-+])([XY]) +(\d+) +([-+])([XY]) +(\d+)$/.exec(line().trim());
+  if (!size || size[2] === size[5]) throw new Error("this HDR file is damaged: it has no resolution such as -Y 512 +X 1024");
+  const byColumns = size[2] === "X";
+  const [count, length] = [Number(size[3]), Number(size[6])];
+  const [width, height] = byColumns ? [count, length] : [length, count];
+  // Y grows upwards, rows are counted from the top.
+  const [signX, signY] = byColumns ? [size[1], size[4]] : [size[4], size[1]];
   if (!(width > 0 && height > 0 && width * height <= MOST_TEXELS)) throw new Error("this HDR file has no pixels, or more than 50 million");
   const rgb = new Float32Array(3 * width * height);
-  const row = new Uint8Array(4 * width);
-  for (let y = 0; y < height; y += 1) {
-    at = hdrRow(data, at, row, width);
-    for (let x = 0; x < width; x += 1) {
-      const exponent = row[4 * x + 3];
+  const stored = new Uint8Array(4 * length);
+  for (let number = 0; number < count; number += 1) {
+    at = hdrLine(data, at, stored, length);
+    for (let along = 0; along < length; along += 1) {
+      const [column, row] = byColumns ? [number, along] : [along, number];
+      const [x, y] = [signX === "-" ? width - 1 - column : column, signY === "+" ? height - 1 - row : row];
+      const exponent = stored[4 * along + 3];
       const scale = exponent ? 2 ** (exponent - 136) : 0;
-      for (let c = 0; c < 3; c += 1) rgb[3 * (y * width + x) + c] = row[4 * x + c] * scale;
+      for (let c = 0; c < 3; c += 1) rgb[3 * (y * width + x) + c] = (stored[4 * along + c] * scale) / multiplied[c];
     }
   }
   return { width, height, rgb };
 }
 
-function hdrRow(data, start, row, width) {
+/** Reads a header to its empty line; by what R, G and B were multiplied. */
+function hdrFactors(line) {
+  const multiplied = [1, 1, 1];
+  for (let text = line(); text !== ""; text = line()) {
+    // Lines that start with a blank tell what the inputs of a program were.
+    const [, key, value] = /^([A-Z]+)=(.*)$/.exec(text) ?? [];
+    const numbers = (count) => {
+      const found = value.trim().split(/\s+/).map(Number);
+      if (found.length !== count || !found.every((x) => x > 0 && x < Infinity)) {
+        throw new Error(`this HDR file is damaged: ${text} is not ${count} numbers above 0`);
+      }
+      return found;
+    };
+    if (key === "FORMAT" && value.trim() !== "32-bit_rle_rgbe") throw new Error(`${text} is not supported here; save R, G, B`);
+    if (key === "GAMMA" && numbers(1)[0] !== 1) throw new Error(`${text}: the pixels are not linear; save the image with a gamma of 1`);
+    const by = key === "EXPOSURE" ? numbers(1) : key === "COLORCORR" ? numbers(3) : [1];
+    for (let c = 0; c < 3; c += 1) multiplied[c] *= by[c % by.length];
+  }
+  if (!multiplied.every((m) => m > 0 && m < Infinity)) throw new Error("this HDR file's exposures multiply to no number above 0");
+  return multiplied;
+}
+
+/** Fills the pixels of a scan line; where the next begins. */
+function hdrLine(data, start, stored, length) {
   let at = start;
   const early = () => new Error("this HDR file ends too early");
-  const coded = width >= 8 && width < 32768 && data[at] === 2 && data[at + 1] === 2 && data[at + 2] < 128;
-  if (!coded) {
-    if (at + 4 * width > data.length) throw early();
-    row.set(data.subarray(at, at + 4 * width));
-    return at + 4 * width;
-  }
+  const wrong = () => new Error("this HDR file is damaged: a run has a wrong length");
+  const coded = length >= 8 && length < 32768 && data[at] === 2 && data[at + 1] === 2 && data[at + 2] < 128;
+  if (!coded) return hdrOldLine(data, at, stored, length, early, wrong);
+  if (256 * data[at + 2] + data[at + 3] !== length) throw wrong();
   at += 4;
   for (let c = 0; c < 4; c += 1) {
-    for (let x = 0; x < width; ) {
+    for (let x = 0; x < length; ) {
       if (at + 1 >= data.length) throw early();
       const count = data[at++];
       const run = count > 128 ? count - 128 : count;
-      if (run === 0 || x + run > width) throw new Error("this HDR file is damaged: a run is too long");
-      for (let i = 0; i < run; i += 1) row[4 * (x + i) + c] = data[count > 128 ? at : at + i];
+      if (run === 0 || x + run > length) throw wrong();
+      if (count <= 128 && at + run > data.length) throw early();
+      for (let i = 0; i < run; i += 1) stored[4 * (x + i) + c] = data[count > 128 ? at : at + i];
       at += count > 128 ? 1 : run;
       x += run;
+    }
+  }
+  return at;
+}
+
+/** Pixels as they are; 1, 1, 1 and a number repeat the last that often, and what follows at once counts in the next byte. */
+function hdrOldLine(data, start, stored, length, early, wrong) {
+  let at = start;
+  let shift = 0;
+  for (let x = 0; x < length; at += 4) {
+    if (at + 4 > data.length) throw early();
+    if (data[at] === 1 && data[at + 1] === 1 && data[at + 2] === 1) {
+      const run = data[at + 3] * 2 ** shift;
+      if (x === 0 || shift >= 32 || x + run > length) throw wrong();
+      for (let i = 0; i < run; i += 1) stored.copyWithin(4 * (x + i), 4 * (x - 1), 4 * x);
+      x += run;
+      shift += 8;
+    } else {
+      stored.set(data.subarray(at, at + 4), 4 * x);
+      x += 1;
+      shift = 0;
     }
   }
   return at;

@@ -281,7 +281,8 @@ async function open(file) {
     showState();
     changed();
     const mended = opened.mended ? `; ${opened.mended} components that were no radiance are mended` : "";
-    status.textContent = `${file.name}: ${opened.width} × ${opened.height}${mended}`;
+    const stretched = opened.width === 2 * opened.height ? "" : "; it is not twice as wide as high, and is stretched around the sphere";
+    status.textContent = `${file.name}: ${opened.width} × ${opened.height}${stretched}${mended}`;
   } catch (error) {
     status.textContent = `${file.name}: ${error.message}.`;
   }

@@ -1,0 +1,7 @@
+//! Any bytes as an environment.
+#![no_main]
+
+#[path = "../checks/mod.rs"]
+mod checks;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| checks::environment::check(bytes));

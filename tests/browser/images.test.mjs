@@ -1,0 +1,62 @@
+// The page's own readers of pictures, without a browser, against what the formats say.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import vm from "node:vm";
+
+const scripts = ["basics.js", "exr.js", "images.js"].map((name) => readFileSync(`${process.env.PAGE}/${name}`, "utf8"));
+const { decodeHdr, exrSources } = vm.runInNewContext(`${scripts.join("\n")};({ decodeHdr, exrSources })`, { Uint8Array, Float32Array });
+
+/** Stored pixels of mantissas 128, 64 and their number. */
+function hdr(header, resolution, stored = Buffer.from([...Array(8).keys()].flatMap((i) => [128, 64, i, 136]))) {
+  return new Uint8Array(Buffer.concat([Buffer.from(`${header}\n${resolution}\n`), stored]));
+}
+const RGBE = "#?RGBE\nFORMAT=32-bit_rle_rgbe\n";
+const blues = (image) => [...image.rgb].filter((_, i) => i % 3 === 2);
+
+test("HDR files of every orientation are upright", () => {
+  const orders = {
+    "-Y 2 +X 4": "01234567",
+    "+Y 2 +X 4": "45670123",
+    "-Y 2 -X 4": "32107654",
+    "+Y 2 -X 4": "76543210",
+    "+X 4 -Y 2": "02461357",
+    "-X 4 -Y 2": "64207531",
+    "+X 4 +Y 2": "13570246",
+    "-X 4 +Y 2": "75316420",
+  };
+  for (const [resolution, order] of Object.entries(orders)) {
+    const image = decodeHdr(hdr(RGBE, resolution));
+    assert.equal(blues(image).join(""), order, resolution);
+    assert.deepEqual([image.width, image.height], [4, 2]);
+  }
+});
+
+test("HDR exposures and colour corrections are divided out", () => {
+  const header = `${RGBE}EXPOSURE=2\npcomb a.hdr\n\tEXPOSURE=99\nEXPOSURE= 4.0 \nCOLORCORR=1 2 0.5\r\n`;
+  assert.deepEqual([...decodeHdr(hdr(header, "-Y 2 +X 4")).rgb.slice(18, 21)], [16, 4, 1.5]);
+  for (const line of ["EXPOSURE=0", "EXPOSURE=x", "COLORCORR=1 1", "GAMMA=2.2", "FORMAT=32-bit_rle_xyze"]) {
+    assert.throws(() => decodeHdr(hdr(`${RGBE}${line}\n`, "-Y 2 +X 4")), { message: new RegExp(line) });
+  }
+});
+
+test("HDR runs of both codings", () => {
+  const old = Buffer.from([9, 8, 7, 136, 1, 1, 1, 87, 1, 1, 1, 2]);
+  assert.ok(blues(decodeHdr(hdr(RGBE, "-Y 1 +X 600", old))).every((x) => x === 7));
+  const coded = Buffer.from([2, 2, 0, 8, 136, 9, 136, 8, 3, 1, 2, 3, 133, 7, 136, 136]);
+  assert.deepEqual(blues(decodeHdr(hdr(RGBE, "-Y 1 +X 8", coded))), [1, 2, 3, 7, 7, 7, 7, 7]);
+  for (const stored of [old.subarray(0, 11), coded.subarray(0, 15), Buffer.from([1, 1, 1, 2]), Buffer.from([2, 2, 0, 9])]) {
+    const width = stored[0] === 2 || stored.length === 15 ? 8 : 600;
+    assert.throws(() => decodeHdr(hdr(RGBE, `-Y 1 +X ${width}`, stored)), /ends too early|wrong length/);
+  }
+});
+
+test("EXR channels are found in layers", () => {
+  const sources = (...names) => Object.fromEntries(exrSources(names.map((name) => ({ name }))));
+  assert.deepEqual(JSON.stringify(sources("A", "B", "G", "R")), '{"R":[0],"G":[1],"B":[2]}');
+  assert.deepEqual(Object.keys(sources("V.Combined.R", "V.Combined.G", "V.Combined.B", "V.Emit.R", "V.Emit.G", "V.Emit.B"))[0], "V.Combined.R");
+  assert.deepEqual(JSON.stringify(sources("grey.Y")), '{"grey.Y":[0,1,2]}');
+  assert.throws(() => sources("a.R", "a.G", "a.B", "b.R", "b.G", "b.B"), /holds 2 pictures: a, b/);
+  assert.throws(() => sources("N.X", "N.Y", "N.Z"), /this one has N.X, N.Y, N.Z/);
+});
