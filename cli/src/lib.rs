@@ -17,6 +17,7 @@ pub mod groups;
 mod hits;
 pub mod html;
 pub mod memory;
+pub(crate) mod obj;
 pub mod output;
 pub mod parallel;
 pub mod picture;

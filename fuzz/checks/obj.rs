@@ -1,11 +1,13 @@
-//! Any text as a mesh, and then as a cell of horizontal planes.
+//! Any text as a mesh to show, as a mesh of a cell, and then as a cell of horizontal planes.
 
 use goniochrome::interface::{Below, Interface};
+use goniochrome_cli::render::mesh::{Axes, Mesh};
 use goniochrome_cli::scene::{self, NamedInterface, NamedMedium, OwnedMedium};
 
 /// Holds for any bytes; those that are no text are no input.
 pub fn check(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
+    shown(text);
     let mesh = match scene::parse_mesh("fuzz.obj", text, &["top", "mirror"]) {
         Err(error) => return assert!(!error.to_string().contains('\n')),
         Ok(mesh) => mesh,
@@ -23,5 +25,19 @@ pub fn check(bytes: &[u8]) {
     match scene::planes(&mesh, [9.0, 9.0], &interfaces, &[medium(1.0), medium(1.5)]) {
         Err(error) => assert!(!error.to_string().contains('\n')),
         Ok(planes) => assert!(planes.windows(2).all(|pair| pair[0].z_nm >= pair[1].z_nm)),
+    }
+}
+
+/// What can be shown has triangles with unit normals.
+fn shown(text: &str) {
+    match Mesh::from_obj("fuzz.obj", text, Axes::YUp) {
+        Err(error) => assert!(!error.to_string().contains('\n')),
+        Ok((mesh, repairs)) => {
+            let count = mesh.positions.len();
+            assert!(repairs.triangles > 0 && repairs.triangles == mesh.triangles.len());
+            assert!(mesh.triangles.iter().flatten().all(|&corner| (corner as usize) < count));
+            assert!(mesh.positions.iter().all(|position| position.is_finite()));
+            assert!(mesh.normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-9));
+        }
     }
 }

@@ -88,6 +88,39 @@ fn an_image_that_claims_two_to_the_31_pixels_is_refused() {
 }
 
 #[test]
+fn pictures_and_environments_are_counted_before_they_are_made() {
+    let user = User::new();
+    user.ok("estimate paper-fig3 -o t.exr --angles 4 --wavelengths 400:700:100 --quiet");
+    refused(&user, "render t.exr -o a.png --size 100000x100000", 2, &["--size 100000x100000", "16384 pixels"]);
+    refused(&user, "render t.exr -o a.png --size 16384x16384", 2, &["more than 67108864 pixels"]);
+    user.write("huge.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 15000 +X 30000\n");
+    refused(&user, "render t.exr -o a.png --env huge.hdr", 1, &["30000 × 15000 texels are too many", "50000000"]);
+}
+
+#[test]
+fn what_fits_the_limits_and_not_the_memory_is_refused() {
+    let user = User::new();
+    user.ok("estimate paper-fig3 -o t.exr --angles 4 --wavelengths 400:700:100 --quiet");
+    let short = |line: &str, says: &[&str]| {
+        let program = user.program().get_program().to_string_lossy().into_owned();
+        let script = format!("ulimit -v {LITTLE}; exec '{program}' {line}");
+        let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(user.at("")).output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{line}: {message}");
+        assert!(says.iter().all(|part| message.contains(part)) && message.lines().count() == 1, "{line}: {message}");
+        assert!(!user.at("a.exr").exists());
+    };
+    let what = ["not enough memory for a picture of 8192 × 8192 pixels, which takes 1.07 GB"];
+    short("render t.exr -o a.exr --size 8192 --quiet", &what);
+    // A million faces: as long as their text is short, they pass the limit of a cell.
+    let faces = "f 1 2 3\n".repeat(3_000_000);
+    user.write("m.obj", format!("usemtl top\nv 0 0 0\nv 9 0 0\nv 0 9 0\n{faces}"));
+    user.write("s.toml", "[cell]\nmesh = \"m.obj\"\nperiod_nm = [9, 9]\n[interface.top]\nabove = 1\nbelow = 1.5\n");
+    short("spectrum s.toml", &["not enough memory for the mesh m.obj, which takes 1.17 GB"]);
+    short("render t.exr -o a.exr --mesh m.obj --quiet", &["not enough memory for the "]);
+}
+
+#[test]
 fn surfaces_of_too_many_triangles_are_refused() {
     let surface = "kind = \"pyramids\", count = [1000, 1000]";
     let scene = format!(

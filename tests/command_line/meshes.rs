@@ -50,6 +50,12 @@ fn a_film_of_two_planes_is_the_stack() {
     let triangles = two_planes("f 1 2 3\nf 1 3 4", "f 5 6 7\nf 5 7 8");
     let away = two_planes("f 4 3 2 1", "f 8 7 6\nf 8 6 5");
     let relative = two_planes("f -8 -7 -6 -5", "f 5/1/1 6/2/1 7//1 8");
+    // An L and the square that it leaves; a fan from the L's first corner would leave it.
+    let concave = format!(
+        "{}v 500 0 300\nv 1000 500 300\nv 500 500 300\n{}usemtl top\nf 3 4 1 5 \\\n7 6\nf 5 2 6 7 5\nusemtl bottom\nf 8 9 10 11 8\n",
+        corners(300.0),
+        corners(0.0)
+    );
     let bottom_first =
         format!("{}{}usemtl bottom\nf 5 6 7 8\nusemtl top\nf 1 2 3 4\n", corners(7300.0), corners(7000.0));
     for (name, mesh) in [
@@ -59,6 +65,7 @@ fn a_film_of_two_planes_is_the_stack() {
         ("carriage returns", triangles.replace('\n', "\r\n")),
         ("no final newline", triangles.trim_end().to_owned()),
         ("relative corners", relative),
+        ("concave polygons, said in pieces and closed", concave),
         ("bottom first, far from the origin", bottom_first),
     ] {
         let user = User::with(&[("film.toml", &thin_film()), ("film.obj", &mesh), ("stack.toml", THIN_FILM_STACK)]);
@@ -119,6 +126,7 @@ fn meshes_at_fault_are_named_by_line() {
         (top("f 1 2 3 0"), &["film.obj:10:", "vertex 0 does not exist"]),
         (top("f 1 2 x 4"), &["film.obj:10:", "\"x\"", "vertex number"]),
         (top("f 1 2"), &["film.obj:10:", "at least three corners"]),
+        (top("f 1 3 2 4"), &["film.obj:10:", "crosses or touches itself", "split it into triangles"]),
         (
             top("f 1 2 3 4").replace("usemtl top", "usemtl tpo"),
             &["film.obj:9:", "\"tpo\" has no [interface]", "nearest is [interface.top]", "declare each usemtl name"],

@@ -233,6 +233,49 @@ fn a_scattering_plane_reflects_what_its_table_integrates_to() {
 }
 
 #[test]
+fn exposures_in_radiance_files_do_not_change_the_light() {
+    let user = User::new();
+    white(&user);
+    let hdr = |header: &str, resolution: &str, exponent: u8| {
+        let mut bytes = format!("#?RGBE\n{header}FORMAT=32-bit_rle_rgbe\n\n{resolution}\n").into_bytes();
+        (0..8u8).for_each(|i| bytes.extend([128 + i, 64, 3 * i, exponent]));
+        bytes
+    };
+    let drawn = |bytes: Vec<u8>| {
+        user.write("e.hdr", bytes);
+        user.ok("render white.exr -o a.exr --env e.hdr --mesh sphere --size 24 --samples 2");
+        picture(&user, "a.exr").rgba
+    };
+    let plain = drawn(hdr("", "-Y 2 +X 4", 129));
+    // Twice as bright, twice.
+    assert_eq!(drawn(hdr("EXPOSURE=2\nEXPOSURE=2\n", "-Y 2 +X 4", 131)), plain);
+    assert_eq!(drawn(hdr("EXPOSURE=0.5\nCOLORCORR=4 4 4\n", "-Y 2 +X 4", 130)), plain);
+    assert!(drawn(hdr("", "-Y 2 -X 4", 129)) != plain);
+}
+
+#[test]
+fn a_mesh_with_y_up_stands_as_with_z_up() {
+    let user = User::new();
+    white(&user);
+    user.write(
+        "z.obj",
+        "v 0 0 0\nv 2 0 0\nv 2 0 1\nv 1 0 1\nv 1 0 3\nv 0 0 3\nvn 0 -1 0\nf 2//1 3//1 4//1 5//1 6//1 1//1\n",
+    );
+    user.write(
+        "y.obj",
+        "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\nvn 0 0 1\nf 2//1 3//1 4//1 5//1 6//1 1//1\n",
+    );
+    let covered = |options: &str| {
+        user.ok(&format!(
+            "render white.exr -o a.exr {options} --env white --size 64 --samples 4 --background transparent"
+        ));
+        picture(&user, "a.exr").rgba
+    };
+    assert_eq!(covered("--mesh z.obj"), covered("--mesh y.obj --axes y-up"));
+    assert!(covered("--mesh y.obj") != covered("--mesh z.obj"));
+}
+
+#[test]
 fn pictures_do_not_depend_on_threads() {
     let user = User::new();
     table_file::write(&user.at("lobes.exr"), &lobes().into(), 1).unwrap();
@@ -254,7 +297,10 @@ fn what_can_be_mended_is_mended_and_said() {
     white(&user);
     user.write("bare.obj", format!("{TRIANGLES}f 1 2 3\nf 1 2 4\n"));
     let ran = user.ok("render white.exr -o a.png --mesh bare.obj --size 32 --samples 1");
-    assert_eq!(ran.stderr, "bare.obj: 2 triangles have no normals; they were computed\n");
+    assert_eq!(
+        ran.stderr,
+        "bare.obj: 2 of 2 triangles have corners without normals; they were computed, smooth across edges of up to 45 degrees\n"
+    );
     user.write("flat.obj", format!("{TRIANGLES}f 1//1 2//1 3//1\nf 1//1 2//1 2//1\nf 1//1 1//1 1//1\n"));
     let ran = user.ok("render white.exr -o a.png --mesh flat.obj --size 32 --samples 1");
     assert_eq!(ran.stderr, "flat.obj: 2 triangles have no area; they were left out\n");
@@ -263,6 +309,15 @@ fn what_can_be_mended_is_mended_and_said() {
     assert_eq!(
         ran.stderr,
         "odd.exr: components of the environment: 2 negative, now 0; 2 not numbers, now 0; 2 infinite, now 65504\n"
+    );
+    user.write(
+        "grey.hdr",
+        [b"#?RGBE\nPRIMARIES=0.7 0.3 0.2 0.7 0.1 0.05 0.3 0.3\n\n-Y 1 +X 2\n".as_slice(), &[99; 8]].concat(),
+    );
+    let ran = user.ok("render white.exr -o a.png --env grey.hdr --size 32 --samples 1");
+    assert_eq!(
+        ran.stderr,
+        "grey.hdr: its primaries are not those of Rec. 709 (sRGB); R, G, B are taken as they stand\n"
     );
     let ran = user.ok("render white.exr -o a.png --size 32 --distance 5 --mesh plane --samples 1 --elevation 0");
     assert!(ran.stderr.contains("the body is not in the picture"), "{}", ran.stderr);
@@ -304,13 +359,14 @@ fn what_cannot_be_rendered_is_refused() {
         ("-o a.png --env text.hdr", 1, "neither OpenEXR nor Radiance HDR"),
         ("-o a.png --env cut.hdr", 1, "not a readable Radiance HDR file"),
         ("-o a.png --env white.exr", 1, "a BRDF table, where an environment is expected"),
+        ("-o a.png --axes y-up", 2, "--axes: teapot has z up already"),
         ("-o a.png --mesh none.obj", 1, "cannot read none.obj"),
         ("-o a.png --mesh empty.obj", 1, "empty.obj: the mesh has no faces"),
         ("-o a.png --mesh line.obj", 1, "line.obj: no triangle of the mesh has an area"),
-        ("-o a.png --mesh nan.obj", 1, "nan.obj: a vertex has a coordinate that is not finite"),
-        ("-o a.png --mesh far.obj", 1, "far.obj: face vertex index out of bounds"),
-        ("-o a.png --mesh back.obj", 1, "back.obj: face texcoord index out of bounds"),
-        ("-o a.png --mesh word.obj", 1, "at or before line 2"),
+        ("-o a.png --mesh nan.obj", 1, "nan.obj:1: coordinate \"nan\" is not a finite number"),
+        ("-o a.png --mesh far.obj", 1, "far.obj:4: vertex 9 does not exist; 3 are defined above"),
+        ("-o a.png --mesh back.obj", 1, "back.obj:6: texture coordinate -9 does not exist; 1 are defined above"),
+        ("-o a.png --mesh word.obj", 1, "word.obj:2: coordinate \"x\" is not a finite number"),
     ] {
         user.refused(&format!("render white.exr {options}"), code, &[says]);
     }

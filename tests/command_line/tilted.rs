@@ -46,6 +46,58 @@ fn unusual_meshes_are_traced_like_tidy_ones() {
     result(&ROOF.replace(" 300\n", " 90000\n"));
 }
 
+/// The roof with each of its vertices changed.
+fn moved(change: impl Fn([f64; 3]) -> [f64; 3]) -> String {
+    let line = |line: &str| match line.strip_prefix("v ") {
+        Some(words) => {
+            let numbers: Vec<f64> = words.split(' ').map(|word| word.parse().unwrap()).collect();
+            let [x, y, z] = change([numbers[0], numbers[1], numbers[2]]);
+            format!("v {x} {y} {z}\n")
+        }
+        None => format!("{line}\n"),
+    };
+    ROOF.lines().map(line).collect()
+}
+
+#[test]
+fn meshes_as_modelling_programs_export_them_are_traced_or_told_what_to_write() {
+    const SCATTER: &str = "scatter s.toml --theta 20 --phi 30 --wavelength 550 --rays 256 --bins 2x4 --json -";
+    let with = |keys: &str| SCENE.replace("[interface.top]", &format!("{keys}\n[interface.top]"));
+    let result = |scene: &str, mesh: &str| user(scene, mesh).ok(SCATTER).stdout;
+    let tidy = result(SCENE, ROOF);
+    let centred = |[x, y, z]: [f64; 3]| [x - 500.0, y - 400.0, z];
+    let y_up = |[x, y, z]: [f64; 3]| [x, z, -y];
+    let micrometres = |place: [f64; 3]| place.map(|x| x / 1000.0);
+    for (name, keys, mesh) in [
+        ("centred on 0", "", moved(centred)),
+        ("periods away", "", moved(|[x, y, z]| [x + 7000.0, y - 8000.0, z])),
+        ("y up", "axes = \"y-up\"", moved(y_up)),
+        ("y up and centred", "axes = \"y-up\"", moved(|place| y_up(centred(place)))),
+        ("micrometres", "unit_nm = 1000", moved(micrometres)),
+        ("all at once", "axes = \"y-up\"\nunit_nm = 1e3", moved(|place| micrometres(y_up(centred(place))))),
+    ] {
+        assert_eq!(result(&with(keys), &mesh), tidy, "{name}");
+    }
+    for (mesh, says) in [
+        (moved(|place| y_up(centred(place))), "if the file has y up, write axes = \"y-up\" in [cell]"),
+        (moved(micrometres), "write unit_nm = 1000 in [cell]"),
+        (moved(|place| micrometres(y_up(place))), "axes = \"y-up\" in [cell], and unit_nm = 1000"),
+    ] {
+        for command in [SCATTER, ESTIMATE, "spectrum s.toml"] {
+            user(SCENE, &mesh).refused(command, 1, &["m.obj:8:", "the mesh spans", "1000 by 800 nm", says]);
+        }
+    }
+    for (keys, says) in [
+        ("axes = \"up\"", "write \"z-up\" or \"y-up\""),
+        ("axes = 1", "expected a text"),
+        ("unit_nm = 0", "must be more than 0 nm"),
+        ("unit_nm = inf", "not a finite number"),
+        ("unit_nm = 1e7", "is more than 1000000000 nm, a metre; unit_nm in [cell] is 10000000"),
+    ] {
+        user(&with(keys), ROOF).refused(SCATTER, 1, &[says]);
+    }
+}
+
 #[test]
 fn meshes_at_fault_are_named_by_file_and_line() {
     let nan = roof("v 500 0 300", "v 500 0 nan");
@@ -80,7 +132,7 @@ fn meshes_at_fault_are_named_by_file_and_line() {
             roof("f 1 3 4 2", "f -7 3 4 2"),
             &["m.obj:8:", "vertex -7 does not exist", "6 are"],
         ),
-        ("a vertex twice", roof("f 1 3 4 2", "f 1 3 3 2"), &["m.obj:8:", "uses a vertex twice"]),
+        ("a vertex twice", roof("f 1 3 4 2", "f 1 3 4 1 2"), &["m.obj:8:", "uses a vertex twice"]),
         ("no interface", roof("usemtl top", "usemtl tap"), &["m.obj:7:", "\"tap\"", "nearest is [interface.top]"]),
         (
             "media that differ between two sheets",

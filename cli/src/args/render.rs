@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::render::Background;
 use crate::render::camera::View;
-use crate::render::mesh::DEFAULT_LEVEL;
+use crate::render::mesh::{Axes, DEFAULT_LEVEL};
 use crate::render::tone::ToneMap;
 
 /// Arguments of `render`.
@@ -27,6 +27,9 @@ pub struct RenderArgs {
     /// What is lit: teapot, sphere (exact), plane, or an OBJ with z up
     #[arg(long, value_name = "teapot|sphere|plane|FILE", default_value = "teapot")]
     pub mesh: String,
+    /// Which way is up in the OBJ
+    #[arg(long, value_enum, default_value_t = Axes::ZUp)]
+    pub axes: Axes,
     /// Segments along each edge of the teapot's patches
     #[arg(long, default_value_t = DEFAULT_LEVEL, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub level: u32,

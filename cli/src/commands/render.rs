@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use crate::args::RenderArgs;
 use crate::error::{Error, Result};
+use crate::obj;
 use crate::output;
 use crate::parallel;
 use crate::progress::{bar, remark};
 use crate::render::body::{Body, Memory, Shape};
 use crate::render::camera::Camera;
 use crate::render::environment::{Environment, Light, decode};
-use crate::render::mesh::Mesh;
+use crate::render::mesh::{Axes, Mesh};
 use crate::render::surface::Surface;
 use crate::render::{Quality, Stage, render};
 use crate::table_file;
@@ -29,6 +30,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             return Err(Error::usage(format_args!("{option} {value}: must be finite and at most 10000")));
         }
     }
+    if args.axes != Axes::ZUp && file_of(&args.mesh).is_none() {
+        let what = format!("--axes: {} has z up already; it is for meshes from files", args.mesh);
+        return Err(Error::usage(what));
+    }
     let view = args.view.view();
     // Bad options are told before files are read.
     Camera::new(&view, glam::DVec3::ZERO, 1.0)?;
@@ -38,7 +43,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let surface = Surface::new(&table, args.spectral).map_err(name)?;
     surface.check_not_black().map_err(name)?;
     let environment = Environment::new(light(&args.env, args.quiet)?, args.env_turn);
-    let shape = shape(&args.mesh, args.level, args.quiet)?;
+    let shape = shape(&args.mesh, args.axes, args.level, args.quiet)?;
     let mut memory = Memory::default();
     let body = Body::new(&shape, &mut memory)?;
     let (centre, radius) = body.bounds();
@@ -97,31 +102,21 @@ fn light(word: &str, quiet: bool) -> Result<Light> {
         file => {
             let (image, mended) =
                 decode(file, &read(file, "an environment is white, studio, or a .exr or .hdr file")?)?;
-            mended.says().into_iter().for_each(|said| remark(quiet, format_args!("{file}: {said}")));
+            mended.says().iter().for_each(|said| remark(quiet, format_args!("{file}: {said}")));
             Ok(Light::Image(image))
         }
     }
 }
 
-fn shape(word: &str, level: u32, quiet: bool) -> Result<Shape> {
+fn shape(word: &str, axes: Axes, level: u32, quiet: bool) -> Result<Shape> {
     match word {
         "teapot" => Ok(Shape::Mesh(Mesh::teapot(level))),
         "sphere" => Ok(Shape::Sphere),
         "plane" => Ok(Shape::Mesh(Mesh::plane())),
         file => {
-            let bytes = read(file, "a mesh is teapot, sphere, plane, or an .obj file")?;
-            let text = String::from_utf8(bytes).map_err(|_| {
-                Error::failed(format_args!("{file}: not UTF-8 text, so no OBJ; export the mesh as OBJ"))
-            })?;
-            let (mesh, repairs) = Mesh::from_obj(file, &text)?;
-            if repairs.without_normals > 0 {
-                let count = repairs.without_normals;
-                remark(quiet, format_args!("{file}: {count} triangles have no normals; they were computed"));
-            }
-            if repairs.without_area > 0 {
-                let count = repairs.without_area;
-                remark(quiet, format_args!("{file}: {count} triangles have no area; they were left out"));
-            }
+            let text = obj::read_file(Path::new(file), "; a mesh is teapot, sphere, plane, or an .obj file")?;
+            let (mesh, repairs) = Mesh::from_obj(file, &text, axes)?;
+            repairs.says().iter().for_each(|said| remark(quiet, format_args!("{file}: {said}")));
             Ok(Shape::Mesh(mesh))
         }
     }

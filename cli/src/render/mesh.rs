@@ -9,6 +9,7 @@ use glam::DVec3;
 pub use super::obj::Repairs;
 use super::{obj, teapot};
 use crate::error::Result;
+pub use crate::obj::Axes;
 
 /// Segments along each edge of a patch: at 1024 pixels, no silhouette is off by a tenth of a pixel.
 pub const DEFAULT_LEVEL: u32 = 32;
@@ -69,14 +70,14 @@ impl Mesh {
         mesh
     }
 
-    /// The mesh in the text of an OBJ file that messages call `label`, and what had to be mended in it.
+    /// The mesh in the text of an OBJ file that messages call `label`, turned so that z is up, and what had to be mended in it.
     ///
     /// t follows the first texture coordinate where there is one, and is horizontal elsewhere.
     ///
     /// # Errors
     /// One line that names the file, and the line in it where that is known.
-    pub fn from_obj(label: &str, text: &str) -> Result<(Self, Repairs)> {
-        obj::read(label, text)
+    pub fn from_obj(label: &str, text: &str, axes: Axes) -> Result<(Self, Repairs)> {
+        obj::read(label, text, axes)
     }
 
     /// Adds a vertex.

@@ -6,17 +6,49 @@ use glam::DVec3;
 
 use super::mesh::Mesh;
 use crate::error::{Error, Result};
+use crate::memory;
+use crate::obj::polygon::{Cut, Uncut};
+use crate::obj::{self, Axes, Detail, MAX_TRIANGLES, Reader, Statement};
 
 /// Facets that meet at a wider angle keep an edge between them where a file has no normals.
-const CREASE_DEG: f64 = 45.0;
+pub(crate) const CREASE_DEG: f64 = 45.0;
+
+/// Largest coordinate: fourth powers and their sums are far from the largest number.
+const MAX_COORDINATE: f64 = 1e30;
+
+/// Of memory for each triangle: the file's corners, the mesh, its hierarchy and, at worst, normals by computation.
+const BYTES: usize = 1600;
+
+/// Twice the smallest area: its square is far from the smallest number.
+const MIN_AREA: f64 = 1e-150;
 
 /// What had to be mended in a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Repairs {
-    /// Triangles whose normals were missing or no directions, and were computed.
+    /// Triangles of the mesh.
+    pub triangles: usize,
+    /// Triangles of which a corner had no normal, or one that is no direction. Those normals were computed; others were kept.
     pub without_normals: usize,
-    /// Triangles without area, which were left out.
+    /// Triangles without area, which were left out; a polygon without area counts as one.
     pub without_area: usize,
+}
+
+impl Repairs {
+    /// One line for each kind of repair.
+    #[must_use]
+    pub fn says(&self) -> Vec<String> {
+        let mut said = Vec::new();
+        let Self { triangles, without_normals, without_area } = self;
+        if *without_normals > 0 {
+            said.push(format!(
+                "{without_normals} of {triangles} triangles have corners without normals; they were computed, smooth across edges of up to {CREASE_DEG} degrees"
+            ));
+        }
+        if *without_area > 0 {
+            said.push(format!("{without_area} triangles have no area; they were left out"));
+        }
+        said
+    }
 }
 
 /// A corner of a triangle in the file.
@@ -27,22 +59,16 @@ struct Corner {
     texture: Option<f64>,
 }
 
-pub(super) fn read(label: &str, text: &str) -> Result<(Mesh, Repairs)> {
-    let corners = corners(label, text)?;
+pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(Mesh, Repairs)> {
     let mut repairs = Repairs::default();
-    let facets: Vec<[Corner; 3]> = corners
-        .into_iter()
-        .filter(|facet| {
-            let area = area(facet) > 0.0;
-            repairs.without_area += usize::from(!area);
-            area
-        })
-        .collect();
+    let facets = facets(label, text, axes, &mut repairs)?;
     if facets.is_empty() {
         let what =
             if repairs.without_area > 0 { "no triangle of the mesh has an area" } else { "the mesh has no faces" };
         return Err(Error::failed(format_args!("{label}: {what}; there is nothing to show")));
     }
+    memory::expect(BYTES * facets.len(), format_args!("the mesh {label}"))?;
+    repairs.triangles = facets.len();
     repairs.without_normals = facets.iter().filter(|facet| facet.iter().any(|corner| corner.normal.is_none())).count();
     let smooth = (repairs.without_normals > 0).then(|| Smooth::new(&facets));
 
@@ -50,12 +76,10 @@ pub(super) fn read(label: &str, text: &str) -> Result<(Mesh, Repairs)> {
     for facet in &facets {
         let face = across(facet).normalize();
         let along = texture_direction(facet);
-        let first = mesh.positions.len() as u32;
-        let whole = facet.iter().all(|corner| corner.normal.is_some());
+        let first = mesh.positions.len() as u32; // at most three for each triangle
         for corner in facet {
-            let given = if whole { corner.normal } else { None };
             let computed = || smooth.as_ref().map_or(face, |smooth| smooth.at(corner.position, face));
-            let normal = given.unwrap_or_else(computed);
+            let normal = corner.normal.unwrap_or_else(computed);
             mesh.push(corner.position, normal, along.unwrap_or(DVec3::Z.cross(normal)));
         }
         mesh.triangles.push([first, first + 1, first + 2]);
@@ -63,42 +87,65 @@ pub(super) fn read(label: &str, text: &str) -> Result<(Mesh, Repairs)> {
     Ok((mesh, repairs))
 }
 
-/// The triangles of the file, with polygons cut into fans.
-fn corners(label: &str, text: &str) -> Result<Vec<[Corner; 3]>> {
-    // With separate indices the crate makes up normals that a face does not name; with single ones it leaves them out.
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
-    let mut rest = text.as_bytes();
-    // Colours are the table's: what materials say does not matter.
-    let loaded = tobj::load_obj_buf(&mut rest, &options, |_| Ok(Default::default()));
-    let (models, _) = loaded.map_err(|error| {
-        let line = text.as_bytes()[..text.len() - rest.len()].iter().filter(|&&byte| byte == b'\n').count();
-        Error::failed(format_args!("{label}: {error}, at or before line {line}; export the mesh anew"))
-    })?;
+/// The triangles of the file that have an area. Polygons are cut as they are seen along their mean normal, planar or not.
+fn facets(label: &str, text: &str, axes: Axes, repairs: &mut Repairs) -> Result<Vec<[Corner; 3]>> {
+    let (mut positions, mut normals, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     let mut facets = Vec::new();
-    for tobj::Model { mesh, .. } in &models {
-        let point = |list: &[f64], i: u32| {
-            let from = 3 * i as usize;
-            list.get(from..from + 3).map(DVec3::from_slice)
-        };
-        // Shorter lists leave out the vertices that name none, and fit nothing.
-        let vertices = mesh.positions.len() / 3;
-        let (has_normals, has_textures) = (mesh.normals.len() == 3 * vertices, mesh.texcoords.len() == 2 * vertices);
-        let corner = |i: usize| {
-            let index = mesh.indices[i];
-            let position = point(&mesh.positions, index).filter(|p| p.is_finite()).ok_or_else(|| {
-                Error::failed(format_args!(
-                    "{label}: a vertex has a coordinate that is not finite; export the mesh anew"
-                ))
-            })?;
-            let normal = if has_normals { point(&mesh.normals, index) } else { None };
-            let texture = if has_textures { mesh.texcoords.get(2 * index as usize).copied() } else { None };
-            Ok(Corner { position, normal: normal.and_then(DVec3::try_normalize), texture })
-        };
-        for i in (0..mesh.indices.len()).step_by(3) {
-            facets.push([corner(i)?, corner(i + 1)?, corner(i + 2)?]);
+    let (mut corners, mut places, mut cut) = (Vec::new(), Vec::new(), Cut::default());
+    let mut reader = Reader::new(label, text, Detail::Full);
+    while let Some(statement) = reader.next()? {
+        match statement {
+            Statement::Vertex(place) => {
+                if let Some(x) = place.iter().find(|x| x.abs() > MAX_COORDINATE) {
+                    return Err(reader.refuse(format_args!("coordinate {x:e} is larger than {MAX_COORDINATE:e}")));
+                }
+                memory::push(&mut positions, DVec3::from(axes.turned(place)), "the vertices of a mesh")?;
+            }
+            Statement::Normal(normal) => {
+                let normal = direction(DVec3::from(axes.turned(normal)));
+                memory::push(&mut normals, normal, "the normals of a mesh")?;
+            }
+            Statement::Texture(texture) => memory::push(&mut textures, texture, "the texture coordinates of a mesh")?,
+            Statement::Face(face) => {
+                let corner = |corner: &obj::Corner| Corner {
+                    position: positions[corner.vertex as usize],
+                    normal: corner.normal.and_then(|normal| normals[normal as usize]),
+                    texture: corner.texture.map(|texture| textures[texture as usize]).filter(|t: &f64| t.is_finite()),
+                };
+                corners.clear();
+                corners.extend(face.iter().map(corner));
+                places.clear();
+                places.extend(corners.iter().map(|corner: &Corner| corner.position));
+                match if corners.len() < 3 { Err(Uncut::NoArea) } else { cut.cut(&places) } {
+                    Ok(()) => {}
+                    Err(Uncut::NoArea) => {
+                        repairs.without_area += 1;
+                        continue;
+                    }
+                    Err(uncut) => return Err(reader.refuse(uncut.says())),
+                }
+                for triangle in &cut.triangles {
+                    let facet = triangle.map(|i| corners[i]);
+                    if area(&facet) > MIN_AREA {
+                        memory::push(&mut facets, facet, "the triangles of a mesh")?;
+                    } else {
+                        repairs.without_area += 1;
+                    }
+                }
+                if facets.len() > MAX_TRIANGLES {
+                    return Err(reader.refuse(format_args!("more than {MAX_TRIANGLES} triangles; use a coarser mesh")));
+                }
+            }
+            Statement::Material(_) => {}
         }
     }
     Ok(facets)
+}
+
+/// The unit vector along a vector of any length; `None` if it has none.
+fn direction(vector: DVec3) -> Option<DVec3> {
+    let largest = vector.abs().max_element();
+    (vector.is_finite() && largest > 0.0).then(|| (vector / largest).normalize())
 }
 
 fn across(facet: &[Corner; 3]) -> DVec3 {
@@ -156,11 +203,24 @@ mod tests {
 
     const CUBE_CORNER: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
 
+    fn read(text: &str) -> Result<(Mesh, Repairs)> {
+        super::read("m.obj", text, Axes::ZUp)
+    }
+
+    /// The area of a mesh.
+    fn area_of(mesh: &Mesh) -> f64 {
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        mesh.triangles.iter().map(area).sum()
+    }
+
     #[test]
     fn given_normals_and_texture_directions_are_kept() {
         let text = format!("{CUBE_CORNER}vt 0 0\nvt 0 1\nvt 1 0\nvn 0 3 4\nf 1/1/1 2/2/1 3/3/1\n");
-        let (mesh, repairs) = read("m.obj", &text).unwrap();
-        assert_eq!(repairs, Repairs::default());
+        let (mesh, repairs) = read(&text).unwrap();
+        assert_eq!(repairs, Repairs { triangles: 1, ..Repairs::default() });
         assert!(mesh.normals.iter().all(|n| n.distance(DVec3::new(0.0, 0.6, 0.8)) < 1e-12));
         // The first texture coordinate rises along y; across the given normal that is (0, 0.8, −0.6).
         assert!(mesh.tangents.iter().all(|t| t.distance(DVec3::new(0.0, 0.8, -0.6)) < 1e-12));
@@ -168,16 +228,65 @@ mod tests {
 
     #[test]
     fn computed_normals_keep_right_angles_and_smooth_gentle_ones() {
-        let (mesh, repairs) = read("m.obj", &format!("{CUBE_CORNER}f 1 2 3\nf 1 4 2\n")).unwrap();
+        let (mesh, repairs) = read(&format!("{CUBE_CORNER}f 1 2 3\nf 1 4 2\n")).unwrap();
         assert_eq!((repairs.without_normals, repairs.without_area), (2, 0));
         assert!(mesh.normals[..3].iter().all(|n| n.distance(DVec3::Z) < 1e-12), "{:?}", mesh.normals);
-        let (mesh, _) = read("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0.2\nv 0 -1 0.2\nf 1 2 3\nf 1 4 2\n").unwrap();
+        let (mesh, _) = read("v 0 0 0\nv 1 0 0\nv 0 1 0.2\nv 0 -1 0.2\nf 1 2 3\nf 1 4 2\n").unwrap();
         assert!(mesh.normals[0].distance(DVec3::Z) < 1e-12 && mesh.normals[2].y < 0.0);
     }
 
     #[test]
-    fn a_face_that_names_no_normal_gets_one_by_computation() {
-        let (_, repairs) = read("m.obj", &format!("{CUBE_CORNER}vn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 4\n")).unwrap();
-        assert!(repairs.without_normals > 0);
+    fn normals_are_computed_at_the_corners_that_have_none_and_kept_at_all_others() {
+        let given = DVec3::new(0.0, 0.6, 0.8);
+        let normals = "vn 0 3 4\nvn 0 0 0\nvn nan -nan(ind) 0\n";
+        // Of eight corners that name normals, one names no direction, and one what is no number.
+        let text = format!("{CUBE_CORNER}{normals}f 1//1 2//1 3//1\nf 1 4 2\nf 1//1 2//2 4//1\nf 1//3 3//1 4//1\n");
+        let (mesh, repairs) = read(&text).unwrap();
+        assert_eq!((repairs.triangles, repairs.without_normals), (4, 3));
+        let kept: Vec<bool> = mesh.normals.iter().map(|n| n.distance(given) < 1e-12).collect();
+        let (y, n) = (true, false);
+        assert_eq!(kept, [y, y, y, n, n, n, y, n, y, n, y, y]);
+        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-12));
+        assert_eq!(
+            repairs.says(),
+            [
+                "3 of 4 triangles have corners without normals; they were computed, smooth across edges of up to 45 degrees"
+            ]
+        );
+        assert!(Repairs::default().says().is_empty());
+    }
+
+    #[test]
+    fn concave_polygons_cover_what_they_enclose() {
+        let l = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n";
+        for face in ["1 2 3 4 5 6", "2 3 4 5 6 1", "6 5 4 3 2 1", "2 3 4 \\\n5 6 1 2"] {
+            let (mesh, _) = read(&format!("\u{feff}{l}f {face}\n")).unwrap();
+            assert_eq!(mesh.triangles.len(), 4);
+            assert!((area_of(&mesh) - 3.0).abs() < 1e-12, "{face}: {}", area_of(&mesh));
+        }
+        let crossing = read(&format!("{l}f 1 2 5 3 4 6\n")).unwrap_err().to_string();
+        assert_eq!(crossing, "m.obj:7: the polygon crosses or touches itself; split it into triangles");
+        // A warped quad is cut, not refused.
+        assert_eq!(read("v 0 0 0\nv 1 0 0.3\nv 1 1 0\nv 0 1 0.3\nf 1 2 3 4\n").unwrap().0.triangles.len(), 2);
+    }
+
+    #[test]
+    fn y_up_becomes_z_up() {
+        let text = "v 0 0 0\nv 0 0 1\nv 1 0 0\nvn 0 1 0\nf 1//1 2//1 3//1\n";
+        let (mesh, _) = super::read("m.obj", text, Axes::YUp).unwrap();
+        assert!(mesh.normals.iter().all(|n| *n == DVec3::Z), "{:?}", mesh.normals);
+        assert_eq!(mesh.positions[1], DVec3::NEG_Y);
+    }
+
+    #[test]
+    fn huge_and_tiny_meshes_are_shown_and_what_has_no_area_is_counted() {
+        for size in ["1e29", "1e-20"] {
+            let (mesh, repairs) = read(&format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nf 1 2 3\n")).unwrap();
+            assert!(repairs.without_area == 0 && mesh.normals[0].distance(DVec3::Z) < 1e-12, "{size}");
+        }
+        assert!(read("v 1e31 0 0\n").unwrap_err().to_string().starts_with("m.obj:1: coordinate 1e31 is larger"));
+        let flat = format!("{CUBE_CORNER}v 2 0 0\nv 3 0 0\nf 1 2 3\nf 1 2 2\nf 1 2 5 6\nf 1 2 5\n");
+        let (_, repairs) = read(&flat).unwrap();
+        assert_eq!((repairs.triangles, repairs.without_area), (1, 3));
     }
 }

@@ -14,8 +14,10 @@
 //!
 //! [cell]                              # or a mesh; a scene has one of the two
 //! mesh = "bumps.obj"                  # nanometres, z up; paths start at the scene file
+//! axes = "y-up"                       # optional, for a mesh with y up: x, y, z of the file are x, −z, y of the cell
+//! unit_nm = 1000.0                    # optional, the unit of the mesh; here micrometres
 //! # surface = { kind = "pits", … }    # instead of a mesh: made here, see `surface/mod.rs`
-//! period_nm = [20000.0, 20000.0]      # the mesh fills 0 to this in x and y and repeats
+//! period_nm = [20000.0, 20000.0]      # what the mesh spans in x and y, wherever it starts; it repeats
 //! [interface.glass]                   # one for each `usemtl` name
 //! above = 1.0                         # the medium on the side of the facet's normal
 //! below = 1.5                         # a medium or "mirror"
@@ -40,6 +42,7 @@ use super::item::{Item, Table};
 use super::media::{self, Media};
 use super::medium::OwnedMedium;
 use super::obj::Mesh;
+use super::placement::{self, Frame};
 use super::planes::is_horizontal;
 use super::source::{Source, canonical, read_text};
 use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, check_closed, nk, surface};
@@ -207,13 +210,18 @@ impl Reader<'_> {
     }
 
     fn cell(&mut self, table: &Table<'_>, interfaces: Option<Item<'_>>) -> Result<Shape> {
-        table.allow(&["mesh", "surface", "period_nm"])?;
+        table.allow(&["mesh", "surface", "period_nm", "axes", "unit_nm"])?;
         let shape = match (table.get("mesh"), table.get("surface")) {
             (Some(mesh), None) => Described::Mesh(mesh),
             (None, Some(surface)) => Described::Surface(surface),
             (Some(_), Some(item)) => return Err(item.refuse("a [cell] has either a mesh or a surface; remove one")),
             (None, None) => return Err(table.refuse("neither mesh nor surface; write mesh = \"file.obj\"")),
         };
+        if let Described::Surface(_) = shape
+            && let Some(item) = ["axes", "unit_nm"].iter().find_map(|key| table.get(key))
+        {
+            return Err(item.refuse("only a mesh has it; remove it"));
+        }
         let period = table.require("period_nm", "period_nm = [x, y]")?;
         let period_nm = match period.array()?.as_slice() {
             [x, y] => [length(x)?, length(y)?],
@@ -229,11 +237,13 @@ impl Reader<'_> {
             return Err(table.refuse(format_args!("{} interfaces; at most {}", interfaces.len(), u16::MAX)));
         }
         let names: Vec<&str> = interfaces.iter().map(|interface| interface.name.as_str()).collect();
+        let frame = Frame::read(table)?;
         let mut mesh = match shape {
-            Described::Mesh(item) => Mesh::read(&self.path(&item)?, &names)?,
+            Described::Mesh(item) => Mesh::read(&self.path(&item)?, &names, frame)?,
             Described::Surface(item) => surface::build(&item, self.label, period_nm, &names)?,
         };
         mesh.drop_unused();
+        placement::fit(&mut mesh, period_nm, frame)?;
         Ok(Shape::Cell { mesh, period_nm, interfaces })
     }
 

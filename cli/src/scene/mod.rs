@@ -8,6 +8,7 @@ mod media;
 mod medium;
 mod nk;
 mod obj;
+mod placement;
 mod planes;
 pub mod presets;
 mod source;

@@ -1,26 +1,23 @@
-//! Wavefront OBJ: the part that meshes use, with the line of every face.
+//! The mesh of a cell, from Wavefront OBJ, with the line of every face.
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
 use super::MAX_LENGTH_NM;
-use super::source::{Source, nearest, read_text};
+use super::placement::Frame;
+use super::source::nearest;
 use crate::error::Result;
+use crate::memory;
+use crate::obj::polygon::Cut;
+use crate::obj::{Detail, MAX_TRIANGLES, Reader, Statement, read_file};
 use crate::text::toml_key;
 
-/// Ten million triangles with their hierarchy, checks and file took 3.9 GB.
-const MAX_TRIANGLES: usize = 10_000_000;
-
-/// Of memory for each triangle.
-const GIGABYTES: f64 = 3.9e-7;
-
-/// Three for each triangle: every mesh whose facets share nothing fits.
-const MAX_VERTICES: usize = 3 * MAX_TRIANGLES;
+/// Of memory for each triangle: its hierarchy, checks and file.
+const BYTES: usize = 390;
 
 /// A corner may lie this fraction of the polygon's extent outside its plane: coordinates written with five digits.
 const PLANAR: f64 = 1e-4;
-
-/// Ten million triangles with their vertices take about half of this.
-const MAX_BYTES: u64 = 1 << 30;
 
 /// A triangle mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,9 +43,12 @@ pub struct Triangle {
 
 impl Mesh {
     /// The mesh in a file; `interfaces` are the names that `usemtl` may use.
-    pub(super) fn read(path: &Path, interfaces: &[&str]) -> Result<Self> {
-        let text = read_text(path, MAX_BYTES)?;
-        Self::parse(&path.display().to_string(), &text, interfaces)
+    pub(super) fn read(path: &Path, interfaces: &[&str], frame: Frame) -> Result<Self> {
+        let text = read_file(path, "")?;
+        let mesh = parse(&path.display().to_string(), &text, interfaces, frame, MAX_TRIANGLES)?;
+        drop(text);
+        memory::expect(BYTES * mesh.triangles.len(), format_args!("the mesh {}", path.display()))?;
+        Ok(mesh)
     }
 
     /// Forgets vertices that no triangle uses: they have no say in how high or wide the surface is.
@@ -69,151 +69,99 @@ impl Mesh {
 
     /// The mesh in a text that messages call `label`.
     pub(super) fn parse(label: &str, text: &str, interfaces: &[&str]) -> Result<Self> {
-        parse(&Source { label, text }, Path::new(label), interfaces, MAX_TRIANGLES)
+        parse(label, text, interfaces, Frame::default(), MAX_TRIANGLES)
     }
 }
 
-fn parse(source: &Source<'_>, path: &Path, interfaces: &[&str], max_triangles: usize) -> Result<Mesh> {
-    let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: path.to_owned() };
+fn parse(label: &str, text: &str, interfaces: &[&str], frame: Frame, max_triangles: usize) -> Result<Mesh> {
+    let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: PathBuf::from(label) };
     let mut interface = None;
-    let mut corners = Vec::new();
-    for (index, text) in source.text.lines().enumerate() {
-        let line = index + 1;
-        let refuse = |message: String| source.refuse_line(line, message);
-        let code = text.split('#').next().unwrap_or_default();
-        let mut words = code.split_ascii_whitespace();
-        match words.next() {
-            None | Some("o" | "g" | "s" | "vn" | "vt" | "mtllib" | "l" | "p") => {}
-            Some("v") => {
-                if mesh.vertices.len() == MAX_VERTICES {
-                    return Err(refuse(format!("more than {MAX_VERTICES} vertices")));
+    let mut face = Face::default();
+    let mut reader = Reader::new(label, text, Detail::Places);
+    while let Some(statement) = reader.next()? {
+        match statement {
+            Statement::Vertex(place) => {
+                let place = frame.place(place);
+                if let Some(x) = place.iter().find(|x| x.abs() > MAX_LENGTH_NM) {
+                    return Err(reader.refuse(frame.too_long(*x)));
                 }
-                mesh.vertices.push(vertex(source, line, words)?);
+                memory::push(&mut mesh.vertices, place, "the vertices of a mesh")?;
             }
-            Some("usemtl") => interface = Some(material(source, line, code, interfaces)?),
-            Some("f") => {
+            Statement::Material(name) => {
+                let found = interfaces.iter().position(|known| *known == name);
+                let found = found.and_then(|index| u16::try_from(index).ok());
+                let name = name.into_owned();
+                interface = Some(found.ok_or_else(|| reader.refuse(unknown_interface(&name, interfaces)))?);
+            }
+            Statement::Face(corners) => {
+                face.set(&mesh.vertices, corners.iter().map(|corner| corner.vertex));
+                let refuse = |message: String| reader.refuse(message);
                 let interface =
                     interface.ok_or_else(|| refuse("a face before any usemtl; name its interface first".to_owned()))?;
-                corners.clear();
-                for word in words {
-                    corners.push(corner(source, line, word, mesh.vertices.len())?);
-                }
-                let refused = polygon(&mesh.vertices, &corners).map_err(&refuse);
-                refused?;
-                if mesh.triangles.len() + corners.len() - 2 > max_triangles {
-                    return Err(refuse(format!(
-                        "more than {max_triangles} triangles, which take {:.1} GB; use a coarser mesh",
-                        max_triangles as f64 * GIGABYTES
-                    )));
+                face.cut().map_err(refuse)?;
+                if mesh.triangles.len() + face.cut.triangles.len() > max_triangles {
+                    let gigabytes = 1e-9 * (max_triangles * BYTES) as f64;
+                    let message = format!("more than {max_triangles} triangles, which take {gigabytes:.1} GB");
+                    return Err(refuse(format!("{message}; use a coarser mesh")));
                 }
                 // The size limit keeps lines below 2³⁰.
-                let line = u32::try_from(line).unwrap_or(u32::MAX);
-                let fan = corners.windows(2).skip(1);
-                mesh.triangles.extend(fan.map(|pair| Triangle {
-                    vertices: [corners[0], pair[0], pair[1]],
-                    interface,
-                    line,
-                }));
+                let line = u32::try_from(reader.line()).unwrap_or(u32::MAX);
+                for triangle in &face.cut.triangles {
+                    let vertices = triangle.map(|corner| face.vertices[corner]);
+                    let triangle = Triangle { vertices, interface, line };
+                    memory::push(&mut mesh.triangles, triangle, "the triangles of a mesh")?;
+                }
             }
-            Some(other) => {
-                let known = "v, f, usemtl; o, g, s, l, p, vn, vt and mtllib are skipped";
-                return Err(refuse(format!("unknown statement {other:?} (read are {known})")));
-            }
+            Statement::Normal(_) | Statement::Texture(_) => {}
         }
     }
     if mesh.triangles.is_empty() {
-        return Err(source.refuse_line(source.text.lines().count().max(1), "the mesh has no faces"));
+        return Err(reader.refuse("the mesh has no faces"));
     }
     Ok(mesh)
 }
 
-fn vertex<'a>(source: &Source<'_>, line: usize, mut words: impl Iterator<Item = &'a str>) -> Result<[f64; 3]> {
-    let mut coordinates = [0.0; 3];
-    for coordinate in &mut coordinates {
-        let word = words.next().ok_or_else(|| source.refuse_line(line, "a vertex needs three coordinates"))?;
-        *coordinate = match word.parse::<f64>() {
-            Ok(x) if x.abs() <= MAX_LENGTH_NM => x,
-            Ok(x) if x.is_finite() => {
-                let message = format!("coordinate {x} is more than {MAX_LENGTH_NM} nm, a metre; units are nanometres");
-                return Err(source.refuse_line(line, message));
-            }
-            _ => return Err(source.refuse_line(line, format_args!("coordinate {word:?} is not a finite number"))),
-        };
-    }
-    Ok(coordinates)
+fn unknown_interface(name: &str, interfaces: &[&str]) -> String {
+    let near = nearest(name, interfaces.iter().copied());
+    let near = near.map_or_else(String::new, |near| format!("nearest is [interface.{}]; ", toml_key(near)));
+    format!("usemtl {name:?} has no [interface]; {near}declare each usemtl name in the scene file")
 }
 
-/// The index of the interface that a `usemtl` line names; the name may contain spaces.
-fn material(source: &Source<'_>, line: usize, code: &str, interfaces: &[&str]) -> Result<u16> {
-    let name = code.trim().strip_prefix("usemtl").unwrap_or_default().trim();
-    let index = interfaces.iter().position(|&known| known == name).and_then(|index| u16::try_from(index).ok());
-    index.ok_or_else(|| {
-        let near = nearest(name, interfaces.iter().copied());
-        let near = near.map_or_else(String::new, |near| format!("nearest is [interface.{}]; ", toml_key(near)));
-        let remedy = "declare each usemtl name in the scene file";
-        source.refuse_line(line, format_args!("usemtl {name:?} has no [interface]; {near}{remedy}"))
-    })
+/// A face, and memory to cut it.
+#[derive(Default)]
+struct Face {
+    vertices: Vec<u32>,
+    places: Vec<DVec3>,
+    cut: Cut,
 }
 
-/// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; negative numbers count back from the last vertex.
-fn corner(source: &Source<'_>, line: usize, word: &str, count: usize) -> Result<u32> {
-    let number = word.split('/').next().unwrap_or_default();
-    let given: i64 = number
-        .parse()
-        .map_err(|_| source.refuse_line(line, format_args!("corner {word:?} does not start with a vertex number")))?;
-    let signed_count = i64::try_from(count).unwrap_or(i64::MAX);
-    let index = if given < 0 { signed_count.checked_add(given) } else { given.checked_sub(1) };
-    match index {
-        Some(index) if (0..signed_count).contains(&index) => Ok(u32::try_from(index).unwrap_or(u32::MAX)),
-        _ => Err(source.refuse_line(line, format_args!("vertex {given} does not exist; {count} are defined above"))),
+impl Face {
+    fn set(&mut self, places: &[[f64; 3]], vertices: impl Iterator<Item = u32>) {
+        self.vertices.clear();
+        self.vertices.extend(vertices);
+        self.places.clear();
+        self.places.extend(self.vertices.iter().map(|&vertex| DVec3::from(places[vertex as usize])));
     }
-}
 
-/// Refuses what a fan of triangles from the first corner cannot represent.
-fn polygon(vertices: &[[f64; 3]], corners: &[u32]) -> std::result::Result<(), String> {
-    if corners.len() < 3 {
-        return Err(format!("a face needs at least three corners, found {}", corners.len()));
+    /// Cuts the face into triangles, or says why a cell cannot have it.
+    fn cut(&mut self) -> std::result::Result<(), String> {
+        let count = self.vertices.len();
+        if count < 3 {
+            return Err(format!("a face needs at least three different corners, found {count}"));
+        }
+        let mut sorted = self.vertices.clone();
+        sorted.sort_unstable();
+        if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+            return Err("the face uses a vertex twice; split it into triangles".to_owned());
+        }
+        self.cut.cut(&self.places).map_err(|uncut| uncut.says())?;
+        let off = self.cut.off_plane;
+        if off > PLANAR * self.cut.extent {
+            let off = (1000.0 * off).round() / 1000.0;
+            return Err(format!("the polygon is not planar: a corner lies {off} nm off; split it into triangles"));
+        }
+        Ok(())
     }
-    let mut sorted = corners.to_vec();
-    sorted.sort_unstable();
-    if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
-        return Err("the face uses a vertex twice".to_owned());
-    }
-    if corners.len() == 3 {
-        return Ok(());
-    }
-    let point = |corner: u32| vertices[corner as usize];
-    let normals = || corners[1..].windows(2).map(|pair| normal(point(corners[0]), point(pair[0]), point(pair[1])));
-    let whole = normals().fold([0.0; 3], |[x, y, z], [u, v, w]| [x + u, y + v, z + w]);
-    // A slim triangle of coordinates rounded to single precision may turn over by that rounding.
-    let rounding = f64::from(f32::EPSILON) * dot(whole, whole);
-    if normals().any(|normal| dot(normal, whole) < -rounding) {
-        return Err("the polygon is concave; split it into triangles".to_owned());
-    }
-    let length = dot(whole, whole).sqrt();
-    let distances = || corners.iter().map(|&corner| from(point(corners[0]), point(corner)));
-    let extent = distances().map(|p| dot(p, p)).fold(0.0, f64::max).sqrt();
-    let off = distances().map(|p| dot(p, whole).abs()).fold(0.0, f64::max);
-    if off > PLANAR * extent * length {
-        let off = (1000.0 * off / length).round() / 1000.0;
-        return Err(format!("the polygon is not planar: a corner lies {off} nm off; split it into triangles"));
-    }
-    Ok(())
-}
-
-fn dot([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> f64 {
-    a * x + b * y + c * z
-}
-
-/// The way from a to b.
-fn from(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
-}
-
-/// Twice the area of a triangle, along its normal.
-fn normal(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
-    let (u, v) = (from(a, b), from(a, c));
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
 #[cfg(test)]
@@ -221,7 +169,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Mesh> {
-        parse(&Source { label: "m.obj", text }, Path::new("m.obj"), &["top", "two words"], 3)
+        parse("m.obj", text, &["top", "two words"], Frame::default(), 3)
     }
 
     fn refusal(text: &str) -> String {
@@ -258,15 +206,16 @@ mod tests {
         assert_eq!(sixth("f 1 2 5"), "m.obj:6: vertex 5 does not exist; 4 are defined above");
         assert_eq!(sixth("f 1 2 0"), "m.obj:6: vertex 0 does not exist; 4 are defined above");
         assert_eq!(sixth("f 1 2 -5"), "m.obj:6: vertex -5 does not exist; 4 are defined above");
-        assert_eq!(sixth("f 1 2 x"), "m.obj:6: corner \"x\" does not start with a vertex number");
+        assert_eq!(sixth("f 1 2 x"), "m.obj:6: corner \"x\": \"x\" is no vertex number");
         assert_eq!(sixth("f 1 2"), "m.obj:6: a face needs at least three corners, found 2");
-        assert_eq!(sixth("f 1 2 2"), "m.obj:6: the face uses a vertex twice");
+        assert_eq!(sixth("f 1 2 2"), "m.obj:6: a face needs at least three different corners, found 2");
+        assert_eq!(sixth("f 1 2 3 1 4"), "m.obj:6: the face uses a vertex twice; split it into triangles");
         assert_eq!(sixth("v 0 0"), "m.obj:6: a vertex needs three coordinates");
         assert_eq!(sixth("v 0 0 nan"), "m.obj:6: coordinate \"nan\" is not a finite number");
         assert_eq!(sixth("v 0 0 1e999"), "m.obj:6: coordinate \"1e999\" is not a finite number");
         assert_eq!(
             sixth("v 0 0 1e10"),
-            "m.obj:6: coordinate 10000000000 is more than 1000000000 nm, a metre; units are nanometres"
+            "m.obj:6: coordinate 10000000000 nm is more than 1000000000 nm, a metre; units are nanometres unless [cell] has unit_nm"
         );
         assert_eq!(
             sixth("usemtl tip"),
@@ -276,12 +225,28 @@ mod tests {
             sixth("f 1 2 3 4\nf 1 2 3 4"),
             "m.obj:7: more than 3 triangles, which take 0.0 GB; use a coarser mesh"
         );
-        assert!(sixth("curv 0 1").starts_with("m.obj:6: unknown statement \"curv\" (read are v, f, usemtl;"));
+        assert!(sixth("vertex 0 1").starts_with("m.obj:6: unknown statement \"vertex\"; an OBJ consists of"));
         assert_eq!(
             sixth("v 0 1 0.1\nf 1 2 3 5"),
             "m.obj:7: the polygon is not planar: a corner lies 0.05 nm off; split it into triangles"
         );
         assert!(read(&format!("{SQUARE}v 0 1 0.00001\nf 1 2 3 5")).is_ok());
-        assert_eq!(sixth("v 0.9 0.1 0\nf 1 2 3 5"), "m.obj:7: the polygon is concave; split it into triangles");
+        assert_eq!(sixth("f 1 3 2 4"), "m.obj:6: the polygon crosses or touches itself; split it into triangles");
+        assert_eq!(sixth("v 2 0 0\nv 3 0 0\nf 1 2 5 6"), "m.obj:8: the polygon has no area; remove it");
+    }
+
+    #[test]
+    fn concave_and_closed_polygons_are_cut_and_every_side_is_kept() {
+        for face in ["1 2 3 5", "2 3 5 1", "3 5 1 2", "5 1 2 3", "1 2 3 5 1", "1 \\\n2 3 5"] {
+            let mesh = read(&format!("{SQUARE}v 0.9 0.2 0\nf {face}")).unwrap();
+            let area = |t: &Triangle| {
+                let [a, b, c] = t.vertices.map(|v| DVec3::from(mesh.vertices[v as usize]));
+                0.5 * (b - a).cross(c - a).z
+            };
+            assert!(mesh.triangles.iter().all(|t| area(t) > 0.0), "{face}");
+            // The triangle of 1, 2 and 3 without that of 1, 5 and 3.
+            let whole: f64 = mesh.triangles.iter().map(area).sum();
+            assert!((whole - 0.15).abs() < 1e-12, "{face}: {whole}");
+        }
     }
 }
