@@ -12,7 +12,7 @@
 use glam::{DVec2, DVec3};
 
 /// Corners of a polygon that is not seen whole from its first corner. Time grows with the square of their number: this many
-/// take half a second at worst.
+/// take 0.2 s at worst.
 pub(crate) const MAX_CORNERS: usize = 4096;
 
 /// Coordinates are written in single precision. Corners nearer to a line than this fraction of the largest coordinate lie on it.
@@ -80,7 +80,8 @@ impl Cut {
         }
         let on_line = ON_LINE * corners.iter().map(|c| c.abs().max_element()).fold(0.0, f64::max);
         self.project(corners)?;
-        if self.is_fan(on_line) {
+        // A disc of thousands of corners turns so little at each that rounding alone makes it concave.
+        if self.is_fan(on_line) || self.ring.len() > MAX_CORNERS && self.is_fan(-on_line) {
             let first = self.ring[0].0;
             let fan = self.ring[1..].windows(2).map(|pair| [first, pair[0].0, pair[1].0]);
             self.triangles.extend(fan);
@@ -122,13 +123,14 @@ impl Cut {
         Ok(())
     }
 
-    /// Whether all triangles of the fan from the first corner are convex, and it turns less than once: then no two overlap.
-    fn is_fan(&self, on_line: f64) -> bool {
+    /// Whether all triangles of the fan from the first corner are higher than `least`, and it turns less than once: then no two
+    /// overlap.
+    fn is_fan(&self, least: f64) -> bool {
         let first = self.ring[0].1;
         let mut turned = 0.0;
         for pair in self.ring[1..].windows(2) {
             let [a, b] = [pair[0].1, pair[1].1];
-            if height(first, a, b) <= on_line {
+            if height(first, a, b) <= least {
                 return false;
             }
             turned += (a - first).angle_to(b - first);
@@ -346,5 +348,20 @@ mod tests {
             .rev()
             .collect();
         assert_eq!(cut(&comb), Err(Uncut::TooManyCorners));
+    }
+
+    #[test]
+    fn discs_of_many_corners_written_in_single_precision_are_covered_once() {
+        for count in [1000, 4000, 50_000] {
+            let corner = |i: usize| {
+                let (sin, cos) = (std::f64::consts::TAU * i as f64 / count as f64).sin_cos();
+                [f64::from(cos as f32), f64::from(sin as f32)]
+            };
+            let corners: Vec<[f64; 2]> = (0..count).map(corner).collect();
+            let (triangles, area) = cut(&corners).unwrap();
+            // A polygon in the unit circle lacks 2π³/3n² of its area; rounding adds less than a millionth.
+            let lacks = 2.0 * std::f64::consts::PI.powi(3) / (3.0 * (count * count) as f64);
+            assert!(triangles.len() == count - 2 && (area - std::f64::consts::PI + lacks).abs() < 1e-6, "{count}");
+        }
     }
 }
