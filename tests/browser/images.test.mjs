@@ -6,7 +6,7 @@ import { test } from "node:test";
 import vm from "node:vm";
 
 const scripts = ["basics.js", "exr.js", "images.js"].map((name) => readFileSync(`${process.env.PAGE}/${name}`, "utf8"));
-const { decodeHdr, exrSources } = vm.runInNewContext(`${scripts.join("\n")};({ decodeHdr, exrSources })`, { Uint8Array, Float32Array });
+const { decodeHdr, exrSources, toRec709 } = vm.runInNewContext(`${scripts.join("\n")};({ decodeHdr, exrSources, toRec709 })`, { Uint8Array, Float32Array });
 
 /** Stored pixels of mantissas 128, 64 and their number. */
 function hdr(header, resolution, stored = Buffer.from([...Array(8).keys()].flatMap((i) => [128, 64, i, 136]))) {
@@ -59,4 +59,10 @@ test("EXR channels are found in layers", () => {
   assert.deepEqual(JSON.stringify(sources("grey.Y")), '{"grey.Y":[0,1,2]}');
   assert.throws(() => sources("a.R", "a.G", "a.B", "b.R", "b.G", "b.B"), /holds 2 pictures: a, b/);
   assert.throws(() => sources("N.X", "N.Y", "N.Z"), /this one has N.X, N.Y, N.Z/);
+});
+
+test("primaries of Rec. 2020 are converted as BT.2087 says", () => {
+  const rows = [[1.6605, -0.5876, -0.0728], [-0.1246, 1.1329, -0.0083], [-0.0182, -0.1006, 1.1187]];
+  const found = toRec709([0.708, 0.292, 0.17, 0.797, 0.131, 0.046, 0.3127, 0.329]);
+  found.flat().forEach((x, i) => assert.ok(Math.abs(x - rows.flat()[i]) < 2e-4, `${found}`));
 });

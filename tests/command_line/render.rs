@@ -311,14 +311,11 @@ fn what_can_be_mended_is_mended_and_said() {
         "odd.exr: components of the environment: 2 negative, now 0; 2 not numbers, now 0; 2 infinite, now 65504\n"
     );
     user.write(
-        "grey.hdr",
+        "wide.hdr",
         [b"#?RGBE\nPRIMARIES=0.7 0.3 0.2 0.7 0.1 0.05 0.3 0.3\n\n-Y 1 +X 2\n".as_slice(), &[99; 8]].concat(),
     );
-    let ran = user.ok("render white.exr -o a.png --env grey.hdr --size 32 --samples 1");
-    assert_eq!(
-        ran.stderr,
-        "grey.hdr: its primaries are not those of Rec. 709 (sRGB); R, G, B are taken as they stand\n"
-    );
+    let ran = user.ok("render white.exr -o a.png --env wide.hdr --size 32 --samples 1");
+    assert_eq!(ran.stderr, "wide.hdr: its colours are converted from its own primaries to those of Rec. 709 (sRGB)\n");
     let ran = user.ok("render white.exr -o a.png --size 32 --distance 5 --mesh plane --samples 1 --elevation 0");
     assert!(ran.stderr.contains("the body is not in the picture"), "{}", ran.stderr);
 }

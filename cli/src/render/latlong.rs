@@ -1,6 +1,9 @@
 //! Lat-long images from the bytes of OpenEXR and Radiance HDR files.
 
+use glam::Vec3;
+
 use super::environment::LatLong;
+use super::primaries::{Primaries, are_rec_709, to_rec_709};
 use super::{openexr, radiance};
 use crate::error::{Error, Result};
 use crate::memory;
@@ -11,20 +14,14 @@ const MAX_TEXELS: usize = 50_000_000;
 /// Radiance in place of infinity: the largest half.
 const BRIGHTEST: f32 = 65_504.0;
 
-/// Chromaticities x and y of the primaries of Rec. 709: red, green, blue. Files round them to two digits.
-const PRIMARIES: [f64; 6] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06];
-
-/// Largest difference of a primary: Radiance puts green at 0.29.
-const SAME_PRIMARY: f64 = 0.015;
-
 /// A picture as a file holds it.
 #[derive(Debug, PartialEq)]
 pub(super) struct Decoded {
     pub size: [usize; 2],
     /// Row by row from the upper left.
     pub texels: Vec<[f32; 3]>,
-    /// The file names primaries that are not those of Rec. 709.
-    pub has_other_primaries: bool,
+    /// What the file says that R, G, B are.
+    pub primaries: Option<Primaries>,
     /// It holds luminance alone.
     pub is_grey: bool,
 }
@@ -38,8 +35,8 @@ pub struct Mended {
     pub not_a_number: usize,
     /// Infinite or beyond the largest half, now that.
     pub infinite: usize,
-    /// Its R, G, B have other primaries than Rec. 709, and are taken as they stand.
-    pub other_primaries: bool,
+    /// Its R, G, B had other primaries than Rec. 709, to which they are now converted.
+    pub converted: bool,
     /// It holds luminance alone, and is taken as grey.
     pub grey: bool,
 }
@@ -59,8 +56,8 @@ impl Mended {
         if !counted.is_empty() {
             said.push(format!("components of the environment: {}", counted.join("; ")));
         }
-        if self.other_primaries {
-            said.push("its primaries are not those of Rec. 709 (sRGB); R, G, B are taken as they stand".to_owned());
+        if self.converted {
+            said.push("its colours are converted from its own primaries to those of Rec. 709 (sRGB)".to_owned());
         }
         if self.grey {
             said.push("it holds luminance alone; the light is grey".to_owned());
@@ -83,10 +80,18 @@ pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, Mended)> {
     } else {
         Err("neither OpenEXR nor Radiance HDR; export the environment as one of them".to_owned())
     };
-    let Decoded { size, mut texels, has_other_primaries, is_grey } = decoded.map_err(|what| failed(&what))?;
+    let Decoded { size, mut texels, primaries, is_grey } = decoded.map_err(|what| failed(&what))?;
+    let other = primaries.filter(|primaries| !is_grey && !are_rec_709(primaries));
+    if let Some(primaries) = &other {
+        let matrix =
+            to_rec_709(primaries).ok_or_else(|| failed("its primaries span no colours; correct its header"))?;
+        for texel in &mut texels {
+            *texel = (matrix * Vec3::from(*texel).as_dvec3()).as_vec3().to_array();
+        }
+    }
     // By which the light is sampled.
     memory::expect(size_of::<f64>() * texels.len(), "the environment").map_err(|error| failed(&error.to_string()))?;
-    let mended = Mended { other_primaries: has_other_primaries, grey: is_grey, ..mend(&mut texels) };
+    let mended = Mended { converted: other.is_some(), grey: is_grey, ..mend(&mut texels) };
     if texels.iter().flatten().all(|&x| x == 0.0) {
         return Err(failed("every texel of the environment is black; the picture would be, too"));
     }
@@ -105,12 +110,6 @@ pub(super) fn check_size(width: usize, height: usize) -> std::result::Result<(),
         return Err(format!("{width} × {height} texels are too many; {MAX_TEXELS} is the limit, so scale it down"));
     }
     Ok(())
-}
-
-/// Whether red, green and blue have chromaticities that differ from those of Rec. 709.
-pub(super) fn are_other_primaries(primaries: &[f64]) -> bool {
-    let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_PRIMARY;
-    primaries.len() < PRIMARIES.len() || !primaries.iter().zip(&PRIMARIES).all(same)
 }
 
 fn mend(texels: &mut [[f32; 3]]) -> Mended {

@@ -14,6 +14,7 @@ mod latlong;
 pub mod mesh;
 mod obj;
 mod openexr;
+mod primaries;
 mod radiance;
 pub mod studio;
 pub mod surface;

@@ -11,7 +11,7 @@ use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text};
 
-use super::latlong::{Decoded, are_other_primaries, check_size};
+use super::latlong::{Decoded, check_size};
 use crate::memory;
 
 /// Layers or channels that a message lists.
@@ -51,11 +51,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Decoded> {
     check_size(width, height)?;
     let texels = memory::filled([0.0f32; 3], width * height, "the environment").map_err(|error| error.to_string())?;
     let texels = texels_of(bytes, &source, width, texels).map_err(broken)?;
-    let chromaticities = header.shared_attributes.chromaticities;
-    let chromaticities = chromaticities.map(|c| [c.red, c.green, c.blue].map(|Vec2(x, y)| [x, y].map(f64::from)));
-    let has_other_primaries =
-        !source.is_grey && chromaticities.is_some_and(|named| are_other_primaries(named.as_flattened()));
-    Ok(Decoded { size: [width, height], texels, has_other_primaries, is_grey: source.is_grey })
+    let named = header.shared_attributes.chromaticities;
+    let primaries = named.map(|c| [c.red, c.green, c.blue, c.white].map(|Vec2(x, y)| [x, y].map(f64::from)));
+    Ok(Decoded { size: [width, height], texels, primaries, is_grey: source.is_grey })
 }
 
 /// Fills texels from the channels of a source.
@@ -227,20 +225,17 @@ mod tests {
     }
 
     #[test]
-    fn other_primaries_are_seen_and_cut_pictures_refused() {
+    fn primaries_are_read_and_cut_pictures_refused() {
         let rgb: [(&str, &[&str]); 1] = [("a", &["R", "G", "B"])];
-        let primaries = |[rx, ry, gx, gy, bx, by]: [f32; 6]| {
-            let named = exr::meta::attribute::Chromaticities {
-                red: Vec2(rx, ry),
-                green: Vec2(gx, gy),
-                blue: Vec2(bx, by),
-                white: Vec2(0.3127, 0.329),
-            };
-            read(&file(&rgb, |attributes| attributes.chromaticities = Some(named))).unwrap().has_other_primaries
+        let named = exr::meta::attribute::Chromaticities {
+            red: Vec2(0.713, 0.293),
+            green: Vec2(0.165, 0.83),
+            blue: Vec2(0.128, 0.044),
+            white: Vec2(0.32168, 0.33767),
         };
-        assert!(!primaries([0.64, 0.33, 0.3, 0.6, 0.15, 0.06]));
-        assert!(primaries([0.713, 0.293, 0.165, 0.83, 0.128, 0.044]));
-        assert!(!read(&file(&rgb, |_| {})).unwrap().has_other_primaries);
+        let aces = read(&file(&rgb, |attributes| attributes.chromaticities = Some(named))).unwrap();
+        assert!((aces.primaries.unwrap()[1][1] - 0.83).abs() < 1e-6);
+        assert_eq!(read(&file(&rgb, |_| {})).unwrap().primaries, None);
         let cut = file(&rgb, |attributes| attributes.display_window = IntegerBounds::from_dimensions((8, 4)));
         assert_eq!(read(&cut).unwrap_err(), "its pixels are 4 × 2 of a picture of 8 × 4; export the whole picture");
     }

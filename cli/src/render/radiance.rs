@@ -6,7 +6,8 @@
 //! names the axes in the order in which they are stored, the slower first, with the directions in which they run. A scan line
 //! is stored as it is, with runs of pixels (old), or with runs of bytes for each component (new).
 
-use super::latlong::{Decoded, are_other_primaries, check_size};
+use super::latlong::{Decoded, check_size};
+use super::primaries::Primaries;
 use crate::memory;
 
 /// Bytes of a header: those that long chains of programs leave are a hundredth of this.
@@ -18,7 +19,7 @@ type Result<T> = std::result::Result<T, String>;
 struct Header {
     /// By what each component was multiplied.
     multiplied: [f64; 3],
-    has_other_primaries: bool,
+    primaries: Option<Primaries>,
 }
 
 /// How scan lines lie in the picture.
@@ -51,7 +52,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Decoded> {
             texels[y * width + x] = radiance(*pixel, header.multiplied);
         }
     }
-    Ok(Decoded { size: layout.size, texels, has_other_primaries: header.has_other_primaries, is_grey: false })
+    Ok(Decoded { size: layout.size, texels, primaries: header.primaries, is_grey: false })
 }
 
 /// Mantissas are fractions of 256, exponents are 128 too large; a pixel without exponent is black.
@@ -78,7 +79,7 @@ fn text_line(rest: &mut &[u8]) -> Result<String> {
 
 fn header(rest: &mut &[u8]) -> Result<Header> {
     let start = rest.len();
-    let mut header = Header { multiplied: [1.0; 3], has_other_primaries: false };
+    let mut header = Header { multiplied: [1.0; 3], primaries: None };
     loop {
         let line = text_line(rest)?;
         if line.is_empty() {
@@ -108,8 +109,8 @@ fn header(rest: &mut &[u8]) -> Result<Header> {
                 return Err(format!("{line}: its pixels are not linear; save it with a gamma of 1"));
             }
             "PRIMARIES" => {
-                let named: Vec<f64> = value.split_ascii_whitespace().filter_map(|word| word.parse().ok()).collect();
-                header.has_other_primaries = are_other_primaries(&named);
+                let numbers = numbers::<8>(&line, value, |x| x.is_finite())?;
+                header.primaries = Some(std::array::from_fn(|i| [numbers[2 * i], numbers[2 * i + 1]]));
             }
             _ => {}
         }
@@ -120,13 +121,19 @@ fn header(rest: &mut &[u8]) -> Result<Header> {
     }
 }
 
-/// The numbers of a header line, each finite and above 0.
+/// The factors in a header line, each finite and above 0.
 fn factors<const N: usize>(line: &str, value: &str) -> Result<[f64; N]> {
+    numbers(line, value, |x| x.is_finite() && x > 0.0)
+}
+
+/// The numbers of a header line.
+fn numbers<const N: usize>(line: &str, value: &str, is_sound: impl Fn(f64) -> bool) -> Result<[f64; N]> {
     let numbers: Option<Vec<f64>> = value.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
-    let sound = |numbers: &[f64; N]| numbers.iter().all(|x| x.is_finite() && *x > 0.0);
-    let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok()).filter(sound);
+    let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
     let shown: String = line.chars().take(80).collect();
-    numbers.ok_or_else(|| format!("{shown:?} is not {N} numbers above 0; correct its header"))
+    numbers
+        .filter(|numbers| numbers.iter().all(|x| is_sound(*x)))
+        .ok_or_else(|| format!("{shown:?} is not the {N} numbers that belong there; correct its header"))
 }
 
 /// The line of the resolution, such as `-Y 512 +X 1024`.
@@ -227,7 +234,6 @@ mod tests {
         {
             let picture = read(&file(header, "-Y 2 +X 4")).unwrap();
             assert_eq!((picture.size, picture.texels[7]), ([4, 2], [128.0, 64.0, 7.0]), "{header}");
-            assert!(!picture.has_other_primaries);
         }
         let orders: [(&str, [u8; 8]); 8] = [
             ("-Y 2 +X 4", [0, 1, 2, 3, 4, 5, 6, 7]),
@@ -253,7 +259,7 @@ mod tests {
             ["EXPOSURE=0", "EXPOSURE=-1", "EXPOSURE=bright", "EXPOSURE=nan", "COLORCORR=1 1", "COLORCORR=1 1 1 1"]
         {
             let message = refusal(&file(&format!("{RGBE}{line}\n"), "-Y 2 +X 4"));
-            assert!(message.contains(line) && message.contains("numbers above 0"), "{message}");
+            assert!(message.contains(line) && message.contains("that belong there"), "{message}");
         }
         let often = format!("{RGBE}{}", "EXPOSURE=1e-300\n".repeat(2));
         assert!(refusal(&file(&often, "-Y 2 +X 4")).contains("multiply to what is no number above 0"));
@@ -265,14 +271,10 @@ mod tests {
         assert!(told("FORMAT=32-bit_rle_xyze").contains("its pixels are X, Y, Z"));
         assert!(told("FORMAT=8-bit").contains("its format is \"8-bit\""));
         assert!(told("GAMMA=2.2").contains("GAMMA=2.2: its pixels are not linear"));
-        let other = |primaries: &str| {
-            read(&file(&format!("{RGBE}PRIMARIES={primaries}\n"), "-Y 2 +X 4")).unwrap().has_other_primaries
-        };
-        assert!(
-            !other("0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333")
-                && !other("0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329")
-        );
-        assert!(other("0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.329") && other("") && other("x"));
+        let named = |primaries: &str| read(&file(&format!("{RGBE}PRIMARIES={primaries}\n"), "-Y 2 +X 4"));
+        let rec_2020 = "0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.329";
+        assert_eq!(named(rec_2020).unwrap().primaries.unwrap()[2], [0.131, 0.046]);
+        assert!(["", "x", "0.6 0.3"].iter().all(|line| named(line).unwrap_err().contains("is not the 8 numbers")));
     }
 
     #[test]

@@ -37,7 +37,7 @@ async function decodeExr(buffer) {
       }
     }
   }
-  return { width, height, rgb };
+  return { width, height, rgb, primaries: header.primaries };
 }
 
 /**
@@ -91,6 +91,8 @@ function exrHeader(view) {
       }
     } else if (name === "compression") {
       found.compression = EXR_COMPRESSIONS[view.getUint8(at)] ?? "of an unknown kind";
+    } else if (name === "chromaticities") {
+      found.primaries = [0, 4, 8, 12, 16, 20, 24, 28].map((offset) => view.getFloat32(at + offset, true));
     } else if (name === "dataWindow" || name === "displayWindow") {
       const [left, top, right, bottom] = [0, 4, 8, 12].map((offset) => view.getInt32(at + offset, true));
       const window = { top, width: right - left + 1, height: bottom - top + 1 };

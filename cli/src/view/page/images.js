@@ -13,8 +13,41 @@ async function decodeImage(file) {
     if (error instanceof RangeError || error instanceof TypeError) throw new Error("the file ends too early, or is damaged");
     throw error;
   }
+  if (image.primaries) convert(image.rgb, image.primaries);
   image.mended = mend(image.rgb);
   return image;
+}
+
+/** Chromaticities x and y of red, green, blue and white. */
+const REC_709 = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329];
+/** Files round primaries to two digits, and Radiance puts green at 0.29. */
+const SAME_PRIMARY = 0.015;
+/** The cone responses of Bradford. */
+const BRADFORD = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+
+/** Converts R, G, B of other primaries to Rec. 709, as `render` does; white stays white. */
+function convert(rgb, primaries) {
+  if (REC_709.slice(0, 6).every((x, i) => Math.abs(x - primaries[i]) <= SAME_PRIMARY)) return;
+  const matrix = toRec709(primaries);
+  if (!matrix.flat().every(Number.isFinite)) throw new Error("the primaries of this file span no colours");
+  for (let i = 0; i < rgb.length; i += 3) rgb.set(matrix.map((row) => dot(row, rgb.subarray(i, i + 3))), i);
+}
+
+/** The matrix, of rows. */
+function toRec709(primaries) {
+  const transposed = (m) => [0, 1, 2].map((i) => m.map((row) => row[i]));
+  const product = (a, b) => a.map((row) => transposed(b).map((column) => dot(row, column)));
+  const applied = (m, v) => m.map((row) => dot(row, v));
+  const inverse = ([a, b, c]) => transposed([cross(b, c), cross(c, a), cross(a, b)].map((row) => times(row, 1 / dot(a, cross(b, c)))));
+  const white = (named) => [named[6] / named[7], 1, (1 - named[6] - named[7]) / named[7]];
+  const toXyz = (named) => {
+    const columns = transposed([0, 2, 4].map((i) => [named[i], named[i + 1], 1 - named[i] - named[i + 1]]));
+    const strengths = applied(inverse(columns), white(named));
+    return columns.map((row) => row.map((x, i) => x * strengths[i]));
+  };
+  const [from, to] = [primaries, REC_709].map((named) => applied(BRADFORD, white(named)));
+  const adapted = product(inverse(BRADFORD), BRADFORD.map((row, i) => times(row, to[i] / from[i])));
+  return product(inverse(toXyz(REC_709)), product(adapted, toXyz(primaries)));
 }
 
 /** No radiance is negative, no number or infinite. */
@@ -43,7 +76,7 @@ function decodeHdr(data) {
     at = end + 1;
     return text.replace(/\r+$/, "");
   };
-  const multiplied = hdrFactors(line);
+  const { multiplied, primaries } = hdrHeader(line);
   const size = /^([-+])([XY]) +(\d+) +([-+])([XY]) +(\d+)$/.exec(line().trim());
   if (!size || size[2] === size[5]) throw new Error("this HDR file is damaged: it has no resolution such as -Y 512 +X 1024");
   const byColumns = size[2] === "X";
@@ -64,29 +97,31 @@ function decodeHdr(data) {
       for (let c = 0; c < 3; c += 1) rgb[3 * (y * width + x) + c] = (stored[4 * along + c] * scale) / multiplied[c];
     }
   }
-  return { width, height, rgb };
+  return { width, height, rgb, primaries };
 }
 
-/** Reads a header to its empty line; by what R, G and B were multiplied. */
-function hdrFactors(line) {
+/** Reads a header to its empty line: by what R, G and B were multiplied, and which primaries they have. */
+function hdrHeader(line) {
   const multiplied = [1, 1, 1];
+  let primaries;
   for (let text = line(); text !== ""; text = line()) {
     // Lines that start with a blank tell what the inputs of a program were.
     const [, key, value] = /^([A-Z]+)=(.*)$/.exec(text) ?? [];
-    const numbers = (count) => {
+    const numbers = (count, least = Number.MIN_VALUE) => {
       const found = value.trim().split(/\s+/).map(Number);
-      if (found.length !== count || !found.every((x) => x > 0 && x < Infinity)) {
-        throw new Error(`this HDR file is damaged: ${text} is not ${count} numbers above 0`);
+      if (found.length !== count || !found.every((x) => x >= least && x < Infinity)) {
+        throw new Error(`this HDR file is damaged: ${text} is not the ${count} numbers that belong there`);
       }
       return found;
     };
+    if (key === "PRIMARIES") primaries = numbers(8, -Infinity);
     if (key === "FORMAT" && value.trim() !== "32-bit_rle_rgbe") throw new Error(`${text} is not supported here; save R, G, B`);
     if (key === "GAMMA" && numbers(1)[0] !== 1) throw new Error(`${text}: the pixels are not linear; save the image with a gamma of 1`);
     const by = key === "EXPOSURE" ? numbers(1) : key === "COLORCORR" ? numbers(3) : [1];
     for (let c = 0; c < 3; c += 1) multiplied[c] *= by[c % by.length];
   }
   if (!multiplied.every((m) => m > 0 && m < Infinity)) throw new Error("this HDR file's exposures multiply to no number above 0");
-  return multiplied;
+  return { multiplied, primaries };
 }
 
 /** Fills the pixels of a scan line; where the next begins. */
