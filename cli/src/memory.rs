@@ -1,8 +1,8 @@
 //! Memory whose size a user chooses.
 //!
-//! A `vec!` that finds no memory ends the program without a word about the cause. What grows with a file, a picture or a
-//! table is made here instead, and says what it was for. Systems that promise more memory than they have may still stop the
-//! program later; stated limits, not these functions, keep sizes within reason.
+//! A `vec!` that finds no memory ends the program without a word about the cause. What grows with a file, a picture or
+//! a table is made here instead, and says what it was for. Systems that promise more memory than they have may still
+//! stop the program later; stated limits, not these functions, keep sizes within reason.
 
 use std::fmt::Display;
 

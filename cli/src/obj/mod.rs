@@ -1,8 +1,9 @@
 //! Wavefront OBJ, statement by statement: the one reader for the meshes of cells and of pictures.
 //!
-//! Read are `v`, `vn`, `vt`, `usemtl` and `f`. Statements that group, shade or name other files are skipped, and so are points
-//! and lines. A backslash at the end of a line continues it, `#` starts a comment, numbers below zero count back from the last
-//! vertex, a vertex may carry a colour, and a corner that repeats the one before it, or the first at the end, counts once.
+//! Read are `v`, `vn`, `vt`, `usemtl` and `f`. Statements that group, shade or name other files are skipped, and so are
+//! points and lines. A backslash at the end of a line continues it, `#` starts a comment, numbers below zero count back
+//! from the last vertex, a vertex may carry a colour, and a corner that repeats the one before it, or the first at the
+//! end, counts once.
 
 pub(crate) mod polygon;
 

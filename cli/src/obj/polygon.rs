@@ -1,21 +1,22 @@
 //! Triangulation of polygons in space.
 //!
-//! A polygon of n corners becomes n − 2 triangles of these corners, and no other point. Every side of the polygon stays a
-//! side of one triangle, also where corners lie on a straight line, so a closed mesh of polygons becomes a closed mesh of
-//! triangles. Corners are projected along Newell's normal, the mean normal of the polygon; how far they lie off that plane
-//! is for the caller to judge by [`Cut::off_plane`].
+//! A polygon of n corners becomes n − 2 triangles of these corners, and no other point. Every side of the polygon stays
+//! a side of one triangle, also where corners lie on a straight line, so a closed mesh of polygons becomes a closed
+//! mesh of triangles. Corners are projected along Newell's normal, the mean normal of the polygon; how far they lie off
+//! that plane is for the caller to judge by [`Cut::off_plane`].
 //!
-//! A fan from the first corner is kept where it is right, as it is for every convex polygon. Other polygons lose one ear
-//! after the other (Meisters 1975): a convex corner whose triangle holds no other corner. Slivers are cut only where nothing
-//! else is left.
+//! A fan from the first corner is kept where it is right, as it is for every convex polygon. Other polygons lose one
+//! ear after the other (Meisters 1975): a convex corner whose triangle holds no other corner. Slivers are cut only
+//! where nothing else is left.
 
 use glam::{DVec2, DVec3};
 
-/// Corners of a polygon that is not seen whole from its first corner. Time grows with the square of their number: this many
-/// take 0.2 s at worst.
+/// Corners of a polygon that is not seen whole from its first corner. Time grows with the square of their number: this
+/// many take 0.2 s at worst.
 pub(crate) const MAX_CORNERS: usize = 4096;
 
-/// Coordinates are written in single precision. Corners nearer to a line than this fraction of the largest coordinate lie on it.
+/// Coordinates are written in single precision. Corners nearer to a line than this fraction of the largest coordinate
+/// lie on it.
 const ON_LINE: f64 = 4.0 * f32::EPSILON as f64;
 
 /// An area or a width below this fraction of that of the polygon's extent is the rounding of its sum.
@@ -123,8 +124,8 @@ impl Cut {
         Ok(())
     }
 
-    /// Whether all triangles of the fan from the first corner are higher than `least`, and it turns less than once: then no two
-    /// overlap.
+    /// Whether all triangles of the fan from the first corner are higher than `least`, and it turns less than once:
+    /// then no two overlap.
     fn is_fan(&self, least: f64) -> bool {
         let first = self.ring[0].1;
         let mut turned = 0.0;
@@ -139,7 +140,8 @@ impl Cut {
     }
 
     fn clip_ears(&mut self, on_line: f64) -> Result<(), Uncut> {
-        // First clear ears; then those that only rounding tells from a straight line; then what rounding has turned over.
+        // First clear ears; then those that only rounding tells from a straight line; then what rounding has turned
+        // over.
         for (least, clear) in [(on_line, on_line), (0.0, 0.0), (-on_line, -on_line)] {
             self.is_ear.clear();
             let ears = (0..self.ring.len()).map(|place| is_ear(&self.ring, place, least, clear));
@@ -204,6 +206,12 @@ fn is_ear(ring: &[(usize, DVec2)], place: usize, least: f64, clear: f64) -> bool
     !ring.iter().enumerate().any(|(other, &(_, p))| other != before && other != place && other != after && inside(p))
 }
 
+/// Whether two points lie on the same side of the line from `a` to `b`, and not on it.
+fn is_one_side(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> bool {
+    let (p, q) = (area(a, b, p), area(a, b, q));
+    (p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0)
+}
+
 /// Whether two sides that are no neighbours have a point in common.
 fn meets_itself(ring: &[(usize, DVec2)]) -> bool {
     let count = ring.len();
@@ -215,7 +223,7 @@ fn meets_itself(ring: &[(usize, DVec2)]) -> bool {
             let (c, d) = side(j);
             let apart = c.max(d).cmplt(low).any() || c.min(d).cmpgt(high).any();
             let is_next = i == 0 && j == count - 1;
-            !apart && !is_next && area(a, b, c) * area(a, b, d) <= 0.0 && area(c, d, a) * area(c, d, b) <= 0.0
+            !apart && !is_next && !is_one_side(a, b, c, d) && !is_one_side(c, d, a, b)
         })
     })
 }
@@ -292,7 +300,8 @@ mod tests {
         };
         for count in [4usize, 5, 7, 12, 40, 300] {
             for spiral in [0.0, 0.0, 0.7, 3.0] {
-                // Star-shaped around a middle that is no corner; then twisted, which keeps it simple and takes that away.
+                // Star-shaped around a middle that is no corner; then twisted, which keeps it simple and takes that
+                // away.
                 let corners: Vec<[f64; 2]> = (0..count)
                     .map(|i| {
                         let (radius, angle) =

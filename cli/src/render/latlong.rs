@@ -66,8 +66,8 @@ impl Mended {
     }
 }
 
-/// The lat-long image in the bytes of a file that messages call `label`, EXR or Radiance HDR as its first bytes say, and what
-/// had to be mended in it.
+/// The lat-long image in the bytes of a file that messages call `label`, EXR or Radiance HDR as its first bytes say,
+/// and what had to be mended in it.
 ///
 /// # Errors
 /// One line that names the file.

@@ -27,7 +27,8 @@ const MIN_AREA: f64 = 1e-150;
 pub struct Repairs {
     /// Triangles of the mesh.
     pub triangles: usize,
-    /// Triangles of which a corner had no normal, or one that is no direction. Those normals were computed; others were kept.
+    /// Triangles of which a corner had no normal, or one that is no direction. Those normals were computed; others were
+    /// kept.
     pub without_normals: usize,
     /// Triangles without area, which were left out; a polygon without area counts as one.
     pub without_area: usize,
@@ -87,7 +88,8 @@ pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(Mesh, Repairs
     Ok((mesh, repairs))
 }
 
-/// The triangles of the file that have an area. Polygons are cut as they are seen along their mean normal, planar or not.
+/// The triangles of the file that have an area. Polygons are cut as they are seen along their mean normal, planar or
+/// not.
 fn facets(label: &str, text: &str, axes: Axes, repairs: &mut Repairs) -> Result<Vec<[Corner; 3]>> {
     let (mut positions, mut normals, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     let mut facets = Vec::new();

@@ -1,7 +1,8 @@
 //! Pictures in OpenEXR files: R, G, B or luminance, whichever part or layer they stand in.
 //!
-//! A channel's name is that of its layer, a point, and its own: `View Layer.Combined.R`. Channels without a layer come before
-//! layers; among several layers the one that Blender calls Combined is the picture; anything else is ambiguous and refused.
+//! A channel's name is that of its layer, a point, and its own: `View Layer.Combined.R`. Channels without a layer come
+//! before layers; among several layers the one that Blender calls Combined is the picture; anything else is ambiguous
+//! and refused.
 
 use std::io::Cursor;
 use std::sync::Mutex;

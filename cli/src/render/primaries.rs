@@ -8,14 +8,15 @@ pub(super) type Primaries = [[f64; 2]; 4];
 /// Those of Rec. 709 and sRGB.
 const REC_709: Primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
 
-/// Largest difference of a primary that is still that of Rec. 709: files round to two digits, and Radiance puts green at 0.29.
+/// Largest difference of a primary that is still that of Rec. 709: files round to two digits, and Radiance puts green
+/// at 0.29.
 const SAME: f64 = 0.015;
 
 /// The cone responses of Bradford, of rows: the von Kries transform of white that ICC profiles use.
 const BRADFORD: [[f64; 3]; 3] = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
-/// Whether red, green and blue are those of Rec. 709. White is not asked: Radiance writes that of equal energy, and means that
-/// equal components are white, as everybody does.
+/// Whether red, green and blue are those of Rec. 709. White is not asked: Radiance writes that of equal energy, and
+/// means that equal components are white, as everybody does.
 pub(super) fn are_rec_709(primaries: &Primaries) -> bool {
     let differences = primaries[..3].as_flattened().iter().zip(REC_709.as_flattened()).map(|(a, b)| (a - b).abs());
     differences.fold(0.0, f64::max) <= SAME

@@ -1,10 +1,11 @@
 //! Radiance pictures, `.hdr` or `.pic`: red, green and blue with a common exponent.
 //!
-//! Source: Ward, "Real pixels", Graphics Gems II (1991), and the Radiance file formats (Ward, 1992; `ray/src/common/color.c`).
-//! A header of lines ends in an empty one. `EXPOSURE` and `COLORCORR` say by what pixels were multiplied, each time that the
-//! picture went through a program; all of them are divided out, so that radiance is what it was. The line of the resolution
-//! names the axes in the order in which they are stored, the slower first, with the directions in which they run. A scan line
-//! is stored as it is, with runs of pixels (old), or with runs of bytes for each component (new).
+//! Source: Ward, "Real pixels", Graphics Gems II (1991), and the Radiance file formats (Ward, 1992;
+//! `ray/src/common/color.c`). A header of lines ends in an empty one. `EXPOSURE` and `COLORCORR` say by what pixels
+//! were multiplied, each time that the picture went through a program; all of them are divided out, so that radiance is
+//! what it was. The line of the resolution names the axes in the order in which they are stored, the slower first, with
+//! the directions in which they run. A scan line is stored as it is, with runs of pixels (old), or with runs of bytes
+//! for each component (new).
 
 use super::latlong::{Decoded, check_size};
 use super::primaries::Primaries;
@@ -185,7 +186,8 @@ fn scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> Result<()> {
     Ok(())
 }
 
-/// Pixels as they are; 1, 1, 1 and a number repeat the last that often, and what follows at once counts in the next byte.
+/// Pixels as they are; 1, 1, 1 and a number repeat the last that often, and what follows at once counts in the next
+/// byte.
 fn old_scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> Result<()> {
     let (mut at, mut shift) = (0, 0);
     while at < line.len() {

@@ -1,8 +1,8 @@
 //! How the mesh of a cell is placed: its axes, its unit, and where its period starts.
 //!
-//! A cell has z up, nanometres, and fills 0 to its period in x and y. Modelling programs export y up, another unit and a mesh
-//! centred on 0. `axes` and `unit_nm` tell the first two. The third needs no key: a mesh that spans exactly one period is
-//! moved to start at 0, since a periodic surface is the same wherever its period starts.
+//! A cell has z up, nanometres, and fills 0 to its period in x and y. Modelling programs export y up, another unit and
+//! a mesh centred on 0. `axes` and `unit_nm` tell the first two. The third needs no key: a mesh that spans exactly one
+//! period is moved to start at 0, since a periodic surface is the same wherever its period starts.
 
 use super::MAX_LENGTH_NM;
 use super::item::Table;
@@ -10,7 +10,8 @@ use super::obj::Mesh;
 use crate::error::{Error, Result};
 use crate::obj::Axes;
 
-/// Modelling programs keep coordinates in single precision: spans are good to some units in the last place of the largest.
+/// Modelling programs keep coordinates in single precision: spans are good to some units in the last place of the
+/// largest.
 const SINGLE: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Spans agree with the period up to a factor if the factors of both axes differ by less: five digits in the file.
