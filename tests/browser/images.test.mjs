@@ -36,6 +36,8 @@ test("HDR files of every orientation are upright", () => {
 test("HDR exposures and colour corrections are divided out", () => {
   const header = `${RGBE}EXPOSURE=2\npcomb a.hdr\n\tEXPOSURE=99\nEXPOSURE= 4.0 \nCOLORCORR=1 2 0.5\r\n`;
   assert.deepEqual([...decodeHdr(hdr(header, "-Y 2 +X 4")).rgb.slice(18, 21)], [16, 4, 1.5]);
+  const photoshop = `${RGBE}GAMMA=1\nPRIMARIES=0 0 0 0 0 0 0 0\n`;
+  assert.equal(decodeHdr(hdr(photoshop, "-Y 2 +X 4")).primaries, undefined);
   for (const line of ["EXPOSURE=0", "EXPOSURE=x", "COLORCORR=1 1", "GAMMA=2.2", "FORMAT=32-bit_rle_xyze"]) {
     assert.throws(() => decodeHdr(hdr(`${RGBE}${line}\n`, "-Y 2 +X 4")), { message: new RegExp(line) });
   }

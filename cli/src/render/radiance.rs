@@ -111,7 +111,9 @@ fn header(rest: &mut &[u8]) -> Result<Header> {
             }
             "PRIMARIES" => {
                 let numbers = numbers::<8>(&line, value, |x| x.is_finite())?;
-                header.primaries = Some(std::array::from_fn(|i| [numbers[2 * i], numbers[2 * i + 1]]));
+                // Photoshop writes zeros for what it does not know.
+                let is_known = numbers != [0.0; 8];
+                header.primaries = is_known.then(|| std::array::from_fn(|i| [numbers[2 * i], numbers[2 * i + 1]]));
             }
             _ => {}
         }
@@ -276,6 +278,7 @@ mod tests {
         let named = |primaries: &str| read(&file(&format!("{RGBE}PRIMARIES={primaries}\n"), "-Y 2 +X 4"));
         let rec_2020 = "0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.329";
         assert_eq!(named(rec_2020).unwrap().primaries.unwrap()[2], [0.131, 0.046]);
+        assert_eq!(named("0 0 0 0 0 0 0 0").unwrap().primaries, None);
         assert!(["", "x", "0.6 0.3"].iter().all(|line| named(line).unwrap_err().contains("is not the 8 numbers")));
     }
 

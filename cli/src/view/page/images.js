@@ -114,7 +114,11 @@ function hdrHeader(line) {
       }
       return found;
     };
-    if (key === "PRIMARIES") primaries = numbers(8, -Infinity);
+    if (key === "PRIMARIES") {
+      const named = numbers(8, -Infinity);
+      // Photoshop writes zeros for what it does not know.
+      primaries = named.some((x) => x !== 0) ? named : undefined;
+    }
     if (key === "FORMAT" && value.trim() !== "32-bit_rle_rgbe") throw new Error(`${text} is not supported here; save R, G, B`);
     if (key === "GAMMA" && numbers(1)[0] !== 1) throw new Error(`${text}: the pixels are not linear; save the image with a gamma of 1`);
     const by = key === "EXPOSURE" ? numbers(1) : key === "COLORCORR" ? numbers(3) : [1];
