@@ -13,6 +13,9 @@ use crate::obj::{self, Axes, Detail, MAX_TRIANGLES, Reader, Statement};
 /// Facets that meet at a wider angle keep an edge between them where a file has no normals.
 pub(crate) const CREASE_DEG: f64 = 45.0;
 
+/// Normals nearer to each other are those of one plane: single precision does not tell them apart.
+const SAME_NORMAL: f64 = 1e-6;
+
 /// Largest coordinate: fourth powers and their sums are far from the largest number.
 const MAX_COORDINATE: f64 = 1e30;
 
@@ -175,7 +178,7 @@ struct Smooth(HashMap<[u64; 3], Around>);
 /// The facets at a vertex.
 #[derive(Default)]
 struct Around {
-    /// The normal of each, and the angle that it fills.
+    /// The normal of each, and the angle that it fills; neighbours in a plane count as one.
     facets: Vec<(DVec3, f64)>,
     /// The sum over all facets, if no two of them make a crease. Then it is the same for each.
     whole: Option<DVec3>,
@@ -188,7 +191,12 @@ impl Smooth {
             let face = across(facet).normalize();
             for i in 0..3 {
                 let [p, q, r] = [0, 1, 2].map(|k| facet[(i + k) % 3].position);
-                at.entry(bits(p)).or_default().facets.push((face, (q - p).angle_between(r - p)));
+                let angle = (q - p).angle_between(r - p);
+                let around = &mut at.entry(bits(p)).or_default().facets;
+                match around.last_mut() {
+                    Some((last, sum)) if last.distance_squared(face) <= SAME_NORMAL * SAME_NORMAL => *sum += angle,
+                    _ => around.push((face, angle)),
+                }
             }
         }
         // Two directions within half the angle of a third are within the angle of each other.
