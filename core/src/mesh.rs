@@ -8,6 +8,7 @@ use crate::bvh::{Bvh, Hit, Ray};
 use crate::cell::{CellError, Facet};
 use crate::interface::{Below, Interface};
 use crate::medium::MediumIndex;
+use crate::sampling::sobol;
 use crate::stack::Film;
 use glam::DVec3;
 
@@ -26,6 +27,8 @@ pub struct MeshCell<'a> {
     /// Slack along a ray at the border between periods, where two copies of a vertex may differ by rounding.
     slack_nm: f64,
     above: MediumIndex,
+    /// The medium under the whole cell; none under a mirror.
+    below: Option<MediumIndex>,
 }
 
 /// A ray's next facet.
@@ -62,9 +65,9 @@ pub enum Next {
     Facet(Meeting),
     /// Out of the cell, upwards.
     Above,
-    /// Out of the cell, downwards.
+    /// Out of the cell, downwards, into the medium under it.
     Below,
-    /// After more periods than are followed, or out of the cell from a medium that is not open there: through a hole.
+    /// After more periods than are followed, or out of the cell in a medium that is not open there: through a hole.
     Lost,
 }
 
@@ -76,13 +79,29 @@ const MAX_PERIODS: u32 = 4096;
 const NOWHERE: Facet = Facet { normal: DVec3::Z, anchor_nm: DVec3::ZERO, interface: u16::MAX };
 const NOTHING: Interface = Interface { above: MediumIndex::MAX, below: Below::Mirror };
 
-/// Vertices may lie outside the period by this fraction of it: the rounding of single-precision files.
-const BORDER: f64 = 4.0 * f32::EPSILON as f64;
+/// The rounding of coordinates in single-precision files, as a fraction of the largest coordinate or period. Vertices may lie
+/// outside the period by this fraction of it.
+pub const RESOLUTION: f64 = 4.0 * f32::EPSILON as f64;
+
+/// Moves vertices beside the border of the period, x = 0 or Λx and y = 0 or Λy, onto it. Beside means nearer than
+/// [`RESOLUTION`] times the largest coordinate or period.
+///
+/// The mesh repeats. Where its border is off by rounding, neighbouring copies miss each other, and light falls through.
+pub fn put_on_border(vertices: &mut [DVec3], period_nm: [f64; 2]) {
+    let [width, depth] = period_nm;
+    let largest = vertices.iter().fold(width.max(depth), |largest, v| largest.max(v.abs().max_element()));
+    let moved = |x: f64, period: f64| {
+        let near = |border: &f64| libm::fabs(x - border) <= RESOLUTION * largest;
+        [0.0, period].into_iter().find(near).unwrap_or(x)
+    };
+    for v in vertices {
+        *v = DVec3::new(moved(v.x, width), moved(v.y, depth), v.z);
+    }
+}
 
 impl<'a> MeshCell<'a> {
     /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light. Vertices
-    /// on the border are best exactly there, at 0 or Λ: between periods that miss each other by rounding light may fall
-    /// through.
+    /// on the border must lie exactly there: see [`put_on_border`]. The medium under the cell is that under its lowest surface.
     ///
     /// # Errors
     /// [`CellError`], with the first offending facet; [`CellError::Period`] for a period that is not positive or is left by
@@ -112,7 +131,7 @@ impl<'a> MeshCell<'a> {
         if let Some(&facet) = facet_of.iter().find(|&&facet| facet as usize >= facets.len()) {
             return Err(CellError::NotFinite { facet: facet as usize });
         }
-        let slack = [BORDER * period_nm[0], BORDER * period_nm[1]];
+        let slack = [RESOLUTION * period_nm[0], RESOLUTION * period_nm[1]];
         let inside = |v: &DVec3| {
             (-slack[0]..=period_nm[0] + slack[0]).contains(&v.x) && (-slack[1]..=period_nm[1] + slack[1]).contains(&v.y)
         };
@@ -124,7 +143,29 @@ impl<'a> MeshCell<'a> {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v.z), high.max(v.z)));
         let slack_nm = slack[0].max(slack[1]);
-        Ok(Self { bvh, facet_of, facets, interfaces, coatings: &[], period_nm, bottom_nm, top_nm, slack_nm, above })
+        let (coatings, below) = (&[][..], None);
+        let cell =
+            Self { bvh, facet_of, facets, interfaces, coatings, period_nm, bottom_nm, top_nm, slack_nm, above, below };
+        Ok(Self { below: cell.lowest_medium(), ..cell })
+    }
+
+    /// The medium under the lowest of some points of the surface, seen from below. A closed cell has the same one under each.
+    fn lowest_medium(&self) -> Option<MediumIndex> {
+        /// More than one, for a cell with holes.
+        const PROBES: u32 = 8;
+        let [px, py] = self.period_nm;
+        let hit = |probe: u32| {
+            let [u, v] = sobol(probe, 0);
+            let origin = DVec3::new(u * px, v * py, self.bottom_nm - self.slack_nm);
+            self.bvh.closest(&Ray { origin, direction: DVec3::Z, t_min: 0.0, t_max: f64::INFINITY }, |_| true)
+        };
+        let lowest = (0..PROBES).filter_map(hit).reduce(|a, b| if b.t < a.t { b } else { a })?;
+        let Interface { above, below } = self.interface(self.facet_of(&lowest));
+        match (lowest.front, below) {
+            (true, _) => Some(above),
+            (false, Below::Medium(below)) => Some(below),
+            (false, Below::Mirror) => None,
+        }
     }
 
     /// The same mesh with films on its facets, one list for each interface, from the upper side; empty lists for bare ones.
@@ -252,7 +293,7 @@ impl<'a> MeshCell<'a> {
             if leaves >= last {
                 return match direction.z {
                     z if z > 0.0 && medium == self.above => Next::Above,
-                    z if z < 0.0 => Next::Below,
+                    z if z < 0.0 && Some(medium) == self.below => Next::Below,
                     _ => Next::Lost,
                 };
             }
@@ -298,5 +339,48 @@ impl<'a> MeshCell<'a> {
         let (x, y) = (step(begin.x, end.x, px), step(begin.y, end.y, py));
         let corner = if x * y == 0.0 { DVec3::ZERO } else { DVec3::new(x, y, 0.0) };
         [DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, y, 0.0), corner]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::Node;
+
+    const PERIOD_NM: [f64; 2] = [10.0, 8.0];
+
+    /// Two horizontal sheets, air over film over glass; the lower one spans x up to `width`.
+    fn film_over_glass(width: f64, work: impl FnOnce(MeshCell<'_>)) {
+        let sheet = |z: f64, x: f64| [[0.0, 0.0], [x, 0.0], [x, 8.0], [0.0, 8.0]].map(|[x, y]| DVec3::new(x, y, z));
+        let [a, b, c, d] = sheet(0.0, 10.0);
+        let [e, f, g, h] = sheet(-3.0, width);
+        let vertices = [a, b, c, d, e, f, g, h];
+        let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+        let (mut nodes, mut order) = ([Node::EMPTY; Bvh::required_nodes(4)], [0; 4]);
+        let mut corners = [0.0; Bvh::required_corners(4)];
+        let bvh = Bvh::build(&vertices, &triangles, &mut nodes, &mut order, &mut corners).unwrap();
+        let facets = [Facet::horizontal(0.0, 0), Facet::horizontal(-3.0, 1)];
+        let interfaces = [(0, 1), (1, 2)].map(|(above, below)| Interface { above, below: Below::Medium(below) });
+        work(MeshCell::new(bvh, &[0, 0, 1, 1], &facets, &interfaces, PERIOD_NM, 0).unwrap());
+    }
+
+    #[test]
+    fn light_leaves_downwards_only_in_the_medium_under_the_cell() {
+        let down = |cell: &MeshCell<'_>, x: f64, z: f64, medium| cell.next(DVec3::new(x, 4.0, z), -DVec3::Z, medium, None);
+        film_over_glass(10.0, |cell| {
+            assert!(matches!(down(&cell, 9.0, 0.0, 1), Next::Facet(Meeting { facet: 1, .. })));
+            assert_eq!(down(&cell, 9.0, -3.0, 2), Next::Below);
+        });
+        film_over_glass(6.0, |cell| {
+            assert_eq!(down(&cell, 9.0, 0.0, 1), Next::Lost, "in the film through a hole");
+            assert_eq!(down(&cell, 5.0, -3.0, 2), Next::Below);
+        });
+    }
+
+    #[test]
+    fn vertices_beside_the_border_are_put_onto_it() {
+        let mut vertices = [[-1e-9, 8.000_001, 1.0], [9.999_999_9, 1e-7, -1e-9], [0.001, 7.999, 3.0]].map(DVec3::from);
+        put_on_border(&mut vertices, PERIOD_NM);
+        assert_eq!(vertices, [[0.0, 8.0, 1.0], [10.0, 0.0, -1e-9], [0.001, 7.999, 3.0]].map(DVec3::from));
     }
 }

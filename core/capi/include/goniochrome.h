@@ -305,7 +305,7 @@ typedef struct {
 
 /*
  A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost, and
- some may find one where vertices on the border are not exactly at 0 or the period.
+ counts as truncated. Vertices that lie beside the border of the period by the rounding of single precision count as on it.
  */
 typedef struct {
     /*
@@ -475,7 +475,7 @@ size_t gonio_cell_memory_size(size_t triangle_count, size_t interface_count);
 size_t gonio_trace_memory_size(const gonio_light *light);
 
 /*
- Makes a cell. It keeps pointers to the mesh's vertices and triangles, to the media's arrays and into `memory`, which has
+ Makes a cell. It keeps pointers to the media's arrays and into `memory`, which has
  `memory_size` bytes, at least gonio_cell_memory_size: all must outlive the cell and must not change. Triangles of one
  interface in one plane are found by comparing each with each: this is for cells of up to some thousand triangles.
 

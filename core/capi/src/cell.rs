@@ -14,7 +14,7 @@ use goniochrome::geometric::{self, Coherency, Geometric, Path};
 use goniochrome::interface::{Below, Interface as CoreInterface};
 use goniochrome::lanes::{F32, Lanes};
 use goniochrome::medium::MediaLanes;
-use goniochrome::mesh::MeshCell;
+use goniochrome::mesh::{MeshCell, put_on_border};
 use goniochrome::paths::{Spill, follow_paths, trace_spilling};
 use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
 use goniochrome::sampling::{Random, sobol};
@@ -44,7 +44,7 @@ pub struct Interface {
 }
 
 /// A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost, and
-/// some may find one where vertices on the border are not exactly at 0 or the period.
+/// counts as truncated. Vertices that lie beside the border of the period by the rounding of single precision count as on it.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Mesh {
@@ -129,7 +129,10 @@ type PathSlot = Slot<Path<F32>, Coherency<F32>>;
 /// Bytes of memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if there are too many.
 #[unsafe(no_mangle)]
 pub extern "C" fn gonio_cell_memory_size(triangle_count: usize, interface_count: usize) -> usize {
+    let corner_count = triangle_count.checked_mul(3);
     let sizes = [
+        corner_count.and_then(room_for::<DVec3>),
+        room_for::<[u32; 3]>(triangle_count),
         room_for::<Node>(Bvh::required_nodes(triangle_count)),
         room_for::<u32>(triangle_count),
         room_for::<f64>(Bvh::required_corners(triangle_count)),
@@ -168,7 +171,7 @@ fn bin_count(light: &Light) -> Option<usize> {
     (valid(light.bins_cos) && valid(light.bins_phi)).then_some(light.bins_cos as usize * light.bins_phi as usize)
 }
 
-/// Makes a cell. It keeps pointers to the mesh's vertices and triangles, to the media's arrays and into `memory`, which has
+/// Makes a cell. It keeps pointers to the media's arrays and into `memory`, which has
 /// `memory_size` bytes, at least gonio_cell_memory_size: all must outlive the cell and must not change. Triangles of one
 /// interface in one plane are found by comparing each with each: this is for cells of up to some thousand triangles.
 ///
@@ -205,7 +208,15 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
     if !vertices.iter().all(|v| v.abs().max_element() <= MOST_NM) {
         return Err(Status::Mesh);
     }
+    if !triangles.iter().flatten().all(|&vertex| (vertex as usize) < vertices.len()) {
+        return Err(Status::Index);
+    }
     let count = triangles.len();
+    // Three of its own for each triangle: the caller's stay as they are while these move onto the border.
+    let corner = |i: usize| triangles.as_flattened().get(i).and_then(|&v| vertices.get(v as usize));
+    let vertices = block.take(3 * count, |i| corner(i).copied().unwrap_or(DVec3::ZERO))?;
+    put_on_border(vertices, mesh.period_nm);
+    let (vertices, triangles) = (&*vertices, &*block.take(count, |i| [0, 1, 2].map(|corner| 3 * i as u32 + corner))?);
     let nodes = block.take(Bvh::required_nodes(count), |_| Node::EMPTY)?;
     let order = block.take(count, |_| 0)?;
     let corners = block.take(Bvh::required_corners(count), |_| 0.0)?;
