@@ -13,7 +13,7 @@ use goniochrome::medium::MediumIndex;
 use goniochrome_cli::bumpy::Bumpy;
 use goniochrome_cli::estimate::Precision;
 use goniochrome_cli::scatter::{Coherence, Estimate, Request, Scattered, scatter};
-use goniochrome_cli::scene::{Scene, Shape, load};
+use goniochrome_cli::scene::{Scene, load};
 use serde_json::{Value, json};
 
 /// Mitsuba's dielectrics have one index for all wavelengths; ours lend them theirs at this one, in nanometres.
@@ -36,7 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Vertices, and the triangles and media of each interface.
 fn mesh(scene: &Scene) -> Result<Value, Box<dyn Error>> {
-    let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { return Err("no polygons".into()) };
+    let cell = scene.shape.polygons().ok_or("no polygons")?;
+    let (mesh, period_nm, interfaces) = (cell.mesh(), cell.period_nm(), cell.interfaces());
     let eta = |medium: MediumIndex| {
         let eta = scene.media[usize::from(medium)].medium.borrow().eta(INDEX_WAVELENGTH_NM)?;
         if eta.im == 0.0 { Ok(eta.re) } else { Err::<f64, Box<dyn Error>>("a medium absorbs".into()) }

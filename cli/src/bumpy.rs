@@ -1,4 +1,4 @@
-//! A scene of tilted facets as a polygon cell: what the general tracer is given.
+//! The polygons of a scene as a cell: what the general tracer is given.
 
 use std::collections::HashMap;
 
@@ -6,12 +6,12 @@ use glam::DVec3;
 use goniochrome::bvh::{Bvh, Node};
 use goniochrome::cell::Facet;
 use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::{Medium, MediumError, MediumIndex};
+use goniochrome::medium::{Medium, MediumIndex};
 use goniochrome::mesh::MeshCell;
 use goniochrome::stack::Film;
 
 use crate::error::{Error, Result};
-use crate::scene::{Mesh, NamedInterface, Scene, Shape, on_border};
+use crate::scene::{Mesh, NamedInterface, Scene};
 
 /// The polygons of a scene, grouped into facets, and the media between them.
 #[derive(Debug, Clone)]
@@ -41,12 +41,17 @@ impl<'s> Bumpy<'s> {
     /// Groups a mesh's triangles into facets.
     ///
     /// # Errors
-    /// A scene without a mesh; a mesh without area, or whose top is not one medium.
+    /// A stack of layers; a mesh without area, or whose top is a mirror's back.
     pub fn new(scene: &'s Scene) -> Result<Self> {
-        let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else {
-            return Err(Error::failed(format_args!("{}: has no [cell] of polygons", scene.name)));
+        let Some(cell) = scene.shape.polygons() else {
+            return Err(Error::failed(format_args!(
+                "{}: is a [stack] of plane layers, which sends light into one direction; use spectrum, colour or estimate, \
+                 or describe a [cell]",
+                scene.name
+            )));
         };
-        let vertices = on_border(mesh, *period_nm);
+        let (mesh, interfaces, period_nm) = (cell.mesh(), cell.interfaces(), cell.period_nm());
+        let vertices: Vec<DVec3> = mesh.vertices.iter().copied().map(DVec3::from).collect();
         let solid: Vec<_> = mesh.triangles.iter().filter(|t| area(&vertices, t.vertices).length() > 0.0).collect();
         if solid.is_empty() {
             return Err(Error::failed(format_args!("{}: no triangle has an area", mesh.path.display())));
@@ -60,7 +65,7 @@ impl<'s> Bumpy<'s> {
         };
         let coatings = interfaces.iter().map(coating).collect();
         let interfaces = interfaces.iter().map(|named| named.interface).collect();
-        Ok(Self { scene, vertices, triangles, facet_of, facets, interfaces, coatings, period_nm: *period_nm, above })
+        Ok(Self { scene, vertices, triangles, facet_of, facets, interfaces, coatings, period_nm, above })
     }
 
     /// Memory for [`Bumpy::cell`].
@@ -94,11 +99,6 @@ impl<'s> Bumpy<'s> {
         self.scene.media.iter().map(|named| named.medium.borrow()).collect()
     }
 
-    /// A medium's complaint, with its name.
-    pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
-        Error::failed(format_args!("{}: material {}: {error}", self.scene.name, self.scene.media[index].name))
-    }
-
     /// The shortest period in whose direction facets are tilted; infinite for a flat surface.
     #[must_use]
     pub fn structured_period_nm(&self) -> f64 {
@@ -124,17 +124,6 @@ impl<'s> Bumpy<'s> {
 
 /// Normals of horizontal triangles differ by the rounding of single-precision files over the length of an edge.
 const TILT: f64 = 1e-6;
-
-/// Whether a scene has facets that are not horizontal, so that it needs the general tracer.
-#[must_use]
-pub fn has_tilted_facets(scene: &Scene) -> bool {
-    let Shape::Cell { mesh, .. } = &scene.shape else { return false };
-    let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| DVec3::from(v)).collect();
-    mesh.triangles.iter().any(|triangle| {
-        let normal = area(&vertices, triangle.vertices);
-        normal.x.hypot(normal.y) > TILT * normal.length()
-    })
-}
 
 /// Twice the area of a triangle along its normal.
 fn area(vertices: &[DVec3], triangle: [u32; 3]) -> DVec3 {

@@ -2,18 +2,21 @@
 
 use glam::DVec3;
 use goniochrome::complex::{ComplexLanes, Polarised};
-use goniochrome::lanes::{F64, Lanes};
+use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
 use goniochrome::orders::{Order, Orders, largest_order};
-use goniochrome::polygons::{Incident, Polygons, free_slot};
+use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
 use goniochrome::sampling::sobol;
-use goniochrome::trace::{Limits, trace};
+use goniochrome::trace::{Limits, Slot, trace};
 
 use crate::bumpy::Bumpy;
 use crate::error::{Error, Result};
+use crate::estimate::Precision;
+use crate::groups::Groups;
+use crate::memory::expect_list;
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, states};
+use crate::scatter::{BATCHES, Estimate, MAX_TRUNCATED, refuse_truncation, states};
 
 /// What to compute.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +29,8 @@ pub struct Request {
     pub most: Option<i32>,
     /// Hits after which rays are dropped: 1 is single scattering.
     pub hits: u32,
+    /// Single or double.
+    pub precision: Precision,
     /// Worker threads; the result does not depend on it.
     pub threads: usize,
 }
@@ -45,12 +50,57 @@ pub struct Diffracted {
     pub efficiency: Polarised<Estimate>,
 }
 
+/// Light that the orders of one wavelength leave out, as a fraction of what comes, unpolarised.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeftOut {
+    /// Of rays that met nothing, were lost through a hole, or found no room.
+    pub lost: f64,
+    /// In flight to a further facet after the last hit.
+    pub in_flight: f64,
+}
+
+impl LeftOut {
+    /// The error bar: what single scattering leaves out by definition does not count.
+    #[must_use]
+    pub fn truncated(&self, hits: u32) -> f64 {
+        self.lost + if hits == SINGLE_SCATTERING { 0.0 } else { self.in_flight }
+    }
+}
+
+/// The reflected orders of light from one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diffraction {
+    /// By index, then by wavelength.
+    pub orders: Vec<Diffracted>,
+    /// One for each wavelength.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Diffraction {
+    /// The largest of a quantity over wavelengths.
+    #[must_use]
+    pub fn worst(&self, of: impl Fn(&LeftOut) -> f64) -> f64 {
+        self.left_out.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// What single scattering leaves out, in words, where it is more than a result may hide.
+    #[must_use]
+    pub fn single_scattering(&self, hits: u32) -> Option<String> {
+        let share = self.worst(|left_out| left_out.in_flight);
+        (hits == SINGLE_SCATTERING && share > MAX_TRUNCATED)
+            .then(|| format!("single scattering: {share:.1e} of the light meets the surface again and is left out"))
+    }
+}
+
+/// [`Request::hits`] of single scattering.
+const SINGLE_SCATTERING: u32 = 1;
+
 /// Hits for a scene: physical optics of one rough surface holds for single scattering, since between its facets, often
 /// narrower than a wavelength, light does not travel as rays. Layers need their bounces.
 #[must_use]
 pub fn default_hits(bumpy: &Bumpy<'_>) -> u32 {
     const LAYERED: u32 = 64;
-    if bumpy.interface_count() == 1 { 1 } else { LAYERED }
+    if bumpy.interface_count() == 1 { SINGLE_SCATTERING } else { LAYERED }
 }
 
 /// A warning where physical optics is asked for too much: periods of under 5 wavelengths, whose features are no wider than one
@@ -62,9 +112,8 @@ pub fn unreliable(bumpy: &Bumpy<'_>, wavelength_nm: &[f64]) -> Option<String> {
     let longest = wavelength_nm.iter().copied().fold(0.0, f64::max);
     (period < FEWEST_WAVELENGTHS * longest).then(|| {
         format!(
-            "{}: a period of {period} nm is less than {FEWEST_WAVELENGTHS} wavelengths of {longest} nm; directions are exact, but \
-             efficiencies are unreliable, off by up to 0.2",
-            bumpy.scene().name
+            "a period of {period} nm is less than {FEWEST_WAVELENGTHS} wavelengths of {longest} nm; directions are exact, but \
+             efficiencies are unreliable, off by up to 0.2"
         )
     })
 }
@@ -74,104 +123,189 @@ const MOST_ORDERS: usize = 16_384;
 /// Waves in flight below this power are dropped.
 const IN_FLIGHT: f64 = 1e-10;
 
-/// The reflected orders that travel, of light from the unit direction `wi`.
+/// The reflected orders that travel, of light from the unit direction `wi`. `progress` is told of each of the batches of each
+/// [`groups`] wavelengths.
 ///
 /// # Errors
-/// A mesh that the core refuses, a medium without data at a wavelength, more orders than are computed.
-pub fn orders(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: &[f64], request: &Request) -> Result<Vec<Diffracted>> {
+/// A mesh that the core refuses, a medium without data at a wavelength, more orders than are computed or memory holds, more
+/// light left out than [`MAX_TRUNCATED`].
+pub fn orders(
+    bumpy: &Bumpy<'_>,
+    wi: DVec3,
+    wavelength_nm: &[f64],
+    request: &Request,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Diffraction> {
+    match request.precision {
+        Precision::F32 => run::<F32>(bumpy, wi, wavelength_nm, request, progress),
+        Precision::F64 => run::<F64>(bumpy, wi, wavelength_nm, request, progress),
+    }
+}
+
+/// Groups into which [`orders`] parts so many wavelengths.
+#[must_use]
+pub fn groups(wavelengths: usize, precision: Precision) -> usize {
+    wavelengths.div_ceil(match precision {
+        Precision::F32 => F32::WIDTH,
+        Precision::F64 => F64::WIDTH,
+    })
+}
+
+fn run<V: Lanes>(
+    bumpy: &Bumpy<'_>,
+    wi: DVec3,
+    wavelength_nm: &[f64],
+    request: &Request,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Diffraction> {
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
-    let mut found = Vec::new();
-    for wavelengths in wavelength_nm.chunks(F64::WIDTH) {
-        let mut eta = vec![ComplexLanes::zero(); media.len()];
-        let group = MediaLanes::<F64>::evaluate(&media, wavelengths, &mut eta)
-            .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
-        found.extend(group_orders(cell, states(bumpy), &group, wi, wavelengths, request)?);
+    let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
+    let groups =
+        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+    let mut found = Diffraction { orders: Vec::new(), left_out: Vec::new() };
+    for (media, wavelengths) in &groups {
+        let light = Light { cell, media: *media, wavelengths, wi, states: states(bumpy) };
+        light.add(request, progress, &mut found)?;
     }
-    found.sort_by_key(|order: &Diffracted| order.index);
+    found.orders.sort_by_key(|order| order.index);
+    let worst = found.left_out.iter().copied().fold(LeftOut::default(), |worst, left_out| {
+        if left_out.truncated(request.hits) > worst.truncated(request.hits) { left_out } else { worst }
+    });
+    let remedy = match worst.in_flight > worst.lost {
+        true => "orders --hits follows it further",
+        false => "its surfaces may cut through one another: correct the mesh",
+    };
+    refuse_truncation(bumpy, worst.truncated(request.hits), remedy)?;
     Ok(found)
 }
 
-fn group_orders(
-    cell: MeshCell<'_>,
-    states: usize,
-    media: &MediaLanes<'_, F64>,
+/// Light at one group of wavelengths.
+struct Light<'l, V: Lanes> {
+    cell: MeshCell<'l>,
+    media: MediaLanes<'l, V>,
+    wavelengths: &'l [f64],
     wi: DVec3,
-    wavelengths: &[f64],
-    request: &Request,
-) -> Result<Vec<Diffracted>> {
-    let eta = media.eta()[usize::from(cell.above())];
-    let shortest = wavelengths.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = cell.period_nm().map(|period| {
-        let all = largest_order(period, Lanes::lane(eta.re, 0), shortest);
-        request.most.map_or(all, |most| most.min(all))
-    });
-    let mut blank = Vec::new();
-    for m in -most[0]..=most[0] {
-        for n in -most[1]..=most[1] {
-            let order = Order::<F64>::new([m, n], wi, cell.period_nm(), eta, media);
-            if order.cos_theta.any_above(0.0) {
-                if blank.len() == MOST_ORDERS {
-                    return Err(Error::failed(format_args!(
-                        "more than {MOST_ORDERS} orders travel at {shortest} nm; give --most-order"
-                    )));
-                }
-                blank.push(order);
-            }
-        }
+    states: usize,
+}
+
+/// Sums over the starting rays of one batch.
+struct Batch<V: Lanes> {
+    orders: Vec<Order<V>>,
+    lost: V,
+    in_flight: V,
+}
+
+impl<V: Lanes> Light<'_, V> {
+    /// Traces all batches and adds what they found.
+    fn add(&self, request: &Request, progress: &(dyn Fn() + Sync), found: &mut Diffraction) -> Result<()> {
+        let blank = self.blank(request)?;
+        expect_list::<Order<V>>(&[blank.len(), BATCHES as usize], "all orders that travel")?;
+        let rays = (request.rays / BATCHES).max(1);
+        let batch = |_| Batch { orders: blank.clone(), lost: V::zero(), in_flight: V::zero() };
+        let mut batches: Vec<Batch<V>> = (0..BATCHES).map(batch).collect();
+        parallel::for_each(
+            request.threads,
+            batches.iter_mut().zip(0u32..),
+            || vec![free_slot::<V>(); self.states],
+            |slots, (sums, batch)| {
+                self.trace(request, rays, batch, slots, sums);
+                progress();
+            },
+        );
+        let rays = f64::from(rays);
+        found.left_out.extend((0..self.wavelengths.len()).map(|lane| {
+            let mean = |of: fn(&Batch<V>) -> V| {
+                batches.iter().map(|batch| of(batch).lane(lane)).sum::<f64>() / (rays * batches.len() as f64)
+            };
+            LeftOut { lost: mean(|batch| batch.lost), in_flight: mean(|batch| batch.in_flight) }
+        }));
+        summarise(&batches, self.wavelengths, rays, &mut found.orders);
+        Ok(())
     }
 
-    let rays = (request.rays / BATCHES).max(1);
-    let mut batches: Vec<Vec<Order<F64>>> = vec![blank; BATCHES as usize];
-    parallel::for_each(
-        request.threads,
-        batches.iter_mut().zip(0u32..),
-        || vec![free_slot::<F64>(); states],
-        |slots, (orders, batch)| {
-            let mut polygons = Polygons::new(cell, *media, Incident::new(wi, eta));
-            let mut sink = Orders::new(orders, wi, eta, media);
-            for ray in 0..rays {
-                let [u, v] = sobol(ray, request.seed.wrapping_mul(BATCHES).wrapping_add(batch));
-                if let Some((state, field)) = polygons.start(u, v) {
-                    sink.begin(state.point_nm());
-                    let limits = Limits { in_flight: IN_FLIGHT, generations: request.hits };
-                    trace(&mut polygons, state, field, slots, limits, &mut sink);
+    /// The orders that travel at some of the wavelengths, without any light.
+    fn blank(&self, request: &Request) -> Result<Vec<Order<V>>> {
+        let eta = self.eta();
+        let shortest = self.wavelengths.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = self.cell.period_nm().map(|period| {
+            let all = largest_order(period, eta.re.lane(0), shortest);
+            request.most.map_or(all, |most| most.min(all))
+        });
+        let mut blank = Vec::new();
+        for m in -most[0]..=most[0] {
+            for n in -most[1]..=most[1] {
+                let order = Order::<V>::new([m, n], self.wi, self.cell.period_nm(), eta, &self.media);
+                if order.cos_theta.any_above(0.0) {
+                    if blank.len() == MOST_ORDERS {
+                        return Err(Error::failed(format_args!(
+                            "more than {MOST_ORDERS} orders travel at {shortest} nm; orders --most-order keeps to some of them"
+                        )));
+                    }
+                    blank.push(order);
                 }
             }
-        },
-    );
-    Ok(summarise(&batches, wavelengths, f64::from(rays)))
+        }
+        Ok(blank)
+    }
+
+    fn eta(&self) -> ComplexLanes<V::Precise> {
+        self.media.eta()[usize::from(self.cell.above())]
+    }
+
+    fn trace(
+        &self,
+        request: &Request,
+        rays: u32,
+        batch: u32,
+        slots: &mut [Slot<State<V>, Field<V>>],
+        sums: &mut Batch<V>,
+    ) {
+        let mut polygons = Polygons::new(self.cell, self.media, Incident::new(self.wi, self.eta()));
+        let mut sink = Orders::new(&mut sums.orders, self.wi, self.eta(), &self.media);
+        let limits = Limits { in_flight: IN_FLIGHT, generations: request.hits };
+        for ray in 0..rays {
+            let [u, v] = sobol(ray, request.seed.wrapping_mul(BATCHES).wrapping_add(batch));
+            match polygons.start(u, v) {
+                Some((state, field)) => {
+                    sink.begin(state.point_nm());
+                    sums.in_flight += trace(&mut polygons, state, field, slots, limits, &mut sink).truncated;
+                }
+                None => sums.lost += V::one(),
+            }
+        }
+        sums.lost += polygons.lost();
+    }
 }
 
 /// Efficiencies of the coherent sum over all batches, with the standard error that the batches' spread tells.
-fn summarise(batches: &[Vec<Order<F64>>], wavelengths: &[f64], rays: f64) -> Vec<Diffracted> {
-    let mut found = Vec::new();
-    for (place, first) in batches[0].iter().enumerate() {
+fn summarise<V: Lanes>(batches: &[Batch<V>], wavelengths: &[f64], rays: f64, found: &mut Vec<Diffracted>) {
+    for (place, first) in batches[0].orders.iter().enumerate() {
         let mut whole = *first;
         for batch in &batches[1..] {
-            whole.add(&batch[place]);
+            whole.add(&batch.orders[place]);
         }
         let count = batches.len() as f64;
         for (lane, &wavelength_nm) in wavelengths.iter().enumerate() {
-            let cos_theta = Lanes::lane(whole.cos_theta, lane);
+            let cos_theta = whole.cos_theta.lane(lane);
             if cos_theta <= 0.0 {
                 continue;
             }
-            let estimate = |of: &dyn Fn(Polarised<F64>) -> F64| {
-                let value = Lanes::lane(of(whole.efficiency(rays * count)), lane);
-                let batch = |order: &Vec<Order<F64>>| Lanes::lane(of(order[place].efficiency(rays)), lane);
+            let estimate = |of: &dyn Fn(Polarised<V>) -> V| {
+                let value = of(whole.efficiency(rays * count)).lane(lane);
+                let batch = |batch: &Batch<V>| of(batch.orders[place].efficiency(rays)).lane(lane);
                 let excess = batches.iter().map(batch).sum::<f64>() / count - value;
                 Estimate::of_square(value, excess, count)
             };
+            let direction = whole.wavevector.direction(lane).normalize();
             found.push(Diffracted {
                 index: whole.index,
                 wavelength_nm,
-                direction: whole.wavevector.direction(lane).normalize(),
-                theta_deg: cos_theta.min(1.0).acos().to_degrees(),
+                direction,
+                theta_deg: direction.x.hypot(direction.y).atan2(direction.z).to_degrees(),
                 efficiency: Polarised { s: estimate(&|e| e.s), p: estimate(&|e| e.p) },
             });
         }
     }
-    found
 }

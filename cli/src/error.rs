@@ -9,6 +9,8 @@ use crate::text::one_line;
 pub struct Error {
     message: String,
     exit_code: u8,
+    /// Whether a medium has no data at a wavelength.
+    no_data: bool,
 }
 
 /// Result of anything that a user can make fail.
@@ -27,7 +29,31 @@ impl Error {
 
     /// Libraries report over several lines, and names come from files of strangers: a log wants one line of plain text.
     fn new(message: impl fmt::Display, exit_code: u8) -> Self {
-        Self { message: one_line(&message.to_string()), exit_code }
+        Self { message: one_line(&message.to_string()), exit_code, no_data: false }
+    }
+
+    /// A medium has no data at a wavelength that a command needs. What can be done depends on the command: see
+    /// [`Error::with_remedy`].
+    pub fn no_data(message: impl fmt::Display) -> Self {
+        Self { no_data: true, ..Self::failed(message) }
+    }
+
+    /// Whether a medium has no data at a wavelength.
+    #[must_use]
+    pub fn lacks_data(&self) -> bool {
+        self.no_data
+    }
+
+    /// The same error, with what can be done where a medium has no data. `asks` says whether the command lets its user choose
+    /// the wavelengths.
+    #[must_use]
+    pub fn with_remedy(self, asks: bool) -> Self {
+        let remedy = match (self.no_data, asks) {
+            (false, _) => return self,
+            (true, true) => "choose --wavelengths inside, or set extrapolate = \"clamp\" in the scene",
+            (true, false) => "set extrapolate = \"clamp\" in the scene",
+        };
+        Self { message: format!("{}; {remedy}", self.message), no_data: false, ..self }
     }
 
     /// 1 or 2.

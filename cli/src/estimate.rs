@@ -153,7 +153,8 @@ fn run<V: Lanes>(
     let stack = planar.stack(&mut buffer)?;
     let media = planar.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups = groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| planar.medium_error(index, &error))?;
+    let groups =
+        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| planar.scene().medium_error(index, &error))?;
     for (group, _) in &groups {
         refuse_absorbing_ambient(planar, stack, group)?;
     }

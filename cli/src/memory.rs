@@ -46,6 +46,14 @@ pub fn expect(bytes: usize, what: impl Display) -> Result<()> {
     empty::<u8>(bytes, what).map(drop)
 }
 
+/// Tries whether there is memory for a list of `T`, as long as the product of `factors`.
+///
+/// # Errors
+/// One line that says what the memory was for.
+pub fn expect_list<T>(factors: &[usize], what: impl Display) -> Result<()> {
+    expect(factors.iter().fold(size_of::<T>(), |bytes, factor| bytes.saturating_mul(*factor)), what)
+}
+
 fn too_little(len: usize, size: usize, what: &dyn Display) -> Error {
     let gigabytes = len as f64 * size as f64 * 1e-9;
     Error::failed(format_args!("not enough memory for {what}, which takes {gigabytes:.2} GB; ask for less"))
@@ -64,5 +72,6 @@ mod tests {
         let message = filled(0u64, usize::MAX / 4, "a picture").unwrap_err().to_string();
         assert!(message.starts_with("not enough memory for a picture, which takes "), "{message}");
         assert!(expect(usize::MAX, "all").is_err() && expect(1 << 10, "some").is_ok());
+        assert!(expect_list::<f64>(&[usize::MAX, 2], "all").is_err() && expect_list::<f64>(&[9, 9], "some").is_ok());
     }
 }

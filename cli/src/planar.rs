@@ -2,11 +2,11 @@
 
 use goniochrome::cell::{Cell, Facet};
 use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::{Medium, MediumError, MediumIndex};
+use goniochrome::medium::{Medium, MediumIndex};
 use goniochrome::stack::{Boundary, Film, Stack, StackMemory};
 
 use crate::error::{Error, Result};
-use crate::scene::{Scene, Shape, planes};
+use crate::scene::{Scene, Shape};
 
 /// The facets of a planar scene, from the top, and what they divide.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ impl<'s> Planar<'s> {
     /// The planes of a scene: those of a mesh, or those between the layers of a stack.
     ///
     /// # Errors
-    /// A mesh that is not made of closed horizontal planes.
+    /// A mesh of tilted facets.
     pub fn new(scene: &'s Scene) -> Result<Self> {
         let planes: Vec<(f64, Interface)> = match &scene.shape {
             Shape::Stack { ambient, layers, substrate } => {
@@ -43,10 +43,14 @@ impl<'s> Planar<'s> {
                 planes.push((z_nm, Interface { above, below: *substrate }));
                 planes
             }
-            Shape::Cell { mesh, period_nm, interfaces } => planes(mesh, *period_nm, interfaces, &scene.media)?
-                .into_iter()
-                .map(|plane| (plane.z_nm, plane.interface))
-                .collect(),
+            Shape::Planes(flat) => flat.planes().iter().map(|plane| (plane.z_nm, plane.interface)).collect(),
+            Shape::Mesh(_) => {
+                return Err(Error::failed(format_args!(
+                    "{}: has tilted facets, which scatter light; use estimate for its BRDF table and colours, scatter or orders \
+                     for one direction of the light",
+                    scene.name
+                )));
+            }
         };
         let mut interfaces: Vec<Interface> = Vec::new();
         let mut facets = Vec::with_capacity(planes.len());
@@ -110,24 +114,12 @@ impl<'s> Planar<'s> {
             let mut most: f64 = 0.0;
             for i in 0..=PROBES {
                 let nm = first + (last - first) * f64::from(i) / f64::from(PROBES);
-                most = most.max(medium.eta(nm).map_err(|error| self.medium_error(index, &error))?.re);
+                most = most.max(medium.eta(nm).map_err(|error| self.scene.medium_error(index, &error))?.re);
             }
             largest.push(most);
         }
         let path = |j| largest[usize::from(stack.film(j).medium)] * stack.film(j).thickness_nm;
         Ok((0..stack.planes() - 1).map(path).sum())
-    }
-
-    /// A medium's complaint, with its name and the remedy.
-    pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
-        let name = &self.scene.media[index].name;
-        let remedy = match error {
-            MediumError::OutOfRange { .. } => {
-                "; choose --wavelengths inside, or set extrapolate = \"clamp\" in the scene"
-            }
-            _ => "",
-        };
-        Error::failed(format_args!("{}: material {name}: {error}{remedy}", self.scene.name))
     }
 
     /// The name of a medium.

@@ -15,10 +15,14 @@ use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
 use goniochrome::sampling::{Random, sobol};
 use goniochrome::trace::{Limits, Slot};
 
+use crate::args::spelled;
 use crate::bumpy::Bumpy;
+use crate::coherent::{BinLight, orders_in_bins};
+use crate::diffraction::groups;
 use crate::error::{Error, Result};
 use crate::estimate::Precision;
-use crate::groups::Groups;
+use crate::groups::{Group, Groups};
+use crate::memory::expect_list;
 use crate::parallel;
 
 /// How exits add.
@@ -33,6 +37,37 @@ pub enum Coherence {
     Bin,
     /// The period is one coherent field, which leaves in diffraction orders; reflection alone.
     Cell,
+}
+
+/// What a [`Coherence`] adds up: the one place that tells them apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Adding {
+    /// Starting rays as powers.
+    Powers(Paths),
+    /// Fields of all starting rays, in bins.
+    Fields,
+    /// Fields of all starting rays, in diffraction orders.
+    Orders,
+}
+
+/// How the paths of one starting ray add.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Paths {
+    /// As amplitudes, in bins.
+    Interfering,
+    /// As powers.
+    Alone,
+}
+
+impl Coherence {
+    pub(crate) fn adding(self) -> Adding {
+        match self {
+            Self::Ray => Adding::Powers(Paths::Interfering),
+            Self::None => Adding::Powers(Paths::Alone),
+            Self::Bin => Adding::Fields,
+            Self::Cell => Adding::Orders,
+        }
+    }
 }
 
 /// What to compute.
@@ -142,10 +177,12 @@ const PATHS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
 /// Waves in flight below this power are dropped: amplitudes of 3e-7, of which a loop of gain g would make 3e-7/|1 − g|.
 pub(crate) const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 
-/// Light from the unit direction `wi`, at each wavelength. `progress` is told of each of the batches.
+/// Light from the unit direction `wi`, at each wavelength, by the coherence asked for. `progress` is told of each of so many
+/// [`steps`].
 ///
 /// # Errors
-/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs.
+/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs, more memory than there is,
+/// waves without a sum, more light left out than [`MAX_TRUNCATED`].
 pub fn scatter(
     bumpy: &Bumpy<'_>,
     wi: DVec3,
@@ -153,10 +190,22 @@ pub fn scatter(
     request: &Request,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>> {
+    let tallies = [BATCHES as usize, wavelength_nm.len(), request.bins.count()];
+    expect_list::<f64>(&tallies, "all --bins at all --wavelengths")?;
     match request.precision {
         Precision::F32 => run::<F32>(bumpy, wi, wavelength_nm, request, progress),
         Precision::F64 => run::<F64>(bumpy, wi, wavelength_nm, request, progress),
     }
+}
+
+/// Steps of which [`scatter`] tells.
+#[must_use]
+pub fn steps(wavelengths: usize, request: &Request) -> usize {
+    BATCHES as usize
+        * match request.coherence {
+            Coherence::Ray | Coherence::None => 1,
+            Coherence::Bin | Coherence::Cell => groups(wavelengths, request.precision),
+        }
 }
 
 fn run<V: Lanes>(
@@ -166,30 +215,73 @@ fn run<V: Lanes>(
     request: &Request,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>> {
+    match request.coherence.adding() {
+        Adding::Powers(paths) => tallied::<V>(bumpy, wavelength_nm, request, |cell, groups| {
+            Ok(powers(bumpy, cell, groups, wi, paths, request, progress))
+        }),
+        Adding::Fields => tallied::<V>(bumpy, wavelength_nm, request, |cell, groups| {
+            BinLight::expect_room::<V>(request)?;
+            let light = BinLight::new(bumpy, cell, wi, request);
+            let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
+            for (media, wavelengths) in groups {
+                let found = light.tallies(*media, wavelengths.len(), progress);
+                batches.iter_mut().zip(found).for_each(|(batch, found)| batch.extend(found));
+            }
+            Ok(batches)
+        }),
+        Adding::Orders => orders_in_bins(bumpy, wi, wavelength_nm, request, progress),
+    }
+}
+
+/// Means over the tallies that `work` makes of a cell: for each batch one for each wavelength.
+fn tallied<V: Lanes>(
+    bumpy: &Bumpy<'_>,
+    wavelength_nm: &[f64],
+    request: &Request,
+    work: impl FnOnce(MeshCell<'_>, &[Group<'_, V>]) -> Result<Vec<Vec<Tally>>>,
+) -> Result<Vec<Scattered>> {
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups = groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.medium_error(index, &error))?;
+    let groups =
+        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+    let batches = work(cell, &groups)?;
+    let found: Vec<Scattered> =
+        (0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect();
+    for Scattered { reflected, transmitted, absorbed, truncated, .. } in &found {
+        let totals = [reflected, transmitted, absorbed, truncated].map(|total| total.value);
+        refuse_divergence(bumpy, request.coherence, totals)?;
+    }
+    Ok(found)
+}
+
+/// The tallies of each batch, where starting rays add as powers.
+fn powers<V: Lanes>(
+    bumpy: &Bumpy<'_>,
+    cell: MeshCell<'_>,
+    groups: &[Group<'_, V>],
+    wi: DVec3,
+    paths: Paths,
+    request: &Request,
+    progress: &(dyn Fn() + Sync),
+) -> Vec<Vec<Tally>> {
     let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
     parallel::for_each(
         request.threads,
         batches.iter_mut().zip(0u32..),
         || Workspace::<V>::new(bumpy),
         |workspace, (out, batch)| {
-            for (group, wavelengths) in &groups {
+            for (group, wavelengths) in groups {
                 let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
                 let rays = 0..(request.rays / BATCHES).max(1);
-                trace_batch(cell, *group, wi, batch, rays, request, workspace, &mut tallies);
+                trace_batch(cell, *group, wi, batch, rays, paths, request, workspace, &mut tallies);
                 out.extend(tallies);
             }
             progress();
         },
     );
-    let found: Vec<Scattered> =
-        (0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect();
-    found.iter().try_for_each(|found| refuse_divergence(bumpy, found))?;
-    Ok(found)
+    batches
 }
 
 /// Means over starting rays of one batch, one wavelength.
@@ -206,6 +298,22 @@ pub(crate) struct Tally {
 impl Tally {
     pub(crate) fn new(bins: usize) -> Self {
         Self { bins: vec![0.0; bins], ..Self::default() }
+    }
+
+    /// The mean of some of equally many bins.
+    pub(crate) fn mean<'t>(tallies: impl ExactSizeIterator<Item = &'t Self>) -> Self {
+        let share = 1.0 / tallies.len() as f64;
+        tallies.fold(Self::default(), |mut mean, tally| {
+            mean.bins.resize(tally.bins.len(), 0.0);
+            let mut tally = tally.clone();
+            mean.numbers().zip(tally.numbers()).for_each(|(sum, part)| *sum += share * *part);
+            mean
+        })
+    }
+
+    fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+        let Self { reflected, transmitted, absorbed, truncated, without_interference, bins } = self;
+        [reflected, transmitted, absorbed, truncated, without_interference].into_iter().chain(bins)
     }
 }
 
@@ -233,12 +341,12 @@ pub(crate) fn trace_batch<V: Lanes>(
     wi: DVec3,
     batch: u32,
     rays: Range<u32>,
+    adding: Paths,
     request: &Request,
     Workspace { waves, paths, exits }: &mut Workspace<V>,
     tallies: &mut [Tally],
 ) {
     let eta = media.eta()[usize::from(cell.above())];
-    let coherent = request.coherence == Coherence::Ray;
     let incident = Incident::new(wi, eta);
     let (mut polygons, mut geometric) = (Polygons::new(cell, media, incident), Geometric::new(cell, media, incident));
     let mut exits = Exits::new(exits, request.bins, &media);
@@ -255,13 +363,13 @@ pub(crate) fn trace_batch<V: Lanes>(
         exits.begin(path.at().point_nm);
         let mut random = Random::new(ray, sequence);
         let mut interfering = None;
-        if coherent {
+        if adding == Paths::Interfering {
             let before = (polygons, geometric);
             let (state, field) = polygons.start_at(path.at());
             let spill = Spill::new(&mut geometric, paths, PATHS, &mut random);
             let done = trace_spilling(&mut polygons, state, field, waves, WAVES, spill, &mut exits);
-            if done.truncated.any_above(1.0) {
-                // The waves of this starting ray have no sum: it is followed again without their interference.
+            if done.truncated.any_above(MAX_TRUNCATED) {
+                // The waves of this starting ray have no sum, or too little of one: it is followed again without interference.
                 (polygons, geometric) = before;
                 exits.begin(path.at().point_nm);
                 without_interference += 1;
@@ -289,23 +397,58 @@ pub(crate) fn trace_batch<V: Lanes>(
     }
 }
 
-/// Waves in absorbing bodies narrower than a wavelength may meet loops of gain above 1, whose sum by hits has no end.
-pub(crate) fn refuse_divergence(bumpy: &Bumpy<'_>, found: &Scattered) -> Result<()> {
-    let totals = [found.reflected, found.transmitted, found.absorbed, found.truncated];
-    converged(bumpy, totals.map(|total| total.value))
-}
+/// The largest share of the light that a result may leave out. It bounds the error of a reflectance Y. CIELAB's L* changes by at most
+/// 903 for each unit of Y, near black: by 0.9 here, less than the smallest difference that is seen.
+pub const MAX_TRUNCATED: f64 = 1e-3;
 
-/// The same of what was reflected, transmitted, absorbed and truncated.
-pub(crate) fn converged(bumpy: &Bumpy<'_>, totals: [f64; 4]) -> Result<()> {
+/// Refuses what was reflected, transmitted, absorbed and truncated if it is no result. Waves in absorbing bodies narrower than a
+/// wavelength may meet loops of gain above 1, whose sum by hits has no end.
+pub(crate) fn refuse_divergence(bumpy: &Bumpy<'_>, coherence: Coherence, totals: [f64; 4]) -> Result<()> {
     /// Of a sum over wavelengths whose weights add up to 1.
     const ROUNDING: f64 = 1e-9;
-    if totals.iter().all(|total| total.is_finite()) && totals[3] <= 1.0 + ROUNDING {
+    if !totals.iter().all(|total| total.is_finite()) || totals[3] > 1.0 + ROUNDING {
+        return Err(Error::failed(format_args!(
+            "{}: interfering waves do not converge in this cell; use --coherence none",
+            bumpy.scene().name
+        )));
+    }
+    let remedy = match coherence.adding() {
+        Adding::Powers(Paths::Alone) => "its surfaces may cut through one another: correct the mesh",
+        Adding::Powers(Paths::Interfering) | Adding::Fields | Adding::Orders => "use --coherence none",
+    };
+    refuse_truncation(bumpy, totals[3], remedy)
+}
+
+/// Refuses a result that leaves out more light than [`MAX_TRUNCATED`].
+pub(crate) fn refuse_truncation(bumpy: &Bumpy<'_>, truncated: f64, remedy: &str) -> Result<()> {
+    if truncated <= MAX_TRUNCATED {
         return Ok(());
     }
     Err(Error::failed(format_args!(
-        "{}: interfering waves do not converge in this cell; use --coherence none",
+        "{}: {truncated:.1e} of the light was lost or given up on its way, more than the {MAX_TRUNCATED:.0e} that a result may \
+         leave out; {remedy}",
         bumpy.scene().name
     )))
+}
+
+/// A power balance that is worse than this, and than [`FAR`] standard errors, is told. Bumpy films keep their power to a hundredth.
+const TOLD_IMBALANCE: f64 = 0.01;
+/// Standard errors.
+const FAR: f64 = 4.0;
+
+/// A warning where the power of waves that interfere does not balance.
+#[must_use]
+pub fn unbalanced(coherence: Coherence, imbalance: Estimate) -> Option<String> {
+    let Estimate { value, std_error } = imbalance;
+    match coherence.adding() {
+        Adding::Powers(_) | Adding::Fields if value.abs() > TOLD_IMBALANCE.max(FAR * std_error) => Some(format!(
+            "power balances only to {value:.3} with --coherence {}, since paths that interfere here do not interfere in all \
+             directions; --coherence none keeps power",
+            spelled(coherence)
+        )),
+        // Of orders only those that are reflected are computed: what is missing is no fault.
+        Adding::Powers(_) | Adding::Fields | Adding::Orders => None,
+    }
 }
 
 /// Mean and standard error over batches.

@@ -1,5 +1,6 @@
 //! BRDFs of cells of tilted facets: every incident direction traced, its light counted in bins.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use glam::DVec3;
@@ -8,16 +9,20 @@ use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::mesh::MeshCell;
 use goniochrome::table::ScatterLayout;
 
+use crate::args::spelled;
 use crate::bumpy::Bumpy;
 use crate::checkpoint::{Checkpoint, Identity};
-use crate::error::Result;
+use crate::coherent::BinLight;
+use crate::error::{Error, Result};
 use crate::estimate::Precision;
 use crate::groups::{Group, Groups};
 use crate::memory::filled;
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, Request, Tally, Workspace, converged, trace_batch};
+use crate::scatter::{
+    Adding, BATCHES, Coherence, Estimate, Paths, Request, Tally, Workspace, refuse_divergence, states, trace_batch,
+};
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
-use crate::scene::{Scene, Shape};
+use crate::scene::Scene;
 
 /// Starting rays of one incident direction beyond which `target_error` asks for no more.
 pub const MOST_RAYS: u32 = 1 << 22;
@@ -48,11 +53,14 @@ impl TableRequest<'_> {
         let Request { coherence, rays, seed, bins, precision, threads: _ } = tracing;
         let options = (layout, coherence, rays, seed, bins, precision, target_error);
         let identity = Identity::of_program();
-        let identity = match &scene.shape {
-            Shape::Stack { .. } => identity.and("scene", &(&scene.media, &scene.shape)),
-            Shape::Cell { mesh, period_nm, interfaces } => identity
-                .and("scene", &(&scene.media, period_nm, interfaces))
-                .and("mesh", &(&mesh.vertices, &mesh.triangles)),
+        let identity = match scene.shape.polygons() {
+            None => identity.and("scene", &(&scene.media, &scene.shape)),
+            Some(cell) => {
+                let mesh = cell.mesh();
+                identity
+                    .and("scene", &(&scene.media, cell.period_nm(), cell.interfaces()))
+                    .and("mesh", &(&mesh.vertices, &mesh.triangles))
+            }
         };
         identity.and("options", &options).and("wavelengths and illuminant", &(wavelength_nm, weights))
     }
@@ -63,10 +71,10 @@ impl TableRequest<'_> {
 ///
 /// Every direction has its rays in 32 independently scrambled batches; the error is that over batches. With one incident
 /// azimuth (an isotropic table) the batches come from as many azimuths around the normal, and the error holds the spread
-/// between them.
+/// between them; where starting rays interfere, each azimuth has 32 batches of its own.
 ///
 /// # Errors
-/// A table that is too large, a mesh that the core refuses, a medium without data at a wavelength, a checkpoint that cannot be
+/// Coherence `cell`, a table that is too large, more light left out than [`crate::scatter::MAX_TRUNCATED`], a mesh that the core refuses, a medium without data at a wavelength, a checkpoint that cannot be
 /// read or written.
 pub fn estimate(
     bumpy: &Bumpy<'_>,
@@ -87,6 +95,25 @@ pub fn estimate(
     Ok(table)
 }
 
+/// How exits add in a table.
+#[derive(Clone, Copy)]
+enum Tabulated {
+    Powers(Paths),
+    Fields,
+}
+
+fn tabulated(coherence: Coherence) -> Result<Tabulated> {
+    match coherence.adding() {
+        Adding::Powers(paths) => Ok(Tabulated::Powers(paths)),
+        Adding::Fields => Ok(Tabulated::Fields),
+        Adding::Orders => Err(Error::usage(format_args!(
+            "--coherence {}: a table holds no diffraction orders; use orders, or scatter with this option, for one direction of \
+             the light",
+            spelled(coherence)
+        ))),
+    }
+}
+
 fn run<V: Lanes>(
     bumpy: &Bumpy<'_>,
     wavelength_nm: &[f64],
@@ -94,11 +121,16 @@ fn run<V: Lanes>(
     checkpoint: Option<&Checkpoint>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<ScatterTable> {
+    let tabulated = tabulated(request.tracing.coherence)?;
+    if let Tabulated::Fields = tabulated {
+        BinLight::expect_room::<V>(&request.tracing)?;
+    }
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups = groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.medium_error(index, &error))?;
+    let groups =
+        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
     let layout = request.layout;
     let (bins, pairs) = (layout.bins().count(), layout.count());
     let mut table = ScatterTable {
@@ -129,16 +161,23 @@ fn run<V: Lanes>(
     parallel::for_each(
         request.tracing.threads,
         rows.into_iter().enumerate().filter_map(|(incident, row)| Some((incident, row?))),
-        || Worker(Workspace::<V>::new(bumpy)),
+        || Worker {
+            cell,
+            groups: &groups,
+            request,
+            tabulated,
+            states: states(bumpy),
+            memory: Workspace::<V>::new(bumpy),
+        },
         |worker, (incident, row)| {
             if lost.get().is_some() {
                 return; // what nobody can keep, or use, is not worth computing
             }
-            let energy = worker.direction(cell, &groups, request, incident, row.brdf, row.error);
+            let energy = worker.direction(incident, row.brdf, row.error);
             *row.energy = energy;
-            let kept =
-                converged(bumpy, [energy.reflected.value, energy.transmitted, energy.absorbed, energy.truncated])
-                    .and_then(|()| checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(incident, &row.write())));
+            let totals = [energy.reflected.value, energy.transmitted, energy.absorbed, energy.truncated];
+            let kept = refuse_divergence(bumpy, request.tracing.coherence, totals)
+                .and_then(|()| checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(incident, &row.write())));
             if let Err(error) = kept {
                 let _ = lost.set(error);
             }
@@ -147,6 +186,9 @@ fn run<V: Lanes>(
     );
     lost.into_inner().map_or(Ok(table), Err)
 }
+
+/// Numbers of an [`Energy`] besides its rays.
+const ENERGIES: usize = 7;
 
 /// The part of a table that one incident direction has.
 struct Direction<'t> {
@@ -158,15 +200,23 @@ struct Direction<'t> {
 impl Direction<'_> {
     /// Of what [`Direction::write`] makes.
     fn bytes(bins: usize, wavelengths: usize) -> usize {
-        bins * (wavelengths + 1) * size_of::<f32>() + 5 * size_of::<f64>() + size_of::<u64>()
+        bins * (wavelengths + 1) * size_of::<f32>() + ENERGIES * size_of::<f64>() + size_of::<u64>()
     }
 
     /// Its numbers for a checkpoint, little endian: energy, f, errors.
     fn write(&self) -> Vec<u8> {
-        let Energy { reflected: Estimate { value, std_error }, transmitted, absorbed, truncated, rays } = *self.energy;
-        let energy = [value, std_error, transmitted, absorbed, truncated].map(f64::to_le_bytes);
+        let Energy { reflected, transmitted, absorbed, truncated, imbalance, rays } = *self.energy;
+        let energy: [f64; ENERGIES] = [
+            reflected.value,
+            reflected.std_error,
+            transmitted,
+            absorbed,
+            truncated,
+            imbalance.value,
+            imbalance.std_error,
+        ];
         let mut bytes = Vec::with_capacity(Self::bytes(self.error.len(), self.brdf.len() / self.error.len()));
-        bytes.extend(energy.as_flattened());
+        bytes.extend(energy.map(f64::to_le_bytes).as_flattened());
         bytes.extend(rays.to_le_bytes());
         bytes.extend(self.brdf.iter().chain(&*self.error).flat_map(|x| x.to_le_bytes()));
         bytes
@@ -174,7 +224,7 @@ impl Direction<'_> {
 
     /// Takes them back.
     fn read(&mut self, bytes: &[u8]) {
-        let (energy, floats) = bytes.split_at(6 * size_of::<u64>());
+        let (energy, floats) = bytes.split_at((ENERGIES + 1) * size_of::<u64>());
         let (words, _) = energy.as_chunks();
         let number = |i: usize| f64::from_le_bytes(words[i]);
         *self.energy = Energy {
@@ -182,7 +232,8 @@ impl Direction<'_> {
             transmitted: number(2),
             absorbed: number(3),
             truncated: number(4),
-            rays: u64::from_le_bytes(words[5]),
+            imbalance: Estimate { value: number(5), std_error: number(6) },
+            rays: u64::from_le_bytes(words[ENERGIES]),
         };
         let (floats, _) = floats.as_chunks();
         let numbers = self.brdf.iter_mut().chain(&mut *self.error);
@@ -191,7 +242,14 @@ impl Direction<'_> {
 }
 
 /// A thread, with its memory for the tracer.
-struct Worker<V: Lanes>(Workspace<V>);
+struct Worker<'w, V: Lanes> {
+    cell: MeshCell<'w>,
+    groups: &'w [Group<'w, V>],
+    request: &'w TableRequest<'w>,
+    tabulated: Tabulated,
+    states: usize,
+    memory: Workspace<V>,
+}
 
 /// What one batch has found so far, weighted by luminance.
 #[derive(Clone, Default)]
@@ -203,100 +261,175 @@ struct Luminance {
     bins: Vec<f64>,
 }
 
-impl<V: Lanes> Worker<V> {
+/// What one incident direction has found so far, in sums over starting rays.
+struct Sums {
+    /// `[wavelength][bin]`, in bins relative to the incident azimuth.
+    power: Vec<f64>,
+    batches: Vec<Luminance>,
+}
+
+/// A batch of starting rays of one incident direction.
+#[derive(Clone, Copy)]
+struct Batch {
+    number: usize,
+    /// The column of bins that holds the incident azimuth, which is relative column 0.
+    first: usize,
+    wi: DVec3,
+    rays: f64,
+}
+
+impl Sums {
+    fn new(wavelengths: usize, bins: usize) -> Self {
+        let batch = Luminance { bins: vec![0.0; bins], ..Luminance::default() };
+        Self { power: vec![0.0; wavelengths * bins], batches: vec![batch; BATCHES as usize] }
+    }
+
+    /// Adds the means over a batch's starting rays at one wavelength.
+    fn add(&mut self, request: &TableRequest<'_>, batch: &Batch, wavelength: usize, tally: &Tally) {
+        let bins = request.layout.bins();
+        let (count, columns) = (bins.count(), bins.phi as usize);
+        let weight = request.weights[wavelength][1] * batch.rays;
+        let luminance = &mut self.batches[batch.number];
+        luminance.reflected += weight * tally.reflected;
+        luminance.transmitted += weight * tally.transmitted;
+        luminance.absorbed += weight * tally.absorbed;
+        luminance.truncated += weight * tally.truncated;
+        let power = &mut self.power[wavelength * count..][..count];
+        for (bin, &counted) in tally.bins.iter().enumerate().filter(|(_, counted)| **counted != 0.0) {
+            let column = bin % columns;
+            let relative = bin - column + (column + columns - batch.first) % columns;
+            power[relative] += counted * batch.rays;
+            luminance.bins[relative] += weight * counted;
+        }
+    }
+}
+
+impl<V: Lanes> Worker<'_, V> {
     /// Traces one incident direction into its rows of the table.
-    fn direction(
-        &mut self,
-        cell: MeshCell<'_>,
-        groups: &[Group<'_, V>],
-        request: &TableRequest<'_>,
-        incident: usize,
-        brdf: &mut [f32],
-        error: &mut [f32],
-    ) -> Energy {
-        let bins = error.len();
-        let mut power = vec![0.0; brdf.len()];
-        let mut batches = vec![Luminance { bins: vec![0.0; bins], ..Luminance::default() }; BATCHES as usize];
+    fn direction(&mut self, incident: usize, brdf: &mut [f32], error: &mut [f32]) -> Energy {
+        let request = self.request;
+        let (bins, wavelengths) = (error.len(), brdf.len() / error.len());
+        let mut sums = Sums::new(wavelengths, bins);
         // Independent scramblings for each direction: errors of neighbours must not agree by construction.
         let seed = request.tracing.seed.wrapping_mul(0x9e37_79b9).wrapping_add(incident as u32);
-        let tracing = Request { seed, ..request.tracing };
+        let tracing = Request { seed, threads: 1, ..request.tracing };
         let (mut from, mut to) = (0, (request.tracing.rays / BATCHES).max(1));
         loop {
-            for (batch, luminance) in batches.iter_mut().enumerate() {
-                self.batch(cell, groups, request, &tracing, incident, batch, from..to, &mut power, luminance);
+            match self.tabulated {
+                Tabulated::Powers(paths) => {
+                    for number in 0..BATCHES as usize {
+                        self.powers(&tracing, paths, incident, number, from..to, &mut sums);
+                    }
+                }
+                Tabulated::Fields => {
+                    sums = Sums::new(wavelengths, bins);
+                    to = self.fields(&tracing, incident, to, &mut sums);
+                }
             }
-            let reflected = over_batches(batches.iter().map(|batch| batch.reflected / f64::from(to)));
+            let reflected = over_batches(sums.batches.iter().map(|batch| batch.reflected / f64::from(to)));
             let good = request.target_error.is_none_or(|target| reflected.std_error <= target);
             if good || to > MOST_RAYS / BATCHES / 2 {
                 break;
             }
             (from, to) = (to, 2 * to);
         }
+        self.settle(&sums, to, brdf, error)
+    }
+
+    /// Divides the sums over `to` starting rays of each batch.
+    fn settle(&self, Sums { power, batches }: &Sums, to: u32, brdf: &mut [f32], error: &mut [f32]) -> Energy {
+        let (request, bins) = (self.request, error.len());
         let per_ray = 1.0 / f64::from(to);
         let solid_angle: Vec<f64> = (0..bins).map(|bin| request.layout.bins().projected_solid_angle(bin)).collect();
         for (brdf, power) in brdf.chunks_mut(bins).zip(power.chunks(bins)) {
             for ((f, power), solid_angle) in brdf.iter_mut().zip(power).zip(&solid_angle) {
-                *f = (power * per_ray / f64::from(BATCHES) / solid_angle) as f32;
+                // Where starting rays interfere, a bin without light holds noise of either sign.
+                *f = (power * per_ray / f64::from(BATCHES) / solid_angle).max(0.0) as f32;
             }
         }
         for (bin, error) in error.iter_mut().enumerate() {
             let spread = over_batches(batches.iter().map(|batch| batch.bins[bin] * per_ray));
             *error = (spread.std_error / solid_angle[bin]) as f32;
         }
-        let mean = |of: fn(&Luminance) -> f64| over_batches(batches.iter().map(|batch| of(batch) * per_ray));
+        let mean = |of: &dyn Fn(&Luminance) -> f64| over_batches(batches.iter().map(|batch| of(batch) * per_ray));
+        let whole: f64 = request.weights.iter().map(|weight| weight[1]).sum::<f64>() * f64::from(to);
         Energy {
-            reflected: mean(|batch| batch.reflected),
-            transmitted: mean(|batch| batch.transmitted).value,
-            absorbed: mean(|batch| batch.absorbed).value,
-            truncated: mean(|batch| batch.truncated).value,
+            reflected: mean(&|batch| batch.reflected),
+            transmitted: mean(&|batch| batch.transmitted).value,
+            absorbed: mean(&|batch| batch.absorbed).value,
+            truncated: mean(&|batch| batch.truncated).value,
+            imbalance: mean(&|b| whole - b.reflected - b.transmitted - b.absorbed - b.truncated),
             rays: u64::from(to) * u64::from(BATCHES),
         }
     }
 
-    /// Adds the starting rays `rays` of one batch, in relative bins.
-    #[allow(clippy::too_many_arguments)]
-    fn batch(
-        &mut self,
-        cell: MeshCell<'_>,
-        groups: &[Group<'_, V>],
-        request: &TableRequest<'_>,
-        tracing: &Request,
-        incident: usize,
-        batch: usize,
-        rays: std::ops::Range<u32>,
-        power: &mut [f64],
-        luminance: &mut Luminance,
-    ) {
-        let layout = request.layout;
-        let (bins, columns) = (layout.bins().count(), layout.bins().phi as usize);
+    /// A batch of so many starting rays. In an isotropic table each comes from an azimuth of its own.
+    fn of(&self, incident: usize, number: usize, rays: u32) -> Batch {
+        let layout = self.request.layout;
+        let columns = layout.bins().phi as usize;
         let first = match layout.phi() {
-            1 => batch * columns / BATCHES as usize,
+            1 => number * columns / BATCHES as usize,
             _ => layout.first_bin(incident % layout.phi() as usize),
         };
         let theta = layout.incident(incident)[0];
         let phi = std::f64::consts::TAU * (first as f64 + 0.5) / columns as f64;
         let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-        let count = f64::from(rays.end - rays.start);
+        Batch { number, first, wi, rays: f64::from(rays) }
+    }
+
+    /// Adds the starting rays `rays` of one batch, which add as powers.
+    fn powers(
+        &mut self,
+        tracing: &Request,
+        paths: Paths,
+        incident: usize,
+        number: usize,
+        rays: Range<u32>,
+        sums: &mut Sums,
+    ) {
+        let batch = self.of(incident, number, rays.end - rays.start);
+        let bins = tracing.bins.count();
         let mut wavelength = 0;
-        for (group, wavelengths) in groups {
+        for (media, wavelengths) in self.groups {
             let mut tallies = vec![Tally::new(bins); wavelengths.len()];
-            trace_batch(cell, *group, wi, batch as u32, rays.clone(), tracing, &mut self.0, &mut tallies);
+            let (rays, memory) = (rays.clone(), &mut self.memory);
+            trace_batch(self.cell, *media, batch.wi, number as u32, rays, paths, tracing, memory, &mut tallies);
             for tally in tallies {
-                let weight = request.weights[wavelength][1] * count;
-                luminance.reflected += weight * tally.reflected;
-                luminance.transmitted += weight * tally.transmitted;
-                luminance.absorbed += weight * tally.absorbed;
-                luminance.truncated += weight * tally.truncated;
-                let power = &mut power[wavelength * bins..][..bins];
-                for (bin, counted) in tally.bins.into_iter().enumerate().filter(|(_, counted)| *counted > 0.0) {
-                    let column = bin % columns;
-                    let relative = bin - column + (column + columns - first) % columns;
-                    power[relative] += counted * count;
-                    luminance.bins[relative] += weight * counted;
-                }
+                sums.add(self.request, &batch, wavelength, &tally);
                 wavelength += 1;
             }
         }
+    }
+
+    /// Adds `rays` starting rays of each batch, which interfere. Returns how many they were: each azimuth of an isotropic table needs
+    /// one in each of its own batches.
+    fn fields(&self, tracing: &Request, incident: usize, rays: u32, sums: &mut Sums) -> u32 {
+        let Self { cell, states, .. } = *self;
+        let isotropic = self.request.layout.phi() == 1;
+        let rays = if isotropic { rays.div_ceil(BATCHES) * BATCHES } else { rays };
+        let batches: Vec<Batch> = (0..BATCHES as usize).map(|number| self.of(incident, number, rays)).collect();
+        let mut place = 0;
+        for (media, wavelengths) in self.groups {
+            if isotropic {
+                for batch in &batches {
+                    let seed = tracing.seed.wrapping_mul(BATCHES).wrapping_add(batch.number as u32);
+                    let request = Request { seed, ..*tracing };
+                    let light = BinLight { cell, states, wi: batch.wi, rays: rays / BATCHES, request: &request };
+                    let found = light.tallies(*media, wavelengths.len(), &|| ());
+                    for w in 0..wavelengths.len() {
+                        sums.add(self.request, batch, place + w, &Tally::mean(found.iter().map(|own| &own[w])));
+                    }
+                }
+            } else {
+                let light = BinLight { cell, states, wi: batches[0].wi, rays, request: tracing };
+                let found = light.tallies(*media, wavelengths.len(), &|| ());
+                for (batch, own) in batches.iter().zip(&found) {
+                    own.iter().enumerate().for_each(|(w, tally)| sums.add(self.request, batch, place + w, tally));
+                }
+            }
+            place += wavelengths.len();
+        }
+        rays
     }
 }
 

@@ -25,6 +25,8 @@ pub struct Energy {
     pub absorbed: f64,
     /// Of rays that were dropped or lost.
     pub truncated: f64,
+    /// 1 less all of these: rounding without interference; where paths interfere, power balances only on average.
+    pub imbalance: Estimate,
     /// Starting rays.
     pub rays: u64,
 }
@@ -80,11 +82,23 @@ impl ScatterTable {
         if self.rgb.iter().flatten().any(|c| !c.is_finite()) {
             return Err(Error::failed("a colour is not finite"));
         }
-        let numbers = |e: &Energy| [e.reflected.value, e.reflected.std_error, e.transmitted, e.absorbed, e.truncated];
+        let numbers = |e: &Energy| {
+            let (reflected, imbalance) = (e.reflected, e.imbalance);
+            let rest = [e.transmitted, e.absorbed, e.truncated, imbalance.value, imbalance.std_error];
+            [reflected.value, reflected.std_error].into_iter().chain(rest)
+        };
         if self.energy.iter().flat_map(numbers).any(|x| !x.is_finite()) {
             return Err(Error::failed("an energy is not finite"));
         }
         Ok(())
+    }
+
+    /// The imbalance of largest size, among those that count.
+    #[must_use]
+    pub fn worst_imbalance(&self, counts: impl Fn(Estimate) -> bool) -> Estimate {
+        let larger = |a: Estimate, b: Estimate| if b.value.abs() > a.value.abs() { b } else { a };
+        let imbalances = self.energy.iter().map(|energy| energy.imbalance);
+        imbalances.filter(|imbalance| counts(*imbalance)).fold(Estimate::default(), larger)
     }
 
     /// The largest standard error of a directional albedo.
@@ -132,6 +146,7 @@ pub(crate) mod tests {
             transmitted: 0.25,
             absorbed: -1e-17,
             truncated: 1.0 / 3.0,
+            imbalance: Estimate { value: -1e-3 / 7.0, std_error: 1e-4 / 3.0 },
             rays: 4096 << i,
         };
         ScatterTable {

@@ -366,7 +366,8 @@ mod tests {
 
     #[test]
     fn light_leaves_downwards_only_in_the_medium_under_the_cell() {
-        let down = |cell: &MeshCell<'_>, x: f64, z: f64, medium| cell.next(DVec3::new(x, 4.0, z), -DVec3::Z, medium, None);
+        let down =
+            |cell: &MeshCell<'_>, x: f64, z: f64, medium| cell.next(DVec3::new(x, 4.0, z), -DVec3::Z, medium, None);
         film_over_glass(10.0, |cell| {
             assert!(matches!(down(&cell, 9.0, 0.0, 1), Next::Facet(Meeting { facet: 1, .. })));
             assert_eq!(down(&cell, 9.0, -3.0, 2), Next::Below);

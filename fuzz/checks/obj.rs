@@ -1,8 +1,8 @@
-//! Any text as a mesh to show, as a mesh of a cell, and then as a cell of horizontal planes.
+//! Any text as a mesh to show, as a mesh of a cell, and then as a cell.
 
 use goniochrome::interface::{Below, Interface};
 use goniochrome_cli::render::mesh::{Axes, Mesh};
-use goniochrome_cli::scene::{self, NamedInterface, NamedMedium, OwnedMedium};
+use goniochrome_cli::scene::{self, NamedInterface, NamedMedium, OwnedMedium, Shape};
 
 /// Holds for any bytes; those that are no text are no input.
 pub fn check(bytes: &[u8]) {
@@ -22,9 +22,10 @@ pub fn check(bytes: &[u8]) {
         coating: Vec::new(),
     };
     let interfaces = [interface("top", 0, Below::Medium(1)), interface("mirror", 1, Below::Mirror)];
-    match scene::planes(&mesh, [9.0, 9.0], &interfaces, &[medium(1.0), medium(1.5)]) {
+    match Shape::of_mesh(mesh, [9.0, 9.0], interfaces.to_vec(), &[medium(1.0), medium(1.5)]) {
         Err(error) => assert!(!error.to_string().contains('\n')),
-        Ok(planes) => assert!(planes.windows(2).all(|pair| pair[0].z_nm >= pair[1].z_nm)),
+        Ok(Shape::Planes(flat)) => assert!(flat.planes().windows(2).all(|pair| pair[0].z_nm >= pair[1].z_nm)),
+        Ok(shape) => assert!(shape.polygons().is_some()),
     }
 }
 

@@ -1,11 +1,16 @@
 //! What the four coherences say of a flat film, where each has a known answer.
 
 use goniochrome::bins::DirectionBins;
+use goniochrome::colour::RgbSpace;
+use goniochrome::table::ScatterLayout;
 use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::coherent::{scatter_bins, scatter_orders};
+use goniochrome_cli::diffraction;
 use goniochrome_cli::estimate::Precision;
 use goniochrome_cli::scatter::{Coherence, Request, Scattered, scatter};
+use goniochrome_cli::scatter_estimate::{TableRequest, estimate};
+use goniochrome_cli::scatter_table::ScatterTable;
 
+use crate::height_field::HeightField;
 use crate::scene::{between, cell, extruded, towards};
 
 const THETA_DEG: f64 = 40.0;
@@ -23,11 +28,7 @@ fn found(coherence: Coherence) -> Scattered {
     let bins = DirectionBins { cos: 8, phi: 16 };
     let request = Request { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
     let wi = towards(THETA_DEG, 100.0);
-    match coherence {
-        Coherence::Bin => scatter_bins(&bumpy, wi, WAVELENGTH_NM, &request).expect("a good mesh"),
-        Coherence::Cell => scatter_orders(&bumpy, wi, WAVELENGTH_NM, &request, 64).expect("a good mesh"),
-        _ => scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0),
-    }
+    scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
 }
 
 /// R of s and p of one face.
@@ -89,4 +90,146 @@ fn without_interference_the_faces_add_as_powers() {
     // Weak paths play roulette.
     let allowed = 4.0 * found.reflected.std_error + DROPPED;
     assert!((found.reflected.value - expected).abs() <= allowed, "{:?} for {expected}", found.reflected);
+}
+
+/// Incident directions of a table, and its bins.
+const BINS: DirectionBins = DirectionBins { cos: 4, phi: 8 };
+
+/// The table of a cell at one wavelength, which is all of its luminance.
+fn table(bumpy: &Bumpy<'_>, incident_phi: u32, tracing: Request) -> ScatterTable {
+    let layout = ScatterLayout::new(2, incident_phi, BINS).expect("few directions");
+    let (space, weights) = (RgbSpace::Srgb, [[0.0, 1.0, 0.0]]);
+    let request = TableRequest { layout, tracing, target_error: None, weights: &weights, space, reciprocal: false };
+    estimate(bumpy, &[WAVELENGTH_NM], &request, None, &|| ()).expect("a good mesh")
+}
+
+/// Small cells of one sheet and of two, every height its own.
+fn small_cells() -> Vec<HeightField> {
+    let cell = |i: usize| {
+        let heights_nm = (0..4).map(|j| 40.0 * ((7 * i + 5 * j) % 11) as f64).collect();
+        let film = i % 2 == 1;
+        let depths_nm = if film { vec![300.0 + 50.0 * i as f64] } else { Vec::new() };
+        let media = [[1.0, 0.0], [1.5, 0.002], [1.2, 0.0]];
+        let media = media[..depths_nm.len() + 2].to_vec();
+        HeightField { period_nm: [3000.0, 2000.0 + 100.0 * i as f64], squares: [2, 2], heights_nm, depths_nm, media }
+    };
+    (0..4).map(cell).collect()
+}
+
+#[test]
+fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
+    /// Tables hold single precision, and of a power over a solid angle.
+    const SINGLE: f64 = 1e-6;
+    let mut lit = 0;
+    for (number, field) in small_cells().iter().enumerate() {
+        let scene = field.scene();
+        let bumpy = Bumpy::new(&scene).expect("a good mesh");
+        for coherence in [Coherence::Ray, Coherence::None, Coherence::Bin] {
+            let tracing = Request { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
+            let table = table(&bumpy, 4, tracing);
+            let incident = 2 + number;
+            let [theta, phi] = table.layout.incident(incident);
+            // A table's directions have seeds of their own.
+            let request = Request { seed: incident as u32, ..tracing };
+            let wi = towards(theta.to_degrees(), phi.to_degrees());
+            let found = scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0);
+            let energy = &table.energy[incident];
+            for (a, b) in [
+                (energy.reflected.value, found.reflected.value),
+                (energy.reflected.std_error, found.reflected.std_error),
+                (energy.transmitted, found.transmitted.value),
+                (energy.absorbed, found.absorbed.value),
+                (energy.imbalance.value, found.imbalance.value),
+            ] {
+                assert!((a - b).abs() < SINGLE, "{coherence:?} {field:?}: {energy:?} {found:?}");
+            }
+            let first = table.layout.first_bin(incident % 4);
+            for (bin, f) in table.row(incident, 0).iter().enumerate() {
+                let column = (bin % 8 + first) % 8;
+                let power = found.bins[bin - bin % 8 + column].value.max(0.0);
+                let ours = f64::from(*f) * BINS.projected_solid_angle(bin);
+                assert!((ours - power).abs() < SINGLE, "{coherence:?}, bin {bin}: {ours} {power}");
+                lit += usize::from(power > 0.01);
+            }
+        }
+    }
+    assert!(lit > 12, "{lit}");
+}
+
+#[test]
+fn the_coherences_of_a_bumpy_film_differ() {
+    let scene = goniochrome_cli::scene::load("bumpy-soap-film").expect("a preset");
+    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let [ray, none, bin] = [Coherence::Ray, Coherence::None, Coherence::Bin].map(|coherence| {
+        let request = Request { coherence, rays: 128, seed: 0, bins: BINS, precision: Precision::F32, threads: 2 };
+        scatter(&bumpy, towards(0.0, 0.0), &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
+    });
+    let far = |a: &Scattered, b: &Scattered| {
+        (a.reflected.value - b.reflected.value).abs() > 5.0 * a.reflected.std_error.hypot(b.reflected.std_error)
+    };
+    assert!(far(&ray, &none) && far(&none, &bin) && far(&ray, &bin), "{ray:?} {none:?} {bin:?}");
+}
+
+/// Where starting rays interfere, the azimuths of an isotropic table are averaged as powers.
+#[test]
+fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
+    let flat = HeightField {
+        period_nm: [3000.0, 2000.0],
+        squares: [1, 1],
+        heights_nm: vec![0.0],
+        depths_nm: vec![THICKNESS_NM],
+        media: vec![[1.0, 0.0], [INDEX, 0.0], [1.0, 0.0]],
+    };
+    let scene = flat.scene();
+    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let tracing =
+        Request { coherence: Coherence::Bin, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
+    let [one, four] = [1, 4].map(|phi| table(&bumpy, phi, tracing));
+    for theta in 0..2 {
+        let (one_azimuth, isotropic) = (four.energy[4 * theta], one.energy[theta]);
+        assert!((one_azimuth.reflected.value - isotropic.reflected.value).abs() < DROPPED, "{isotropic:?}");
+        assert_eq!(isotropic.rays, 1024, "one ray in each batch of each azimuth");
+    }
+}
+
+#[test]
+fn a_table_of_orders_is_refused_with_the_command_that_computes_them() {
+    let scene = small_cells()[0].scene();
+    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let coherence = Coherence::Cell;
+    let tracing = Request { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
+    let layout = ScatterLayout::new(2, 4, BINS).expect("few directions");
+    let weights = [[0.0, 1.0, 0.0]];
+    let request = TableRequest {
+        layout,
+        tracing,
+        target_error: None,
+        weights: &weights,
+        space: RgbSpace::Srgb,
+        reciprocal: false,
+    };
+    let error = estimate(&bumpy, &[WAVELENGTH_NM], &request, None, &|| ()).unwrap_err();
+    assert!(error.exit_code() == 2 && error.to_string().contains("use orders"), "{error}");
+}
+
+#[test]
+fn single_precision_is_honoured_where_starting_rays_interfere() {
+    /// Sums of some thousand fields of the size of 1.
+    const SINGLE: f64 = 1e-5;
+    let scene = small_cells()[1].scene();
+    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let wi = towards(THETA_DEG, 100.0);
+    let bins = [Precision::F32, Precision::F64].map(|precision| {
+        let request = Request { coherence: Coherence::Bin, rays: 256, seed: 3, bins: BINS, precision, threads: 1 };
+        scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0).reflected.value
+    });
+    let orders = [Precision::F32, Precision::F64].map(|precision| {
+        let request = diffraction::Request { rays: 256, seed: 3, most: None, hits: 64, precision, threads: 1 };
+        let found = diffraction::orders(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh");
+        found.orders.iter().map(|order| order.efficiency.s.value).fold(0.0, f64::max)
+    });
+    for [single, double] in [bins, orders] {
+        let apart = (single - double).abs();
+        assert!(apart > 0.0 && apart < SINGLE && double > 0.001, "{single} {double}");
+    }
 }

@@ -2,6 +2,7 @@
 
 use goniochrome_cli::bumpy::Bumpy;
 use goniochrome_cli::diffraction::{Request, orders};
+use goniochrome_cli::estimate::Precision;
 use goniochrome_cli::scene::Scene;
 use serde::Deserialize;
 
@@ -59,10 +60,10 @@ fn worst(letter: &str) -> Vec<(f64, f64)> {
     let grating = gratings.cases.iter().find(|g| g.name.starts_with(letter)).expect("the grating");
     let scene = scene(grating);
     let bumpy = Bumpy::new(&scene).expect("a good mesh");
-    let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, threads: 2 };
+    let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
     let each = grating.data.iter().map(|data| {
         let wi = towards(data.theta_deg, 180.0);
-        let found = orders(&bumpy, wi, &[data.wavelength_nm], &request).expect("a good mesh");
+        let found = orders(&bumpy, wi, &[data.wavelength_nm], &request, &|| ()).expect("a good mesh").orders;
         let mut worst: f64 = 0.0;
         for (place, &m) in data.orders_R.iter().enumerate() {
             let rigorous = 0.5 * (data.R_s[place] + data.R_p[place]);
@@ -120,8 +121,8 @@ fn a_flat_interface_reflects_into_the_zeroth_order_alone() {
     let flat = extruded(&[[0.0, 0.0], [4000.0, 0.0]], 500.0, &[("s", 0.0)]);
     let scene = cell(&flat, [4000.0, 500.0], &[("s", between([1.0, 0.0], [1.5, 0.0]))]);
     let bumpy = Bumpy::new(&scene).expect("a good mesh");
-    let request = Request { rays: 4096, seed: 1, most: None, hits: HITS, threads: 1 };
-    let found = orders(&bumpy, towards(0.0, 0.0), &[550.0], &request).expect("a good mesh");
+    let request = Request { rays: 4096, seed: 1, most: None, hits: HITS, precision: Precision::F64, threads: 1 };
+    let found = orders(&bumpy, towards(0.0, 0.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     for order in found {
         let expected = if order.index == [0, 0] { 0.04 } else { 0.0 };
         assert!((order.efficiency.s.value - expected).abs() < 1e-4, "{order:?}");
@@ -136,8 +137,8 @@ fn a_shallow_mirror_keeps_its_power() {
     let obj = extruded(&points, 500.0, &[("s", 0.0)]);
     let scene = cell(&obj, [8000.0, 500.0], &[("s", "above = 1.0\nbelow = \"mirror\"".into())]);
     let bumpy = Bumpy::new(&scene).expect("a good mesh");
-    let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, threads: 2 };
-    let found = orders(&bumpy, towards(20.0, 180.0), &[550.0], &request).expect("a good mesh");
+    let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
+    let found = orders(&bumpy, towards(20.0, 180.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     let sum: f64 = found.iter().map(|order| 0.5 * (order.efficiency.s.value + order.efficiency.p.value)).sum();
     assert!((sum - 1.0).abs() < 0.01, "{sum}");
 }

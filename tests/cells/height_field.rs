@@ -63,22 +63,24 @@ impl HeightField {
             interface: Interface { above: sheet as u16, below: below(sheet) },
             coating: Vec::new(),
         };
+        let interfaces = (0..self.sheets()).map(interface).collect();
         let medium = |&[n, k]: &[f64; 2]| NamedMedium {
             name: format!("{n}+{k}i"),
             medium: OwnedMedium::constant(n, k).expect("passive"),
         };
-        Scene {
-            name: "random".to_owned(),
-            toml: String::new(),
-            media: self.media.iter().map(medium).collect(),
-            shape: Shape::Cell {
-                mesh,
-                period_nm: self.period_nm,
-                interfaces: (0..self.sheets()).map(interface).collect(),
-            },
-            files: Vec::new(),
-        }
+        let media: Vec<NamedMedium> = self.media.iter().map(medium).collect();
+        let shape = Shape::of_mesh(mesh, self.period_nm, interfaces, &media).expect("a height field is closed");
+        Scene { name: "random".to_owned(), toml: String::new(), media, shape, files: Vec::new() }
     }
+}
+
+/// A cell whose vertices were moved, and its period with them.
+pub fn moved(scene: &Scene, period_nm: [f64; 2], to: impl Fn([f64; 3]) -> [f64; 3]) -> Scene {
+    let cell = scene.shape.polygons().expect("a cell");
+    let mut mesh = cell.mesh().clone();
+    mesh.vertices.iter_mut().for_each(|vertex| *vertex = to(*vertex));
+    let shape = Shape::of_mesh(mesh, period_nm, cell.interfaces().to_vec(), &scene.media);
+    Scene { shape: shape.expect("still closed"), ..scene.clone() }
 }
 
 /// Where the light of one starting ray went, unpolarised; coherence `none`.

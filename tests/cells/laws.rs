@@ -9,9 +9,9 @@ use goniochrome_cli::bumpy::Bumpy;
 use goniochrome_cli::estimate::{Method, Precision, Request as StackRequest, spectra};
 use goniochrome_cli::planar::Planar;
 use goniochrome_cli::scatter::{Coherence, Request, scatter};
-use goniochrome_cli::scene::{Scene, Shape, check_closed};
+use goniochrome_cli::scene::Scene;
 
-use crate::height_field::{HeightField, Outcome, Start, follow};
+use crate::height_field::{HeightField, Outcome, Start, follow, moved};
 
 const SCENES: u64 = 10_000;
 const RAYS: u32 = 4;
@@ -118,8 +118,6 @@ impl Agreement {
 fn power_is_conserved_in_any_workspace() {
     let (mut worst, mut least) = ([0.0f64; 2], 1.0f64);
     each(1, true, |numbers, field, scene| {
-        let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { panic!("a cell") };
-        check_closed(mesh, *period_nm, interfaces, &scene.media).expect("a height field is closed");
         let states = if numbers.below(2) == 0 { STATES } else { 1 + numbers.below(8) as usize };
         let absorbs = field.media.iter().any(|[_, k]| *k > 0.0);
         for outcome in follow(scene, 550.0, states, &numbers.starts(RAYS)) {
@@ -142,11 +140,9 @@ fn power_is_conserved_in_any_workspace() {
 #[test]
 fn lengths_and_wavelengths_together_change_nothing() {
     let mut agreement = Agreement::default();
-    each(2, true, |numbers, _, scene| {
+    each(2, true, |numbers, field, scene| {
         let scale = 10f64.powf(numbers.between(-1.0, 2.0));
-        let mut scaled = scene.clone();
-        let Shape::Cell { mesh, period_nm, .. } = &mut scaled.shape else { panic!("a cell") };
-        mesh.vertices.iter_mut().flatten().chain(period_nm).for_each(|x| *x *= scale);
+        let scaled = moved(scene, field.period_nm.map(|x| x * scale), |vertex| vertex.map(|x| x * scale));
         let starts = numbers.starts(RAYS);
         let both =
             follow(scene, 550.0, STATES, &starts).into_iter().zip(follow(&scaled, 550.0 * scale, STATES, &starts));
@@ -159,12 +155,9 @@ fn lengths_and_wavelengths_together_change_nothing() {
 fn a_turned_cell_turns_its_brdf() {
     let mut agreement = Agreement::default();
     let turn = |x: DVec3| DVec3::new(-x.y, x.x, x.z);
-    each(3, true, |numbers, _, scene| {
-        let mut turned = scene.clone();
-        let Shape::Cell { mesh, period_nm, .. } = &mut turned.shape else { panic!("a cell") };
-        let [width, depth] = *period_nm;
-        mesh.vertices.iter_mut().for_each(|[x, y, _]| (*x, *y) = (depth - *y, *x));
-        *period_nm = [depth, width];
+    each(3, true, |numbers, field, scene| {
+        let [width, depth] = field.period_nm;
+        let turned = moved(scene, [depth, width], |[x, y, z]| [depth - y, x, z]);
         let starts = numbers.starts(RAYS);
         let turned_starts: Vec<Start> =
             starts.iter().map(|start| Start { wi: turn(start.wi), u: 1.0 - start.v, v: start.u, ..*start }).collect();

@@ -44,6 +44,8 @@ fn grids_are_counted_before_they_are_made() {
     let pairs = ["pairs of directions", "are too many", "4194304"];
     refused(&user, "estimate bumpy-glass -o t.exr --incident 4000x4000 --bins 4000x4000", 2, &["--incident"]);
     refused(&user, "estimate bumpy-glass -o t.exr --incident 64x128 --bins 64x128", 1, &pairs);
+    let petabytes = ["not enough memory for all --bins at all --wavelengths, which takes 2147", "GB; ask for less"];
+    refused(&user, "scatter bumpy-glass --bins 1024x1024 --wavelengths 1000:9000:1", 1, &petabytes);
 }
 
 #[test]

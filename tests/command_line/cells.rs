@@ -173,6 +173,9 @@ fn options_that_do_not_apply_are_refused() {
         ("estimate bumps.toml -o t.exr --incident 4x3 --bins 4x8", "multiple"),
         ("estimate bumps.toml -o t.exr --wavelengths auto", "name the wavelengths"),
         ("estimate bumps.toml -o t.exr --target-error 0", "--target-error"),
+        ("estimate bumps.toml -o t.exr --coherence cell", "use orders"),
+        ("scatter bumps.toml --wavelengths auto", "name the wavelengths"),
+        ("orders bumps.toml --wavelengths auto", "name the wavelengths"),
         ("estimate paper-fig4 -o t.exr --rays 64", "--rays"),
         ("estimate paper-fig4 -o t.exr --reciprocal", "--reciprocal"),
     ] {
@@ -185,5 +188,68 @@ fn orders_of_narrow_grooves_come_with_a_warning() {
     let user = User::new();
     let warned = user.ok("orders compact-disc --wavelengths 450,650 --rays 1024 --csv cd.csv").stderr;
     assert!(warned.contains("1600 nm") && warned.contains("unreliable"), "{warned}");
-    assert_eq!(user.ok("orders compact-disc --wavelengths 300 --rays 1024 --csv cd.csv").stderr, "");
+    let wide = user.ok("orders compact-disc --wavelengths 300 --rays 1024 --csv cd.csv").stderr;
+    assert!(!wide.contains("unreliable") && wide.contains("single scattering"), "{wide}");
+}
+
+#[test]
+fn scatter_takes_several_wavelengths() {
+    let user = user();
+    let one = |nm: &str| user.ok(&format!("scatter bumps.toml --rays 64 --bins 1x1 --wavelength {nm}")).stdout;
+    let both = user.ok("scatter bumps.toml --rays 64 --bins 1x1 --wavelengths 450,550").stdout;
+    let parse = |text: &str| serde_json::from_str::<serde_json::Value>(text).expect("JSON");
+    assert_eq!(parse(&both), serde_json::Value::Array(vec![parse(&one("450")), parse(&one("550"))]));
+}
+
+/// A ridge of morpho at 45 degrees: waves between its shelves do not keep their power.
+#[test]
+fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
+    let user = User::new();
+    let light = "--theta 45 --phi 20 --rays 256 --bins 2x4";
+    let ran = user.ok(&format!("scatter morpho-ridges {light}"));
+    let report: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    let warning = report["warnings"][0].as_str().expect("a warning");
+    assert!(warning.contains("power balances only to -0.1") && ran.stderr.contains(warning), "{}", ran.stderr);
+    let quiet = user.ok(&format!("scatter morpho-ridges {light} --coherence none --quiet"));
+    assert!(quiet.stdout.contains("\"warnings\": []") && quiet.stderr.is_empty());
+
+    let options = "--incident 2x2 --bins 2x4 --rays 256 --wavelengths 550";
+    let ran = user.ok(&format!("estimate morpho-ridges -o ray.exr {options}"));
+    assert!(ran.stderr.contains("power balances only to") && ran.stderr.contains("imbalance ≤ "), "{}", ran.stderr);
+    let ray = table(&user, "ray.exr");
+    assert!(ray.metadata["warning"].contains("--coherence none keeps power"));
+    assert!(ray.metadata["imbalance_max"].parse::<f64>().unwrap().abs() > 0.05);
+    assert!(ray.energy.iter().any(|energy| energy.imbalance.value.abs() > 0.05));
+    user.ok(&format!("estimate morpho-ridges -o none.exr {options} --coherence none"));
+    let none = table(&user, "none.exr");
+    assert!(!none.metadata.contains_key("warning") && none.energy.iter().all(|e| e.imbalance.value.abs() < 1e-4));
+}
+
+/// Waves that fit into no slot, or ring for ever, are followed without interference, and their light is not left out.
+#[test]
+fn a_preset_of_shelves_leaves_out_no_light() {
+    let user = User::new();
+    let ran = user.ok("scatter morpho-ridges --theta 20 --phi 20 --rays 256 --bins 2x4 -q");
+    let report: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    let of = |key: &str| report[key]["value"].as_f64().expect("a number");
+    assert!(of("truncated") <= 1e-3 && of("without_interference") > 0.0, "{}", ran.stdout);
+}
+
+#[test]
+fn orders_say_what_they_do_not_follow() {
+    let user = User::with(&[(
+        "roof.toml",
+        "[cell]\nperiod_nm = [8000, 8000]\n\
+         surface = { kind = \"grooves\", points_nm = [[0, 0], [4000, 12000], [8000, 0]] }\n\
+         [interface.grooves]\nabove = 1.0\nbelow = \"mirror\"\n",
+    )]);
+    let light = "--rays 256 --most-order 1 --wavelengths 550";
+    let ran = user.ok(&format!("orders roof.toml {light}"));
+    assert!(ran.stderr.contains("single scattering: 1.0e0 of the light meets the surface again"), "{}", ran.stderr);
+    assert!(ran.stdout.lines().nth(1).expect("an order").ends_with(",1.00e0"), "{}", ran.stdout);
+    assert_eq!(user.ok(&format!("orders roof.toml {light} --quiet")).stderr, "");
+    let says = ["of the light was lost or given up on its way, more than the 1e-3", "--hits"];
+    user.refused(&format!("orders roof.toml {light} --hits 2"), 1, &says);
+    let ran = user.ok(&format!("orders roof.toml {light} --hits 8"));
+    assert!(ran.stderr.is_empty() && ran.stdout.lines().nth(1).expect("an order").ends_with(",0.00e0"));
 }

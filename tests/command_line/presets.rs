@@ -14,7 +14,7 @@ fn names() -> impl Iterator<Item = &'static str> {
 
 /// The presets of tilted facets.
 fn bumpy() -> impl Iterator<Item = &'static str> {
-    presets::names().filter(|name| matches!(load(name).expect(name).shape, Shape::Cell { .. }))
+    presets::names().filter(|name| matches!(load(name).expect(name).shape, Shape::Mesh(_)))
 }
 
 /// Single precision of a power near 1.

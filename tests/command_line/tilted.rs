@@ -172,3 +172,104 @@ fn periods_at_fault_are_named_by_file_line_and_column() {
         user(&SCENE.replace("[1000, 800]", period), ROOF).refused(ESTIMATE, 1, &["s.toml:3:", "period_nm", says]);
     }
 }
+
+/// Surfaces that cut through one another away from their edges pass the check of the mesh; light then loses its way.
+#[test]
+fn light_that_loses_its_way_between_surfaces_that_cross_is_no_result() {
+    let base = "v 0 0 20\nv 1000 0 20\nv 1000 800 20\nv 0 800 20\nusemtl base\nf 7 8 9 10\n";
+    let user = user(SCENE, &(ROOF.to_owned() + base));
+    let says = ["of the light was lost", "more than the 1e-3", "correct the mesh"];
+    for command in [ESTIMATE, "scatter s.toml --coherence none", "orders s.toml --most-order 1"] {
+        user.refused(command, 1, &says);
+    }
+    let interfering = ["of the light was lost", "use --coherence none"];
+    user.refused("scatter s.toml --bins 1x1", 1, &interfering);
+    user.refused("scatter s.toml --bins 1x1 --coherence bin --rays 64", 1, &interfering);
+}
+
+/// A sheet of squares over 20 000 nm, `columns` of 40 present, its heights off by up to `noise` nm.
+fn noisy(noise: f64, columns: usize) -> String {
+    const SQUARES: usize = 40;
+    let mut mesh = String::new();
+    for (j, i) in (0..=SQUARES).flat_map(|j| (0..=SQUARES).map(move |i| (j, i))) {
+        // Any numbers in [-1, 1]; the far borders repeat the near ones.
+        let z = noise * ((((j % SQUARES) * 71 + (i % SQUARES) * 113) % 101) as f64 / 50.0 - 1.0);
+        mesh += &format!("v {} {} {z:.6}\n", 500 * i, 500 * j);
+    }
+    mesh += "usemtl top\n";
+    for (j, i) in (0..SQUARES).flat_map(|j| (0..columns).map(move |i| (j, i))) {
+        let a = 1 + j * (SQUARES + 1) + i;
+        let b = a + SQUARES + 1;
+        mesh += &format!("f {a} {} {}\nf {a} {} {b}\n", a + 1, b + 1, b + 1);
+    }
+    mesh
+}
+
+#[test]
+fn a_plane_with_noise_is_computed_right_and_half_a_plane_is_refused_by_every_command() {
+    let scene = "[cell]\nmesh = \"m.obj\"\nperiod_nm = [20000, 20000]\n[interface.top]\nabove = 1.0\nbelow = 1.5\n";
+    let spectrum = "spectrum s.toml --wavelengths 550";
+    let scatter = "scatter s.toml --rays 32 --bins 1x1 -q";
+    let orders = "orders s.toml --rays 32 --most-order 1 -q";
+    let estimate = "estimate s.toml -o t.exr -q";
+    for noise in [0.0, 0.001, 0.01] {
+        let whole = user(scene, &noisy(noise, 40));
+        let report: serde_json::Value = serde_json::from_str(&whole.ok(scatter).stdout).expect("JSON");
+        let of = |key: &str| report[key]["value"].as_f64().expect("a number");
+        assert!((of("reflected") - 0.04).abs() < 1e-4 && of("truncated") == 0.0, "{noise}: {report}");
+        whole.ok(orders);
+        // Beyond the rounding of single precision the sheet counts as rough: it may scatter.
+        if noise < 0.002 {
+            assert!(whole.ok(spectrum).stdout.lines().nth(1).expect("a row").contains(",0.0399999"));
+            whole.ok(estimate);
+        } else {
+            whole.refused(spectrum, 1, &["s: has tilted facets", "use estimate"]);
+        }
+        let half = user(scene, &noisy(noise, 20));
+        for command in [spectrum, scatter, orders, estimate] {
+            half.refused(command, 1, &["m.obj:"]);
+        }
+    }
+}
+
+#[test]
+fn commands_of_planes_and_of_facets_name_one_another() {
+    let user = User::with(&[("s.toml", SCENE), ("m.obj", ROOF)]);
+    let says = ["s: has tilted facets", "estimate", "scatter or orders"];
+    for line in ["spectrum s.toml", "colour s.toml", "compare s.toml", "sampling s.toml"] {
+        user.refused(line, 1, &says);
+    }
+    user.refused("export s.toml --to lut -o l.exr", 1, &says);
+    user.refused("export s.toml --to gltf -o l.gltf", 1, &says);
+    for line in ["scatter soap-bubble", "orders soap-bubble"] {
+        user.refused(line, 1, &["soap-bubble: is a [stack]", "use spectrum, colour or estimate"]);
+    }
+}
+
+#[test]
+fn a_medium_without_data_gets_a_remedy_that_the_command_has() {
+    let yaml = "DATA:\n  - type: tabulated n\n    data: |\n        0.5 1.5\n        0.6 1.5\n";
+    let glass = "[materials.x]\nfile = \"x.yml\"\n";
+    let facets = SCENE.replace("below = 1.5\n", "below = \"x\"\n") + glass;
+    let stack = format!(
+        "[stack]\nambient = 1.0\nlayers = [{{ material = \"x\", thickness_nm = 300 }}]\nsubstrate = 1.5\n{glass}"
+    );
+    let user = User::with(&[("s.toml", &facets), ("m.obj", ROOF), ("film.toml", &stack), ("x.yml", yaml)]);
+    let asks = ["material x: no data", "choose --wavelengths inside", "extrapolate = \"clamp\""];
+    for line in [
+        "spectrum film.toml --wavelengths 450",
+        "colour film.toml --wavelengths 450:550:10",
+        "compare film.toml",
+        "estimate film.toml -o t.exr",
+        "estimate s.toml -o t.exr",
+        "scatter s.toml --wavelengths 450",
+        "scatter s.toml --wavelengths 450 --coherence bin",
+        "orders s.toml --wavelengths 450",
+    ] {
+        user.refused(line, 1, &asks);
+    }
+    for line in ["sampling film.toml", "export film.toml --to lut -o l.exr", "export film.toml --to gltf -o l.gltf"] {
+        let message = user.refused(line, 1, &["material x: no data", "extrapolate = \"clamp\""]);
+        assert!(!message.contains("--wavelengths"), "{message}");
+    }
+}

@@ -72,7 +72,48 @@ pub enum Command {
     Export(export::ExportArgs),
 }
 
-/// How to compute: shared by all commands that do.
+impl Command {
+    /// Whether the command has the option `--wavelengths`: then its user can keep to those for which media have data.
+    #[must_use]
+    pub fn asks_wavelengths(&self) -> bool {
+        match self {
+            Self::Spectrum(_)
+            | Self::Colour(_)
+            | Self::Estimate(_)
+            | Self::Scatter(_)
+            | Self::Orders(_)
+            | Self::Compare(_) => true,
+            Self::Presets { .. }
+            | Self::Sampling(_)
+            | Self::Plot(_)
+            | Self::Render(_)
+            | Self::View(_)
+            | Self::Figures(_)
+            | Self::Export(_) => false,
+        }
+    }
+}
+
+/// How a command runs: shared by all that compute.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Running {
+    /// Worker threads [default: as many as the machine has]; results do not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress and no remarks on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl Running {
+    /// Threads to use.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.threads.map_or_else(parallel::available, usize::from)
+    }
+}
+
+/// How to compute: shared by all commands of planar scenes.
 #[derive(Debug, Clone, Args)]
 pub struct Computing {
     /// Exact physics, or the paper's words taken literally
@@ -84,12 +125,9 @@ pub struct Computing {
     /// Single or double precision
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
-    /// Worker threads [default: as many as the machine has]; results do not depend on it
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// No progress and no remarks on standard error
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
 }
 
 impl Computing {
@@ -100,7 +138,7 @@ impl Computing {
             model: self.model.into(),
             method: self.method,
             precision: self.precision,
-            threads: self.threads.map_or_else(parallel::available, usize::from),
+            threads: self.running.threads(),
         }
     }
 }
@@ -223,9 +261,9 @@ pub struct ScatterArgs {
     /// Azimuth of the direction towards the light in degrees, from the tangent
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub phi: f64,
-    /// Vacuum wavelength in nm
-    #[arg(long, default_value_t = 550.0)]
-    pub wavelength: f64,
+    /// Wavelengths in nm: 450,550 or 380:780:5
+    #[arg(long, alias = "wavelength", allow_hyphen_values = true, default_value = "550")]
+    pub wavelengths: Wavelengths,
     /// Starting rays over the period
     #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
     pub rays: u32,
@@ -244,15 +282,12 @@ pub struct ScatterArgs {
     /// Seed of the sampling sequence
     #[arg(long, default_value_t = 0)]
     pub seed: u32,
-    /// Where the JSON goes; - is standard output
+    /// Where the JSON goes, an object, or a list of them for several wavelengths; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub json: PathBuf,
-    /// Worker threads [default: as many as the machine has]; results do not depend on it
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// No progress on standard error
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
 }
 
 /// Arguments of `orders`.
@@ -267,7 +302,7 @@ pub struct OrdersArgs {
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub phi: f64,
     /// Wavelengths in nm: 450,550 or 380:780:5
-    #[arg(long, default_value = "550")]
+    #[arg(long, allow_hyphen_values = true, default_value = "550")]
     pub wavelengths: Wavelengths,
     /// Starting rays over the period
     #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
@@ -278,15 +313,18 @@ pub struct OrdersArgs {
     /// Hits after which a ray is dropped [default: 1, single scattering, for one surface; 64 for several interfaces]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub hits: Option<u32>,
+    /// Single or double precision
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
     /// Seed of the sampling sequence
     #[arg(long, default_value_t = 0)]
     pub seed: u32,
     /// Where the CSV goes; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub csv: PathBuf,
-    /// Worker threads [default: as many as the machine has]; results do not depend on it
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
 }
 
 /// A number above 0.
@@ -371,12 +409,9 @@ pub struct FiguresArgs {
     /// The folder to write; made if it is missing
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
-    /// Worker threads [default: as many as the machine has]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// No progress and no remarks on standard error
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
 }
 
 /// `--model`.
@@ -445,4 +480,58 @@ impl From<SpaceArg> for RgbSpace {
 #[must_use]
 pub fn spelled(value: impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn commands_that_have_the_option_ask_for_wavelengths() {
+        let parser = CommandLine::command();
+        let mut seen = 0;
+        for line in [
+            "presets",
+            "spectrum s",
+            "colour s",
+            "estimate s -o t.exr",
+            "scatter s",
+            "orders s",
+            "compare s",
+            "sampling s",
+            "plot t.exr -o p.png",
+            "render t.exr -o p.png",
+            "view t.exr -o v.html",
+            "figures -o f",
+            "export s --to lut -o l.exr",
+        ] {
+            let words = std::iter::once("goniochrome").chain(line.split(' '));
+            let command = CommandLine::try_parse_from(words).expect(line).command;
+            let name = line.split(' ').next().expect("a word");
+            let own = parser.find_subcommand(name).expect(name);
+            let has = own.get_arguments().any(|argument| argument.get_long() == Some("wavelengths"));
+            assert_eq!(command.asks_wavelengths(), has, "{name}");
+            seen += 1;
+        }
+        assert_eq!(parser.get_subcommands().filter(|own| own.get_name() != "help").count(), seen);
+    }
+
+    #[test]
+    fn options_of_commands_that_compute_mean_the_same() {
+        let parser = CommandLine::command();
+        let help = |name: &str, option: &str| {
+            let command = parser.find_subcommand(name).expect(name);
+            let argument = command.get_arguments().find(|argument| argument.get_long() == Some(option));
+            let argument = argument.unwrap_or_else(|| panic!("{name} has no --{option}"));
+            let defaults: Vec<_> = argument.get_default_values().iter().map(|value| value.to_os_string()).collect();
+            (argument.get_help().map(ToString::to_string), argument.get_short(), defaults)
+        };
+        for option in ["threads", "quiet", "precision"] {
+            for name in ["colour", "estimate", "scatter", "orders", "compare", "sampling"] {
+                assert_eq!(help(name, option), help("spectrum", option), "{name} --{option}");
+            }
+        }
+    }
 }

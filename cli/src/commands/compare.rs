@@ -35,9 +35,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         }
     }
     let traced = &comparison.traced;
-    remark_fall_backs(traced.fell_back, traced.samples.len(), args.computing.quiet);
+    remark_fall_backs(traced.fell_back, traced.samples.len(), args.computing.running.quiet);
     remark(
-        args.computing.quiet,
+        args.computing.running.quiet,
         format_args!("largest difference of R_s or R_p: {:.2e}", comparison.largest_difference()),
     );
     Ok(())

@@ -7,11 +7,11 @@ use goniochrome::colour::{Quadrature, RgbSpace};
 use goniochrome::table::ScatterLayout;
 
 use crate::args::{EstimateArgs, ModelArg, spelled};
-use crate::bumpy::{Bumpy, has_tilted_facets};
+use crate::bumpy::Bumpy;
 use crate::checkpoint::Checkpoint;
 use crate::colours::{colours, visible_weights};
-use crate::commands::compute;
 use crate::commands::plot::disc_of;
+use crate::commands::{compute, named};
 use crate::error::{Error, Result};
 use crate::estimate::{Method, Sample, Spectra};
 use crate::grid::Wavelengths;
@@ -19,9 +19,9 @@ use crate::output;
 use crate::picture::Format;
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
-use crate::scatter::Request;
+use crate::scatter::{Request, unbalanced};
 use crate::scatter_estimate::{TableRequest, estimate};
-use crate::scene::{Scene, load};
+use crate::scene::{Scene, Shape, load};
 use crate::table::MirrorTable;
 use crate::table_file::{self, Table};
 
@@ -40,9 +40,9 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         Format::of(plot)?;
         output::refuse_same_output(&args.output, plot)?;
     }
-    let (table, said, checkpoint) = match has_tilted_facets(&scene) {
-        true => scattering(args, &scene)?,
-        false => mirror_like(args, &scene).map(|(table, said)| (table, said, None))?,
+    let (table, said, checkpoint) = match &scene.shape {
+        Shape::Mesh(_) => scattering(args, &scene)?,
+        Shape::Stack { .. } | Shape::Planes(_) => mirror_like(args, &scene).map(|(table, said)| (table, said, None))?,
     };
     table_file::write(&args.output, &table, args.computing.request().threads)?;
     if let Some(path) = &args.plot {
@@ -50,7 +50,7 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
     }
     // Not before all is written: on a full disk, say, the work is kept.
     checkpoint.map_or(Ok(()), Checkpoint::remove)?;
-    remark(args.computing.quiet, format_args!("{}: {said}", args.output.display()));
+    remark(args.computing.running.quiet, format_args!("{}: {said}", args.output.display()));
     Ok(())
 }
 
@@ -116,10 +116,8 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String, Opti
     if args.computing.method != Method::Trace {
         return Err(refuse("--method", "they can only be traced"));
     }
-    let wavelength_nm = match args.wavelengths.clone().unwrap_or_else(|| Wavelengths::every(10.0)) {
-        Wavelengths::List(list) => list,
-        Wavelengths::Auto(_) => return Err(refuse("--wavelengths auto", "name the wavelengths, as 380:780:10")),
-    };
+    let wavelengths = args.wavelengths.clone().unwrap_or_else(|| Wavelengths::every(10.0));
+    let wavelength_nm = named(&wavelengths, scene)?;
     let cell = &args.cell;
     if cell.target_error.is_some_and(|error| error.is_nan() || error <= 0.0) {
         return Err(Error::usage("--target-error must be positive"));
@@ -129,7 +127,7 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String, Opti
     let bins = DirectionBins { cos, phi: around };
     let layout = ScatterLayout::new(theta, phi, bins)
         .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))?;
-    let weights = visible_weights(&wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
+    let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
     let tracing = Request {
         coherence: cell.coherence.unwrap_or_default(),
         rays: cell.rays.unwrap_or(RAYS),
@@ -142,27 +140,41 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String, Opti
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
     let bumpy = Bumpy::new(scene)?;
-    let checkpoint = Checkpoint::open(&args.output, &request.identity(scene, &wavelength_nm))?;
-    let progress = bar(&scene.name, layout.incident_count(), args.computing.quiet);
-    let mut table = estimate(&bumpy, &wavelength_nm, &request, checkpoint.as_ref(), &|| progress.inc(1))?;
+    let checkpoint = Checkpoint::open(&args.output, &request.identity(scene, wavelength_nm))?;
+    let progress = bar(&scene.name, layout.incident_count(), args.computing.running.quiet);
+    let mut table = estimate(&bumpy, wavelength_nm, &request, checkpoint.as_ref(), &|| progress.inc(1))?;
     progress.finish_and_clear();
     if let Err(error) = table.check() {
         checkpoint.map_or(Ok(()), Checkpoint::remove)?;
         return Err(error);
     }
-    table.metadata = scatter_metadata(args, scene, &request.tracing);
+    let coherence = request.tracing.coherence;
+    let warning = unbalanced(coherence, table.worst_imbalance(|imbalance| unbalanced(coherence, imbalance).is_some()));
+    if let Some(warning) = &warning {
+        remark(args.computing.running.quiet, format_args!("{}: {warning}", scene.name));
+    }
+    let imbalance = table.worst_imbalance(|_| true).value;
+    table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, warning);
     let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);
     let said = format!(
         "{theta} × {phi} incident directions × {cos} × {around} bins × {} wavelengths; standard error of the albedo ≤ {:.1e}, \
-         truncated ≤ {truncated:.1e}",
+         truncated ≤ {truncated:.1e}, imbalance ≤ {:.1e}",
         wavelength_nm.len(),
         table.worst_error(),
+        imbalance.abs(),
     );
     Ok((table.into(), said, checkpoint))
 }
 
-/// The same for a cell.
-fn scatter_metadata(args: &EstimateArgs, scene: &Scene, tracing: &Request) -> BTreeMap<String, String> {
+/// How the table of a cell was made.
+fn scatter_metadata(
+    args: &EstimateArgs,
+    scene: &Scene,
+    tracing: &Request,
+    imbalance: f64,
+    warning: Option<String>,
+) -> BTreeMap<String, String> {
+    let warning = warning.map(|warning| ("warning", warning));
     [
         ("generator", format!("goniochrome {}", env!("CARGO_PKG_VERSION"))),
         ("scene", scene.name.clone()),
@@ -175,9 +187,12 @@ fn scatter_metadata(args: &EstimateArgs, scene: &Scene, tracing: &Request) -> BT
         ("illuminant", spelled(args.colouring.illuminant)),
         ("colour_space", spelled(args.colouring.space)),
         ("observer", "CIE 1931 2 degree".into()),
+        ("imbalance_max", format!("{imbalance:e}")),
     ]
+    .into_iter()
+    .chain(warning)
     .map(|(key, value)| (key.to_owned(), value))
-    .into()
+    .collect()
 }
 
 /// How the table was made. Nothing here depends on when or where, so equal runs give equal files.

@@ -14,7 +14,6 @@ use crate::error::{Error, Result};
 use crate::estimate::{Method, Precision, Request, spectra};
 use crate::html::{Section, page};
 use crate::output;
-use crate::parallel;
 
 use crate::picture::{Disc, Picture, disc_grid};
 use crate::planar::Planar;
@@ -35,10 +34,10 @@ pub fn run(args: &FiguresArgs) -> Result<()> {
     let folder = &args.output;
     let failed = |error| Error::failed(format_args!("{}: {error}; choose another -o", folder.display()));
     fs::create_dir_all(folder).map_err(failed)?;
-    let threads = args.threads.map_or_else(parallel::available, usize::from);
+    let threads = args.running.threads();
     let request = Request { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads };
 
-    let progress = bar("figures", 6, args.quiet);
+    let progress = bar("figures", 6, args.running.quiet);
     let sections = [
         figure_3(folder, &request).inspect(|_| progress.inc(1))?,
         figure_4(folder, &request).inspect(|_| progress.inc(1))?,
@@ -53,7 +52,7 @@ pub fn run(args: &FiguresArgs) -> Result<()> {
                  mirror-like surface in every direction: its radius is the angle from the normal.";
     let index = folder.join("index.html");
     output::write_text(&index, &page("Structural colours: the paper’s figures", intro, &sections))?;
-    remark(args.quiet, format_args!("{}", index.display()));
+    remark(args.running.quiet, format_args!("{}", index.display()));
     Ok(())
 }
 

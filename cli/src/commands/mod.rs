@@ -36,6 +36,10 @@ use crate::scene::Scene;
 /// # Errors
 /// One line for the user.
 pub fn run(command: &Command) -> Result<()> {
+    dispatch(command).map_err(|error| error.with_remedy(command.asks_wavelengths()))
+}
+
+fn dispatch(command: &Command) -> Result<()> {
     match command {
         Command::Presets { name } => presets::run(name.as_deref()),
         Command::Spectrum(args) => spectrum::run(args),
@@ -64,17 +68,17 @@ fn compute(
     if let Wavelengths::Auto([first, last]) = wavelengths {
         let path = planar.longest_optical_path_nm([*first, *last])?;
         remark(
-            computing.quiet,
+            computing.running.quiet,
             format_args!(
                 "{} wavelengths from {first} to {last} nm for a longest optical path of {path:.0} nm",
                 wavelength_nm.len()
             ),
         );
     }
-    let progress = bar(&planar.scene().name, theta_deg.len(), computing.quiet);
+    let progress = bar(&planar.scene().name, theta_deg.len(), computing.running.quiet);
     let spectra = spectra(planar, theta_deg, &wavelength_nm, &computing.request(), &|| progress.inc(1))?;
     progress.finish_and_clear();
-    remark_fall_backs(spectra.fell_back, spectra.samples.len(), computing.quiet);
+    remark_fall_backs(spectra.fell_back, spectra.samples.len(), computing.running.quiet);
     Ok(spectra)
 }
 
@@ -98,6 +102,17 @@ fn check_outputs(csv: &Path, picture: Option<&Path>, scene: &Scene) -> Result<()
     picture::Format::of(picture)?;
     output::check_destination(picture, &scene.files)?;
     output::refuse_same_output(csv, picture)
+}
+
+/// The wavelengths that were named, for commands that cannot choose them.
+fn named<'w>(wavelengths: &'w Wavelengths, scene: &Scene) -> Result<&'w [f64]> {
+    match wavelengths {
+        Wavelengths::List(list) => Ok(list),
+        Wavelengths::Auto(_) => Err(Error::usage(format_args!(
+            "--wavelengths auto: {} is traced, and has no one optical path; name the wavelengths, as 380:780:10",
+            scene.name
+        ))),
+    }
 }
 
 /// The unit vector towards the light.

@@ -2,40 +2,54 @@
 
 use crate::args::OrdersArgs;
 use crate::bumpy::Bumpy;
-use crate::commands::{direction, write_csv};
-use crate::diffraction::{Request, default_hits, orders, unreliable};
-use crate::error::{Error, Result};
-use crate::grid::Wavelengths;
+use crate::commands::{direction, named, write_csv};
+use crate::diffraction::{Diffraction, Request, default_hits, groups, orders, unreliable};
+use crate::error::Result;
 use crate::output;
-use crate::progress::remark;
+use crate::progress::{bar, remark};
+use crate::scatter::BATCHES;
 use crate::scene::load;
 
 pub fn run(args: &OrdersArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.csv, &scene.files)?;
     let bumpy = Bumpy::new(&scene)?;
-    let Wavelengths::List(wavelengths) = &args.wavelengths else {
-        return Err(Error::usage("--wavelengths auto: name the wavelengths of orders, or give start:end:step"));
-    };
+    let wavelengths = named(&args.wavelengths, &scene)?;
     let request = Request {
         rays: args.rays,
         seed: args.seed,
         most: args.most_order,
         hits: args.hits.unwrap_or_else(|| default_hits(&bumpy)),
-        threads: args.threads.map_or_else(crate::parallel::available, usize::from),
+        precision: args.precision,
+        threads: args.running.threads(),
     };
-    let found = orders(&bumpy, direction(args.theta, args.phi)?, wavelengths, &request)?;
-    if let Some(warning) = unreliable(&bumpy, wavelengths) {
-        remark(false, warning);
+    let quiet = args.running.quiet;
+    let progress = bar(&scene.name, BATCHES as usize * groups(wavelengths.len(), request.precision), quiet);
+    let found = orders(&bumpy, direction(args.theta, args.phi)?, wavelengths, &request, &|| progress.inc(1))?;
+    progress.finish_and_clear();
+    for warning in [unreliable(&bumpy, wavelengths), found.single_scattering(request.hits)].into_iter().flatten() {
+        remark(quiet, format_args!("{}: {warning}", scene.name));
     }
-    let rows = found.iter().map(|order| {
+    write(args, wavelengths, &found)
+}
+
+/// One row for each order and wavelength. The last column is that of the wavelength: light that was not followed to where it leaves.
+fn write(args: &OrdersArgs, wavelengths: &[f64], found: &Diffraction) -> Result<()> {
+    let left_out = |nm: f64| {
+        let place = wavelengths.iter().position(|known| *known == nm).unwrap_or_default();
+        let left_out = found.left_out[place];
+        left_out.lost + left_out.in_flight
+    };
+    let rows = found.orders.iter().map(|order| {
         let [m, n] = order.index;
         let mut row = vec![m.to_string(), n.to_string(), order.wavelength_nm.to_string()];
         row.push(format!("{:.6}", order.theta_deg));
         let (s, p) = (order.efficiency.s, order.efficiency.p);
         row.extend([s.value, p.value, s.std_error, p.std_error].map(|x| format!("{x:.9}")));
+        row.push(format!("{:.2e}", left_out(order.wavelength_nm)));
         row
     });
-    let header = ["m", "n", "wavelength_nm", "theta_deg", "R_s", "R_p", "R_s_std_error", "R_p_std_error"];
+    let header =
+        ["m", "n", "wavelength_nm", "theta_deg", "R_s", "R_p", "R_s_std_error", "R_p_std_error", "not_followed"];
     write_csv(&args.csv, &header, rows)
 }

@@ -21,7 +21,7 @@ pub fn run(args: &SamplingArgs) -> Result<()> {
         space: args.space.into(),
         request: args.computing.request(),
     };
-    let progress = bar(&scene.name, args.samples.len() + 1, args.computing.quiet);
+    let progress = bar(&scene.name, args.samples.len() + 1, args.computing.running.quiet);
     let (fell_back, all) = (Cell::new(0), Cell::new(0));
     let points = error_curve(&planar, &args.samples, &setting, &|spectra| {
         fell_back.set(fell_back.get() + spectra.fell_back);
@@ -29,7 +29,7 @@ pub fn run(args: &SamplingArgs) -> Result<()> {
         progress.inc(1);
     })?;
     progress.finish_and_clear();
-    remark_fall_backs(fell_back.get(), all.get(), args.computing.quiet);
+    remark_fall_backs(fell_back.get(), all.get(), args.computing.running.quiet);
     let rows = points.iter().map(|point| vec![point.samples.to_string(), format!("{:.6}", point.error)]);
     let csv = || write_csv(&args.csv, &["samples", "largest_error"], rows);
     let Some(path) = &args.output else { return csv() };

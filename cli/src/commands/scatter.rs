@@ -1,18 +1,16 @@
 //! `goniochrome scatter`.
 
-use glam::DVec3;
 use goniochrome::bins::DirectionBins;
 use serde_json::{Value, json};
 
 use crate::args::{ScatterArgs, spelled};
 use crate::bumpy::Bumpy;
-use crate::coherent::{scatter_bins, scatter_orders};
-use crate::commands::direction;
-use crate::diffraction::{default_hits, unreliable};
+use crate::commands::{direction, named};
+use crate::diffraction::unreliable;
 use crate::error::{Error, Result};
 use crate::output;
 use crate::progress::{bar, remark};
-use crate::scatter::{BATCHES, Coherence, Estimate, Request, Scattered, scatter};
+use crate::scatter::{Coherence, Estimate, Request, Scattered, scatter, steps, unbalanced};
 use crate::scene::load;
 use crate::text;
 
@@ -20,6 +18,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.json, &scene.files)?;
     let bumpy = Bumpy::new(&scene)?;
+    let wavelengths = named(&args.wavelengths, &scene)?;
     let [cos, phi] = args.bins.0;
     let wi = direction(args.theta, args.phi)?;
     let mut request = Request {
@@ -28,57 +27,57 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         seed: args.seed,
         bins: DirectionBins { cos, phi },
         precision: args.precision,
-        threads: args.threads.map_or_else(crate::parallel::available, usize::from),
+        threads: args.running.threads(),
     };
-    let mut found = once(&bumpy, wi, args, &request)?;
-    while args.target_error.is_some_and(|target| largest_error(&found) > target) {
+    let once = |request: &Request| {
+        let progress = bar(&scene.name, steps(wavelengths.len(), request), args.running.quiet);
+        let found = scatter(&bumpy, wi, wavelengths, request, &|| progress.inc(1));
+        progress.finish_and_clear();
+        found
+    };
+    let mut found = once(&request)?;
+    while let Some(error) = args.target_error.and_then(|target| Some(largest_error(&found)).filter(|e| *e > target)) {
         if request.rays > MOST_RAYS / 2 {
             return Err(Error::failed(format_args!(
-                "{}: the standard error is still {:.1e} with {} rays; give a larger --target-error or larger bins",
-                scene.name,
-                largest_error(&found),
-                request.rays
+                "{}: the standard error is still {error:.1e} with {} rays; give a larger --target-error or larger bins",
+                scene.name, request.rays
             )));
         }
         request.rays *= 2;
-        found = once(&bumpy, wi, args, &request)?;
+        found = once(&request)?;
     }
-    if request.coherence == Coherence::Cell
-        && let Some(warning) = unreliable(&bumpy, &[args.wavelength])
-    {
-        remark(args.quiet, warning);
+    let mut reports = Vec::with_capacity(found.len());
+    for (found, &nm) in found.iter().zip(wavelengths) {
+        let narrow = || unreliable(&bumpy, &[nm]).filter(|_| request.coherence == Coherence::Cell);
+        let warnings: Vec<String> =
+            [unbalanced(request.coherence, found.imbalance), narrow()].into_iter().flatten().collect();
+        for warning in &warnings {
+            remark(args.running.quiet, format_args!("{}: {nm} nm: {warning}", scene.name));
+        }
+        reports.push(report(args, nm, &request, found, &warnings));
     }
-    let text = serde_json::to_string_pretty(&report(args, &request, &found)).map_err(Error::failed)?;
+    let whole = if let [_] = reports[..] { reports.remove(0) } else { Value::Array(reports) };
+    let text = serde_json::to_string_pretty(&whole).map_err(Error::failed)?;
     output::write_text(&args.json, &(text::json(&text) + "\n"))
 }
 
 /// With a target, rays double up to here.
 const MOST_RAYS: u32 = 1 << 28;
 
-fn once(bumpy: &Bumpy<'_>, wi: DVec3, args: &ScatterArgs, request: &Request) -> Result<Scattered> {
-    match request.coherence {
-        Coherence::Bin => scatter_bins(bumpy, wi, args.wavelength, request),
-        Coherence::Cell => scatter_orders(bumpy, wi, args.wavelength, request, default_hits(bumpy)),
-        Coherence::Ray | Coherence::None => {
-            let progress = bar(&bumpy.scene().name, BATCHES as usize, args.quiet);
-            let mut found = scatter(bumpy, wi, &[args.wavelength], request, &|| progress.inc(1))?;
-            progress.finish_and_clear();
-            Ok(found.remove(0))
-        }
-    }
-}
-
 /// The largest standard error of a number that is printed.
-fn largest_error(found: &Scattered) -> f64 {
-    let totals = [found.reflected, found.transmitted, found.absorbed];
-    totals.iter().chain(&found.bins).map(|estimate| estimate.std_error).fold(0.0, f64::max)
+fn largest_error(found: &[Scattered]) -> f64 {
+    let numbers = |found: &Scattered| {
+        let totals = [found.reflected, found.transmitted, found.absorbed];
+        totals.iter().chain(&found.bins).map(|estimate| estimate.std_error).fold(0.0, f64::max)
+    };
+    found.iter().map(numbers).fold(0.0, f64::max)
 }
 
 fn estimate(of: Estimate) -> Value {
     json!({ "value": of.value, "std_error": of.std_error })
 }
 
-fn report(args: &ScatterArgs, request: &Request, found: &Scattered) -> Value {
+fn report(args: &ScatterArgs, wavelength_nm: f64, request: &Request, found: &Scattered, warnings: &[String]) -> Value {
     let grid = request.bins;
     let bins: Vec<Value> = found
         .bins
@@ -100,7 +99,7 @@ fn report(args: &ScatterArgs, request: &Request, found: &Scattered) -> Value {
         "scene": args.scene,
         "theta_deg": args.theta,
         "phi_deg": args.phi,
-        "wavelength_nm": args.wavelength,
+        "wavelength_nm": wavelength_nm,
         "coherence": spelled(args.coherence),
         "rays": request.rays,
         "seed": args.seed,
@@ -110,6 +109,7 @@ fn report(args: &ScatterArgs, request: &Request, found: &Scattered) -> Value {
         "truncated": estimate(found.truncated),
         "imbalance": estimate(found.imbalance),
         "without_interference": estimate(found.without_interference),
+        "warnings": warnings,
         "bins": bins,
     })
 }

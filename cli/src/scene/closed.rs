@@ -10,14 +10,11 @@ use std::fmt::Display;
 
 use glam::DVec3;
 use goniochrome::interface::Below;
+use goniochrome::mesh::{RESOLUTION, put_on_border};
 
 use super::obj::{Mesh, Triangle};
 use super::{MAX_LENGTH_NM, NamedInterface, NamedMedium};
 use crate::error::{Error, Result};
-
-/// Modelling programs keep coordinates in single precision: vertices nearer than this fraction of the largest coordinate are
-/// one vertex, and may lie outside the period by as much.
-const SAME_VERTEX: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Two facets on one edge overlap if the angle between them is less than this, in radians, or than rounding.
 const OVERLAP: f64 = 1e-6;
@@ -28,18 +25,62 @@ const MAX_FAULTS: usize = 10_000;
 /// Facets that the vertical lines may be tried against: some seconds.
 const MAX_PROBED: usize = 1 << 30;
 
-/// Checks a cell of tilted facets: inside its period, without holes, overlaps or facets that disagree about a medium, and spanning
-/// the whole period. Triangles without area and vertices without triangles are passed over. Surfaces that cut through one
-/// another away from their edges are not found.
-///
-/// # Errors
-/// One line that names the first facet at fault, the place in nanometres and the remedy.
-pub fn check_closed(
-    mesh: &Mesh,
+/// A cell of polygons that divide space cleanly: every boundary between two media is closed over the period.
+#[derive(Clone, Debug)]
+pub struct ClosedCell {
+    mesh: Mesh,
     period_nm: [f64; 2],
-    interfaces: &[NamedInterface],
-    media: &[NamedMedium],
-) -> Result<()> {
+    interfaces: Vec<NamedInterface>,
+}
+
+impl ClosedCell {
+    /// Checks a mesh: inside its period, without holes, overlaps or facets that disagree about a medium, and spanning the whole
+    /// period. Triangles without area and vertices without triangles are passed over. Surfaces that cut through one another
+    /// away from their edges are not found.
+    ///
+    /// Vertices beside the border of the period are put onto it, since light would fall through between copies of the mesh that
+    /// miss each other.
+    ///
+    /// # Errors
+    /// One line that names the first facet at fault, the place in nanometres and the remedy.
+    pub(super) fn new(
+        mut mesh: Mesh,
+        period_nm: [f64; 2],
+        interfaces: Vec<NamedInterface>,
+        media: &[NamedMedium],
+    ) -> Result<Self> {
+        check_closed(&mesh, period_nm, &interfaces, media)?;
+        let mut vertices: Vec<DVec3> = mesh.vertices.into_iter().map(DVec3::from).collect();
+        put_on_border(&mut vertices, period_nm);
+        mesh.vertices = vertices.iter().map(DVec3::to_array).collect();
+        Ok(Self { mesh, period_nm, interfaces })
+    }
+
+    /// Rectangles over the period, one over the other, which [`super::FlatCell`] has checked.
+    pub(super) fn of_sheets(mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface>) -> Self {
+        Self { mesh, period_nm, interfaces }
+    }
+
+    /// The facets.
+    #[must_use]
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The period in x and in y.
+    #[must_use]
+    pub fn period_nm(&self) -> [f64; 2] {
+        self.period_nm
+    }
+
+    /// What a triangle's `interface` counts.
+    #[must_use]
+    pub fn interfaces(&self) -> &[NamedInterface] {
+        &self.interfaces
+    }
+}
+
+fn check_closed(mesh: &Mesh, period_nm: [f64; 2], interfaces: &[NamedInterface], media: &[NamedMedium]) -> Result<()> {
     let check = Check { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh, period_nm) };
     check.inside()?;
     let edges = check.edges();
@@ -48,21 +89,10 @@ pub fn check_closed(
     check.through_bodies(&edges, &mut bodies)
 }
 
-/// Vertices nearer than this are one vertex.
+/// Modelling programs keep coordinates in single precision: vertices nearer than this are one vertex, and may lie outside the
+/// period by as much.
 fn resolution_nm(mesh: &Mesh, period_nm: [f64; 2]) -> f64 {
-    SAME_VERTEX * mesh.vertices.iter().flatten().chain(&period_nm).fold(0.0, |most: f64, x| most.max(x.abs()))
-}
-
-/// The vertices; those beside the border of the period are put onto it, since light would fall through between copies of the
-/// mesh that miss each other.
-pub(crate) fn on_border(mesh: &Mesh, period_nm: [f64; 2]) -> Vec<DVec3> {
-    let resolution_nm = resolution_nm(mesh, period_nm);
-    let moved = |x: f64, period: f64| {
-        let near = |border: &f64| (x - border).abs() <= resolution_nm;
-        [0.0, period].into_iter().find(near).unwrap_or(x)
-    };
-    let [width, depth] = period_nm;
-    mesh.vertices.iter().map(|&[x, y, z]| DVec3::new(moved(x, width), moved(y, depth), z)).collect()
+    RESOLUTION * mesh.vertices.iter().flatten().chain(&period_nm).fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
 /// A vertex modulo the period.

@@ -56,11 +56,13 @@ fn grain(usemtl: &str, z: f64) -> String {
 
 #[test]
 fn vertices_beside_the_border_are_put_onto_it() {
-    let period = [10.0, 8.0];
-    let vertices = vec![[-1e-9, 8.000001, 1.0], [9.9999999, 1e-7, -1e-9], [0.001, 7.999, 3.0]];
-    let mesh = Mesh { vertices, triangles: Vec::new(), path: "m.obj".into() };
-    let corners = [[0.0, 8.0, 1.0], [10.0, 0.0, -1e-9], [0.001, 7.999, 3.0]];
-    assert_eq!(on_border(&mesh, period), corners.map(DVec3::from));
+    let interfaces = interfaces();
+    let names: Vec<&str> = interfaces.iter().map(|i| i.name.as_str()).collect();
+    let off = roof("top", 0.0).replace("v 0 0", "v -0.0000001 0.0000002").replace("v 10 8", "v 9.9999999 8.0000002");
+    let mesh = parse_mesh("m.obj", &off, &names).unwrap();
+    let cell = ClosedCell::new(mesh, [10.0, 8.0], interfaces, &media()).unwrap();
+    let [first, last] = [0, 5].map(|vertex| cell.mesh().vertices[vertex]);
+    assert_eq!((first, last), ([0.0, 0.0, 0.0], [10.0, 8.0, 0.0]));
 }
 
 #[test]

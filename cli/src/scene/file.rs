@@ -43,9 +43,8 @@ use super::media::{self, Media};
 use super::medium::OwnedMedium;
 use super::obj::Mesh;
 use super::placement::{self, Frame};
-use super::planes::is_horizontal;
 use super::source::{Source, canonical, read_text};
-use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, check_closed, nk, surface};
+use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, nk, surface};
 use crate::error::Result;
 use crate::text::{one_line, toml_key};
 
@@ -67,8 +66,14 @@ struct Reader<'a> {
     files: Vec<PathBuf>,
 }
 
+/// A scene's shape as it is written.
+enum Described {
+    Stack(Shape),
+    Cell { mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface> },
+}
+
 /// Where a cell's facets come from.
-enum Described<'a> {
+enum Facets<'a> {
     Mesh(Item<'a>),
     Surface(Item<'a>),
 }
@@ -95,12 +100,12 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
             reader.media.declare(&item, medium)?;
         }
     }
-    let shape = match (root.get("stack"), root.get("cell")) {
+    let described = match (root.get("stack"), root.get("cell")) {
         (Some(stack), None) => {
             if let Some(item) = root.get("interface") {
                 return Err(item.refuse("only a [cell] has interfaces; remove it"));
             }
-            reader.stack(&stack.table("[stack]")?)?
+            Described::Stack(reader.stack(&stack.table("[stack]")?)?)
         }
         (None, Some(cell)) => reader.cell(&cell.table("[cell]")?, root.get("interface"))?,
         (Some(_), Some(cell)) => return Err(cell.refuse("a scene has either [stack] or [cell]; remove one")),
@@ -108,11 +113,10 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     };
     let Reader { media, files, .. } = reader;
     let media = media.finish();
-    if let Shape::Cell { mesh, period_nm, interfaces } = &shape
-        && !is_horizontal(mesh)
-    {
-        check_closed(mesh, *period_nm, interfaces, &media)?;
-    }
+    let shape = match described {
+        Described::Stack(shape) => shape,
+        Described::Cell { mesh, period_nm, interfaces } => Shape::of_mesh(mesh, period_nm, interfaces, &media)?,
+    };
     Ok(Scene { name, toml: text.to_owned(), media, shape, files })
 }
 
@@ -209,11 +213,11 @@ impl Reader<'_> {
         self.media.resolve(item)
     }
 
-    fn cell(&mut self, table: &Table<'_>, interfaces: Option<Item<'_>>) -> Result<Shape> {
+    fn cell(&mut self, table: &Table<'_>, interfaces: Option<Item<'_>>) -> Result<Described> {
         table.allow(&["mesh", "surface", "period_nm", "axes", "unit_nm"])?;
-        let shape = match (table.get("mesh"), table.get("surface")) {
-            (Some(mesh), None) => Described::Mesh(mesh),
-            (None, Some(surface)) => Described::Surface(surface),
+        let facets = match (table.get("mesh"), table.get("surface")) {
+            (Some(mesh), None) => Facets::Mesh(mesh),
+            (None, Some(surface)) => Facets::Surface(surface),
             (Some(_), Some(item)) => return Err(item.refuse("a [cell] has either a mesh or a surface; remove one")),
             (None, None) => return Err(table.refuse("neither mesh nor surface; write mesh = \"file.obj\"")),
         };
@@ -238,13 +242,13 @@ impl Reader<'_> {
         }
         let names: Vec<&str> = interfaces.iter().map(|interface| interface.name.as_str()).collect();
         let frame = Frame::read(table)?;
-        let mut mesh = match shape {
-            Described::Mesh(item) => Mesh::read(&self.path(&item)?, &names, frame)?,
-            Described::Surface(item) => surface::build(&item, self.label, period_nm, &names)?,
+        let mut mesh = match facets {
+            Facets::Mesh(item) => Mesh::read(&self.path(&item)?, &names, frame)?,
+            Facets::Surface(item) => surface::build(&item, self.label, period_nm, &names)?,
         };
         mesh.drop_unused();
         placement::fit(&mut mesh, period_nm, frame)?;
-        Ok(Shape::Cell { mesh, period_nm, interfaces })
+        Ok(Described::Cell { mesh, period_nm, interfaces })
     }
 
     fn interface(&mut self, item: &Item<'_>) -> Result<NamedInterface> {

@@ -18,16 +18,15 @@ mod yaml;
 use std::path::{Path, PathBuf};
 
 use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::{Extrapolate, MediumIndex};
+use goniochrome::medium::{Extrapolate, MediumError, MediumIndex};
 
 use crate::error::{Error, Result};
 
 pub use builtin::names as material_names;
-pub use closed::check_closed;
-pub(crate) use closed::on_border;
+pub use closed::ClosedCell;
 pub use medium::{OwnedDispersion, OwnedMedium};
 pub use obj::{Mesh, Triangle};
-pub use planes::{Plane, planes};
+pub use planes::{FlatCell, Plane};
 
 /// Scene files are written by hand or by a script; 4 MiB hold some 50 000 layers.
 const MAX_SCENE_BYTES: u64 = 4 << 20;
@@ -50,6 +49,18 @@ pub struct Scene {
     pub files: Vec<PathBuf>,
 }
 
+impl Scene {
+    /// What the medium of this index says against a wavelength, with its name and the remedy that the scene has. A command that
+    /// asks for wavelengths adds its own: see [`Error::no_data`].
+    pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
+        let line = format_args!("{}: material {}: {error}", self.name, self.media[index].name);
+        match error {
+            MediumError::OutOfRange { .. } => Error::no_data(line),
+            _ => Error::failed(line),
+        }
+    }
+}
+
 /// A medium and what the scene calls it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedMedium {
@@ -59,7 +70,7 @@ pub struct NamedMedium {
     pub medium: OwnedMedium,
 }
 
-/// The two kinds of scene.
+/// The kinds of scene. Which of them a mesh is decides [`Shape::of_mesh`] alone, with the check of that kind.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// Plane layers.
@@ -71,16 +82,38 @@ pub enum Shape {
         /// What lies under the last layer.
         substrate: Below,
     },
-    /// A polygon mesh, periodic in x and y: horizontal planes, which [`planes()`] checks, or tilted facets, which have
-    /// passed [`check_closed`].
-    Cell {
-        /// The facets.
+    /// A mesh of horizontal planes, periodic in x and y.
+    Planes(FlatCell),
+    /// A mesh of other facets, periodic in x and y: it scatters light.
+    Mesh(ClosedCell),
+}
+
+impl Shape {
+    /// What a mesh is. `interfaces` are what its triangles count, `media` what these divide.
+    ///
+    /// # Errors
+    /// One line that names the first facet at fault, the place and the remedy: no command traces a mesh with a hole.
+    pub fn of_mesh(
         mesh: Mesh,
-        /// The period in x and in y.
         period_nm: [f64; 2],
-        /// What a triangle's `interface` counts.
         interfaces: Vec<NamedInterface>,
-    },
+        media: &[NamedMedium],
+    ) -> Result<Self> {
+        match FlatCell::new(&mesh, period_nm, &interfaces, media)? {
+            Some(flat) => Ok(Self::Planes(flat)),
+            None => ClosedCell::new(mesh, period_nm, interfaces, media).map(Self::Mesh),
+        }
+    }
+
+    /// The polygons of a mesh, of horizontal planes too; none of a stack.
+    #[must_use]
+    pub fn polygons(&self) -> Option<&ClosedCell> {
+        match self {
+            Self::Stack { .. } => None,
+            Self::Planes(flat) => Some(flat.polygons()),
+            Self::Mesh(closed) => Some(closed),
+        }
+    }
 }
 
 /// A plane layer.
@@ -204,8 +237,9 @@ mod tests {
         assert_eq!(scene.name, "film");
         let root = folder.path().canonicalize().unwrap();
         assert_eq!(scene.files, ["film.toml", "n.yml", "square.obj"].map(|name| root.join(name)));
-        let Shape::Cell { mesh, period_nm, interfaces } = &scene.shape else { panic!("a cell") };
-        assert_eq!((mesh.triangles.len(), *period_nm, interfaces.len()), (2, [9.0, 9.0], 1));
+        let Shape::Planes(flat) = &scene.shape else { panic!("a plane") };
+        let cell = flat.polygons();
+        assert_eq!((cell.mesh().triangles.len(), cell.period_nm(), cell.interfaces().len()), (2, [9.0, 9.0], 1));
         assert_eq!(scene.media.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["1", "x"]);
         write("n.yml", "DATA:\n  - type: tabulated nk\n    data: |\n        0.5 1.5\n");
         let message = load(path.to_str().unwrap()).unwrap_err().to_string();

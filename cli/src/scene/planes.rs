@@ -1,4 +1,5 @@
-//! Cells made of horizontal planes: the check that a mesh is such a cell, and its planes from the top.
+//! Cells made of horizontal planes: the decision that a mesh is such a cell, the check that its planes are closed, and the planes
+//! from the top.
 //!
 //! A plane covers the period exactly once if (1) its facets are oriented alike, (2) every edge that is not on the border
 //! of the period's rectangle is passed as often in one direction as in the other, and (3) their area is that of the
@@ -9,6 +10,7 @@ use std::fmt::Display;
 
 use goniochrome::interface::{Below, Interface};
 
+use super::closed::ClosedCell;
 use super::obj::{Mesh, Triangle};
 use super::{Layer, NamedInterface, NamedMedium};
 use crate::error::{Error, Result};
@@ -22,35 +24,58 @@ pub struct Plane {
     pub interface: Interface,
 }
 
-/// The planes of a cell, from the top, coatings written out; neighbours agree about the medium between them.
-///
-/// # Errors
-/// One line that names the first facet that is tilted or the first plane that is open, or the two planes that disagree.
-pub fn planes(
-    mesh: &Mesh,
-    period_nm: [f64; 2],
-    interfaces: &[NamedInterface],
-    media: &[NamedMedium],
-) -> Result<Vec<Plane>> {
-    let check = Check { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh) };
-    let mut sheets = check.sheets()?;
-    for sheet in &mut sheets {
-        check.orient(sheet)?;
-        check.closed(sheet)?;
+/// A cell of horizontal planes. Each covers the period exactly once, and neighbours agree about the medium between them.
+#[derive(Clone, Debug)]
+pub struct FlatCell {
+    planes: Vec<Plane>,
+    polygons: ClosedCell,
+}
+
+impl FlatCell {
+    /// The planes of a mesh; `None` if it has other facets than horizontal ones.
+    ///
+    /// # Errors
+    /// One line that names the first plane that is open, or the two planes that disagree.
+    pub(super) fn new(
+        mesh: &Mesh,
+        period_nm: [f64; 2],
+        interfaces: &[NamedInterface],
+        media: &[NamedMedium],
+    ) -> Result<Option<Self>> {
+        let check = Check { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh) };
+        let Some(mut sheets) = check.sheets() else { return Ok(None) };
+        for sheet in &mut sheets {
+            check.orient(sheet)?;
+            check.closed(sheet)?;
+        }
+        sheets.sort_by(|a, b| b.plane.z_nm.total_cmp(&a.plane.z_nm).then(a.facets[0].line.cmp(&b.facets[0].line)));
+        for pair in sheets.windows(2) {
+            check.neighbours(&pair[0], &pair[1])?;
+        }
+        if let Some(top) = sheets.first() {
+            check.ambient(top)?;
+        }
+        let mut planes = Vec::with_capacity(sheets.len());
+        let mut lowered_nm = 0.0;
+        for sheet in &sheets {
+            let coating = &interfaces[usize::from(sheet.facets[0].interface)].coating;
+            lowered_nm += coat(sheet, coating, lowered_nm, &mut planes);
+        }
+        let polygons = ClosedCell::of_sheets(check.rectangles(&sheets), period_nm, interfaces.to_vec());
+        Ok(Some(Self { planes, polygons }))
     }
-    sheets.sort_by(|a, b| b.plane.z_nm.total_cmp(&a.plane.z_nm).then(a.facets[0].line.cmp(&b.facets[0].line)));
-    for pair in sheets.windows(2) {
-        check.neighbours(&pair[0], &pair[1])?;
+
+    /// The planes from the top, coatings written out.
+    #[must_use]
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes
     }
-    if let Some(top) = sheets.first() {
-        check.ambient(top)?;
+
+    /// The planes as polygons: each one rectangle over the period, coatings left to the interfaces.
+    #[must_use]
+    pub fn polygons(&self) -> &ClosedCell {
+        &self.polygons
     }
-    let mut planes = Vec::with_capacity(sheets.len());
-    let mut lowered_nm = 0.0;
-    for sheet in &sheets {
-        lowered_nm += coat(sheet, &interfaces[usize::from(sheet.facets[0].interface)].coating, lowered_nm, &mut planes);
-    }
-    Ok(planes)
 }
 
 /// Adds a plane with its coating written out. The films take up no room in the mesh, so that everything below moves down
@@ -72,17 +97,6 @@ fn coat(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plan
     }
     planes.push(Plane { z_nm: sheet.plane.z_nm - lowered_nm - thickness_nm, interface: Interface { above, below } });
     thickness_nm
-}
-
-/// Whether every facet is horizontal: then [`planes`] tells more about what is wrong with the mesh than
-/// [`super::check_closed`].
-pub(super) fn is_horizontal(mesh: &Mesh) -> bool {
-    let resolution_nm = resolution_nm(mesh);
-    let height = |triangle: &Triangle| {
-        let z = triangle.vertices.map(|index| mesh.vertices[index as usize][2]);
-        z[0].max(z[1]).max(z[2]) - z[0].min(z[1]).min(z[2])
-    };
-    mesh.triangles.iter().all(|triangle| height(triangle) <= resolution_nm)
 }
 
 /// Modelling programs keep coordinates in single precision, so heights or corners that are meant to be equal may differ by
@@ -125,30 +139,53 @@ impl Check<'_> {
         &self.interfaces[usize::from(sheet.facets[0].interface)].name
     }
 
-    /// Facets by interface and height; refuses tilted ones.
-    fn sheets(&self) -> Result<Vec<Sheet>> {
-        let mut by_height = Vec::with_capacity(self.mesh.triangles.len());
-        for facet in &self.mesh.triangles {
-            let [a, b, c] = self.corners(facet).map(|corner| corner[2]);
-            if a.max(b).max(c) - a.min(b).min(c) > self.resolution_nm {
-                return Err(
-                    self.refuse(facet.line, "facet is tilted; this release traces cells of horizontal planes only")
-                );
-            }
-            by_height.push((a, *facet));
+    /// Facets by interface and height; `None` where they do not lie in horizontal planes.
+    fn sheets(&self) -> Option<Vec<Sheet>> {
+        struct Level {
+            low: f64,
+            high: f64,
+            facet: Triangle,
         }
-        by_height
-            .sort_by(|(a, f), (b, g)| f.interface.cmp(&g.interface).then(a.total_cmp(b)).then(f.line.cmp(&g.line)));
-        let same = |a: &(f64, Triangle), b: &(f64, Triangle)| {
-            a.1.interface == b.1.interface && b.0 - a.0 <= self.resolution_nm
+        let level = |facet: &Triangle| {
+            let [a, b, c] = self.corners(facet).map(|corner| corner[2]);
+            Level { low: a.min(b).min(c), high: a.max(b).max(c), facet: *facet }
         };
-        let sheet = |group: &[(f64, Triangle)]| {
-            let mut facets: Vec<Triangle> = group.iter().map(|&(_, facet)| facet).collect();
+        let mut levels: Vec<Level> = self.mesh.triangles.iter().map(level).collect();
+        levels.sort_by(|a, b| {
+            let interfaces = a.facet.interface.cmp(&b.facet.interface);
+            interfaces.then(a.low.total_cmp(&b.low)).then(a.facet.line.cmp(&b.facet.line))
+        });
+        let same = |a: &Level, b: &Level| a.facet.interface == b.facet.interface && b.low - a.low <= self.resolution_nm;
+        let sheet = |group: &[Level]| {
+            let (z_nm, high) = (group[0].low, group.iter().fold(f64::NEG_INFINITY, |most, level| most.max(level.high)));
+            // The whole plane, not each facet alone: a fine mesh climbs by less than rounding from facet to facet.
+            if high - z_nm > self.resolution_nm {
+                return None;
+            }
+            let mut facets: Vec<Triangle> = group.iter().map(|level| level.facet).collect();
             facets.sort_by_key(|facet| facet.line);
             let interface = self.interfaces[usize::from(facets[0].interface)].interface;
-            Sheet { plane: Plane { z_nm: group[0].0, interface }, turned: false, facets }
+            Some(Sheet { plane: Plane { z_nm, interface }, turned: false, facets })
         };
-        Ok(by_height.chunk_by(same).map(sheet).collect())
+        levels.chunk_by(same).map(sheet).collect()
+    }
+
+    /// Each sheet as two triangles over the period, with the normal that its facets have.
+    fn rectangles(&self, sheets: &[Sheet]) -> Mesh {
+        let [x, y] = self.period_nm;
+        let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: self.mesh.path.clone() };
+        for sheet in sheets {
+            let first = mesh.vertices.len() as u32; // at most as many sheets as the mesh has triangles
+            mesh.vertices.extend([[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]].map(|[x, y]| [x, y, sheet.plane.z_nm]));
+            let Triangle { interface, line, .. } = sheet.facets[0];
+            let halves = if sheet.turned { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] };
+            mesh.triangles.extend(halves.map(|corners| Triangle {
+                vertices: corners.map(|corner| first + corner),
+                interface,
+                line,
+            }));
+        }
+        mesh
     }
 
     /// Twice the area of a facet seen from above; positive if its normal points up.

@@ -19,6 +19,7 @@
 //! | `bins` | N and M |
 //! | `wavelength_nm` | the wavelengths at full precision |
 //! | `reflected`, `reflected_error`, `transmitted`, `absorbed`, `truncated` | for each incident direction, row by row: fractions of the incident light, weighted by luminance, and the standard error of the first |
+//! | `imbalance`, `imbalance_error` | for each incident direction, what is missing from 1, and its standard error; release 0.1.0 wrote neither |
 //! | `rays` | starting rays of each incident direction |
 //!
 //! Numbers in attributes are decimal, parted by spaces. ZIP compression of 16 lines at a time.
@@ -40,6 +41,7 @@ const BINS: &str = "bins";
 const RAYS: &str = "rays";
 const ERROR: &str = "error.Y";
 const ENERGIES: [&str; 5] = ["reflected", "reflected_error", "transmitted", "absorbed", "truncated"];
+const IMBALANCE: [&str; 2] = ["imbalance", "imbalance_error"];
 
 /// Width and height of the atlas.
 fn atlas(layout: &ScatterLayout) -> (usize, usize) {
@@ -93,6 +95,7 @@ pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
 
     let energies = |of: &dyn Fn(&Energy) -> f64| format_numbers(table.energy.iter().map(of));
     let [reflected, error, transmitted, absorbed, truncated] = ENERGIES;
+    let [imbalance, imbalance_error] = IMBALANCE;
     let attributes = [
         (KIND, SCATTER.to_owned()),
         (INCIDENT, format!("{} {}", layout.theta(), layout.phi())),
@@ -103,6 +106,8 @@ pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
         (transmitted, energies(&|energy| energy.transmitted)),
         (absorbed, energies(&|energy| energy.absorbed)),
         (truncated, energies(&|energy| energy.truncated)),
+        (imbalance, energies(&|energy| energy.imbalance.value)),
+        (imbalance_error, energies(&|energy| energy.imbalance.std_error)),
         (RAYS, format_numbers(table.energy.iter().map(|energy| energy.rays))),
     ];
     let attributes = attributes.map(|(key, value)| (key.to_owned(), value)).into();
@@ -141,6 +146,17 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
                 reflected: Estimate { value: reflected, std_error }, transmitted, absorbed, truncated, ..
             } = energy;
             *[reflected, std_error, transmitted, absorbed, truncated][quantity] = value;
+        }
+    }
+    for (quantity, key) in IMBALANCE.into_iter().enumerate() {
+        if !file.attributes.contains_key(key) {
+            continue;
+        }
+        let values: Vec<f64> = file.take_numbers(key)?;
+        length(key, values.len())?;
+        for (energy, value) in energy.iter_mut().zip(values) {
+            let Estimate { value: imbalance, std_error } = &mut energy.imbalance;
+            *[imbalance, std_error][quantity] = value;
         }
     }
     let rays: Vec<u64> = file.take_numbers(RAYS)?;

@@ -132,7 +132,7 @@ fn base(planar: &Planar<'_>, below: Below) -> Result<(Base, Behind)> {
 
 fn index(planar: &Planar<'_>, medium: MediumIndex, nm: f64) -> Result<Complex64> {
     let place = usize::from(medium);
-    planar.media()[place].eta(nm).map_err(|error| planar.medium_error(place, &error))
+    planar.media()[place].eta(nm).map_err(|error| planar.scene().medium_error(place, &error))
 }
 
 #[cfg(test)]

@@ -173,8 +173,10 @@ impl Fitted {
 /// Fine enough for the film's fringes, and never coarser than 1 nm.
 fn wavelengths(planar: &Planar<'_>) -> Result<Vec<f64>> {
     let name = &planar.scene().name;
-    let too_thick =
-        |_| Error::failed(format_args!("{name}: the film is too thick to interfere; leave iridescence out"));
+    let too_thick = |error: Error| match error.lacks_data() {
+        true => error,
+        false => Error::failed(format_args!("{name}: the film is too thick to interfere; leave iridescence out")),
+    };
     let every = Wavelengths::every(1.0).resolve(planar)?;
     let auto = Wavelengths::Auto(VISIBLE_NM.map(f64::from)).resolve(planar).map_err(too_thick)?;
     Ok(if auto.len() > every.len() { auto } else { every })

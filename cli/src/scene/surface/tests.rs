@@ -1,7 +1,7 @@
 use glam::DVec3;
 
 use super::*;
-use crate::scene::{Scene, Shape, parse};
+use crate::scene::{Scene, parse};
 
 fn scene(period: &str, surface: &str, interfaces: &[&str]) -> Result<Scene> {
     let mut text = format!("[cell]\nperiod_nm = {period}\nsurface = {{ {surface} }}\n");
@@ -20,8 +20,7 @@ fn scene(period: &str, surface: &str, interfaces: &[&str]) -> Result<Scene> {
 }
 
 fn mesh(period: &str, surface: &str, interfaces: &[&str]) -> Mesh {
-    let Shape::Cell { mesh, .. } = scene(period, surface, interfaces).unwrap().shape else { panic!("a cell") };
-    mesh
+    scene(period, surface, interfaces).unwrap().shape.polygons().expect("a cell").mesh().clone()
 }
 
 fn refusal(period: &str, surface: &str, interfaces: &[&str]) -> String {
