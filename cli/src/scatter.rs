@@ -202,9 +202,9 @@ pub fn scatter(
 #[must_use]
 pub fn steps(wavelengths: usize, request: &Request) -> usize {
     BATCHES as usize
-        * match request.coherence {
-            Coherence::Ray | Coherence::None => 1,
-            Coherence::Bin | Coherence::Cell => groups(wavelengths, request.precision),
+        * match request.coherence.adding() {
+            Adding::Powers(_) => 1,
+            Adding::Fields | Adding::Orders => groups(wavelengths, request.precision),
         }
 }
 
