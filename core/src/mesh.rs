@@ -8,7 +8,6 @@ use crate::bvh::{Bvh, Hit, Ray};
 use crate::cell::{CellError, Facet};
 use crate::interface::{Below, Interface};
 use crate::medium::MediumIndex;
-use crate::sampling::sobol;
 use crate::stack::Film;
 use glam::DVec3;
 
@@ -151,15 +150,14 @@ impl<'a> MeshCell<'a> {
 
     /// The medium under the lowest of some points of the surface, seen from below. A closed cell has the same one under each.
     fn lowest_medium(&self) -> Option<MediumIndex> {
-        /// More than one, for a cell with holes.
-        const PROBES: u32 = 8;
+        /// More than one, for a cell with holes; no regular mesh has an edge there.
+        const PROBES: [[f64; 2]; 4] = [[0.382, 0.268], [0.854, 0.732], [0.146, 0.618], [0.618, 0.414]];
         let [px, py] = self.period_nm;
-        let hit = |probe: u32| {
-            let [u, v] = sobol(probe, 0);
+        let hit = |[u, v]: [f64; 2]| {
             let origin = DVec3::new(u * px, v * py, self.bottom_nm - self.slack_nm);
-            self.bvh.closest(&Ray { origin, direction: DVec3::Z, t_min: 0.0, t_max: f64::INFINITY }, |_| true)
+            self.meet(&Ray { origin, direction: DVec3::Z, t_min: 0.0, t_max: f64::INFINITY }, None, None)
         };
-        let lowest = (0..PROBES).filter_map(hit).reduce(|a, b| if b.t < a.t { b } else { a })?;
+        let lowest = PROBES.into_iter().filter_map(hit).reduce(|a, b| if b.t < a.t { b } else { a })?;
         let Interface { above, below } = self.interface(self.facet_of(&lowest));
         match (lowest.front, below) {
             (true, _) => Some(above),
@@ -276,12 +274,12 @@ impl<'a> MeshCell<'a> {
             let leaves = cross_x.min(cross_y);
             let ray =
                 Ray { origin, direction, t_min: entered - self.slack_nm, t_max: leaves.min(last) + self.slack_nm };
-            let mut hit = self.meet(&ray, medium, leaving);
+            let mut hit = self.meet(&ray, Some(medium), leaving);
             if hit.is_none() {
                 let steps = self.beside(&ray, [entered == 0.0, leaves >= last]).into_iter();
                 let mut moved =
                     steps.filter(|step| *step != DVec3::ZERO).map(|step| Ray { origin: origin + step, ..ray });
-                hit = moved.find_map(|ray| self.meet(&ray, medium, leaving));
+                hit = moved.find_map(|ray| self.meet(&ray, Some(medium), leaving));
             }
             if let Some(hit) = hit {
                 return Next::Facet(Meeting {
@@ -308,14 +306,14 @@ impl<'a> MeshCell<'a> {
         Next::Lost
     }
 
-    /// The next facet in one period that has `medium` on the near side.
-    #[inline(never)] // A traversal is long, and asked for in two places.
-    fn meet(&self, ray: &Ray, medium: MediumIndex, leaving: Option<u32>) -> Option<Hit> {
+    /// The next facet in one period that has `medium`, or any if there is none, on the near side.
+    #[inline(never)] // A traversal is long, and asked for in three places.
+    fn meet(&self, ray: &Ray, medium: Option<MediumIndex>, leaving: Option<u32>) -> Option<Hit> {
         self.bvh.closest(ray, |hit| {
             let facet = self.facet_of(hit);
             let interface = self.interface(facet);
             let near = if hit.front { Below::Medium(interface.above) } else { interface.below };
-            Some(facet) != leaving && near == Below::Medium(medium)
+            Some(facet) != leaving && medium.is_none_or(|medium| near == Below::Medium(medium))
         })
     }
 
