@@ -221,7 +221,7 @@ impl Reader<'_> {
             (Some(_), Some(item)) => return Err(item.refuse("a [cell] has either a mesh or a surface; remove one")),
             (None, None) => return Err(table.refuse("neither mesh nor surface; write mesh = \"file.obj\"")),
         };
-        if let Described::Surface(_) = shape
+        if let Facets::Surface(_) = facets
             && let Some(item) = ["axes", "unit_nm"].iter().find_map(|key| table.get(key))
         {
             return Err(item.refuse("only a mesh has it; remove it"));
