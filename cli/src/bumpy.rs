@@ -11,7 +11,7 @@ use goniochrome::mesh::MeshCell;
 use goniochrome::stack::Film;
 
 use crate::error::{Error, Result};
-use crate::scene::{Mesh, NamedInterface, Scene, Shape, on_border};
+use crate::scene::{Mesh, NamedInterface, NamedMedium, Scene, Shape, on_border};
 
 /// The polygons of a scene, grouped into facets, and the media between them.
 #[derive(Debug, Clone)]
@@ -96,7 +96,8 @@ impl<'s> Bumpy<'s> {
 
     /// A medium's complaint, with its name.
     pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
-        Error::failed(format_args!("{}: material {}: {error}", self.scene.name, self.scene.media[index].name))
+        let NamedMedium { name, medium } = &self.scene.media[index];
+        Error::failed(format_args!("{}: material {name}: {}", self.scene.name, medium.describe(error)))
     }
 
     /// The shortest period in whose direction facets are tilted; infinite for a flat surface.

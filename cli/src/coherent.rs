@@ -3,9 +3,8 @@
 
 use glam::DVec3;
 use goniochrome::bins::BinFields;
-use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::complex::Polarised;
 use goniochrome::lanes::{F64, Lanes};
-use goniochrome::medium::MediaLanes;
 use goniochrome::polygons::{Field, Incident, Polygons, free_slot};
 use goniochrome::sampling::sobol;
 use goniochrome::trace::trace;
@@ -14,6 +13,7 @@ use goniochrome::vector::VectorLanes;
 use crate::bumpy::Bumpy;
 use crate::diffraction::{self, orders};
 use crate::error::Result;
+use crate::groups::Groups;
 use crate::parallel;
 use crate::scatter::{BATCHES, Estimate, Request, Scattered, WAVES, refuse_divergence, states};
 
@@ -33,9 +33,12 @@ pub fn scatter_bins(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: f64, request: &
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
-    let mut eta = vec![ComplexLanes::zero(); media.len()];
-    let media = MediaLanes::<F64>::evaluate(&media, &[wavelength_nm], &mut eta)
+    let wavelengths = [wavelength_nm];
+    let mut groups = Groups::<F64>::new(media.len(), &wavelengths);
+    let groups = groups
+        .evaluate(&media, cell.above(), &wavelengths)
         .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
+    let (media, _) = groups[0];
     let incident = Incident::new(wi, media.eta()[usize::from(cell.above())]);
     let rays = (request.rays / BATCHES).max(1);
 

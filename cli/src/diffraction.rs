@@ -1,7 +1,7 @@
 //! Diffraction orders of polygon cells: starting rays over the period as one coherent field.
 
 use glam::DVec3;
-use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::complex::Polarised;
 use goniochrome::lanes::{F64, Lanes};
 use goniochrome::medium::MediaLanes;
 use goniochrome::mesh::MeshCell;
@@ -12,6 +12,7 @@ use goniochrome::trace::{Limits, trace};
 
 use crate::bumpy::Bumpy;
 use crate::error::{Error, Result};
+use crate::groups::Groups;
 use crate::parallel;
 use crate::scatter::{BATCHES, Estimate, states};
 
@@ -82,12 +83,13 @@ pub fn orders(bumpy: &Bumpy<'_>, wi: DVec3, wavelength_nm: &[f64], request: &Req
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
+    let mut groups = Groups::<F64>::new(media.len(), wavelength_nm);
+    let groups = groups
+        .evaluate(&media, cell.above(), wavelength_nm)
+        .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
     let mut found = Vec::new();
-    for wavelengths in wavelength_nm.chunks(F64::WIDTH) {
-        let mut eta = vec![ComplexLanes::zero(); media.len()];
-        let group = MediaLanes::<F64>::evaluate(&media, wavelengths, &mut eta)
-            .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
-        found.extend(group_orders(cell, states(bumpy), &group, wi, wavelengths, request)?);
+    for (group, wavelengths) in &groups {
+        found.extend(group_orders(cell, states(bumpy), group, wi, wavelengths, request)?);
     }
     found.sort_by_key(|order: &Diffracted| order.index);
     Ok(found)

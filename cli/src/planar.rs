@@ -2,11 +2,11 @@
 
 use goniochrome::cell::{Cell, Facet};
 use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::{Medium, MediumError, MediumIndex};
+use goniochrome::medium::{Medium, MediumError};
 use goniochrome::stack::{Boundary, Film, Stack, StackMemory};
 
 use crate::error::{Error, Result};
-use crate::scene::{Scene, Shape, planes};
+use crate::scene::{NamedMedium, Scene, Shape, planes};
 
 /// The facets of a planar scene, from the top, and what they divide.
 #[derive(Debug, Clone)]
@@ -120,20 +120,14 @@ impl<'s> Planar<'s> {
 
     /// A medium's complaint, with its name and the remedy.
     pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
-        let name = &self.scene.media[index].name;
+        let NamedMedium { name, medium } = &self.scene.media[index];
         let remedy = match error {
             MediumError::OutOfRange { .. } => {
                 "; choose --wavelengths inside, or set extrapolate = \"clamp\" in the scene"
             }
             _ => "",
         };
-        Error::failed(format_args!("{}: material {name}: {error}{remedy}", self.scene.name))
-    }
-
-    /// The name of a medium.
-    #[must_use]
-    pub fn medium_name(&self, index: MediumIndex) -> &str {
-        &self.scene.media[usize::from(index)].name
+        Error::failed(format_args!("{}: material {name}: {}{remedy}", self.scene.name, medium.describe(error)))
     }
 
     /// The scene.

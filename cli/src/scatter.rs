@@ -145,7 +145,7 @@ pub(crate) const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 
 /// Light from the unit direction `wi`, at each wavelength. `progress` is told of each of the batches.
 ///
 /// # Errors
-/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs.
+/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs too much.
 pub fn scatter(
     bumpy: &Bumpy<'_>,
     wi: DVec3,
@@ -170,7 +170,9 @@ fn run<V: Lanes>(
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups = groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.medium_error(index, &error))?;
+    let groups = groups
+        .evaluate(&media, cell.above(), wavelength_nm)
+        .map_err(|(index, error)| bumpy.medium_error(index, &error))?;
     let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
     parallel::for_each(
         request.threads,

@@ -109,10 +109,36 @@ pub enum Dispersion<'a> {
     Table {
         /// Strictly increasing.
         wavelength_nm: &'a [f64],
-        /// One value for each wavelength.
+        /// One value for each wavelength. NaN marks a value that is not known: nothing is known between it and its neighbours.
         value: &'a [f64],
     },
 }
+
+/// One of the two parts of η = n + ik.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndexPart {
+    /// The refractive index.
+    N,
+    /// The extinction coefficient.
+    K,
+}
+
+impl core::fmt::Display for IndexPart {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::N => "n",
+            Self::K => "k",
+        })
+    }
+}
+
+/// Largest k of a medium through which light may arrive.
+///
+/// In such a medium a plane wave whose n sin θ is real decays towards the surface. Its power is that at the surface, Re κ for a
+/// unit amplitude, and R = |r|². The incident and the reflected wave exchange power besides, 2 Im κ Im r in the same units,
+/// which belongs to neither: R + T + A differs from 1 by up to 2 |r| Im κ/Re κ ≤ 2 (k/n)/cos²θ, to first order in k/n. At the
+/// largest k and normal incidence that is 2e-3/n.
+pub const MAX_AMBIENT_K: f64 = 1e-3;
 
 /// What to do with a wavelength outside the range for which data exist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -127,7 +153,7 @@ pub enum Extrapolate {
 /// Why a medium was refused, or could not be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MediumError {
-    /// A number that is NaN or infinite; its index among the coefficients or rows.
+    /// A number that is NaN or infinite, or a table of which no value is known; its index among the coefficients or rows.
     NotFinite {
         /// Row or coefficient.
         index: usize,
@@ -148,12 +174,28 @@ pub enum MediumError {
     },
     /// A table with no rows, or columns of different lengths.
     Shape,
-    /// The wavelength lies outside the data.
+    /// The wavelength lies outside the data of n or k.
     OutOfRange {
+        /// Which of the two.
+        part: IndexPart,
         /// The wavelength asked for.
         wavelength_nm: f64,
-        /// The range of the data.
+        /// The range of its data.
         range_nm: [f64; 2],
+    },
+    /// The wavelength lies beside a value of a table that is not known.
+    Unknown {
+        /// Which of n and k.
+        part: IndexPart,
+        /// The wavelength asked for.
+        wavelength_nm: f64,
+    },
+    /// Light cannot arrive through this medium: its k is above [`MAX_AMBIENT_K`].
+    Opaque {
+        /// The k.
+        k: f64,
+        /// The wavelength asked for.
+        wavelength_nm: f64,
     },
 }
 
@@ -169,9 +211,14 @@ impl core::fmt::Display for MediumError {
             }
             Self::NotIncreasing { index } => write!(f, "row {}: wavelengths must be positive and increase", index + 1),
             Self::Shape => write!(f, "the table is empty or its columns differ in length"),
-            Self::OutOfRange { wavelength_nm, range_nm: [from, to] } => {
-                write!(f, "no data at {wavelength_nm} nm (data cover {from} to {to} nm)")
+            Self::OutOfRange { part, wavelength_nm, range_nm: [from, to] } => {
+                write!(f, "no data for {part} at {wavelength_nm} nm ({part} covers {from} to {to} nm)")
             }
+            Self::Unknown { part, wavelength_nm } => write!(f, "{part} is not known at {wavelength_nm} nm"),
+            Self::Opaque { k, wavelength_nm } => write!(
+                f,
+                "k = {k} at {wavelength_nm} nm; light can arrive only through a medium with k up to {MAX_AMBIENT_K}"
+            ),
         }
     }
 }
@@ -213,7 +260,12 @@ impl Dispersion<'_> {
                     return Err(MediumError::Shape);
                 }
                 finite(wavelength_nm)?;
-                finite(value)?;
+                if let Some(index) = value.iter().position(|x| x.is_infinite()) {
+                    return Err(MediumError::NotFinite { index });
+                }
+                if value.iter().all(|x| x.is_nan()) {
+                    return Err(MediumError::NotFinite { index: 0 });
+                }
                 let mut last = 0.0;
                 match wavelength_nm.iter().position(|&nm| core::mem::replace(&mut last, nm) >= nm) {
                     Some(index) => Err(MediumError::NotIncreasing { index }),
@@ -223,7 +275,7 @@ impl Dispersion<'_> {
         }
     }
 
-    /// The value at `nm`, which must lie in [`Dispersion::range_nm`].
+    /// The value at `nm`, which must lie in [`Dispersion::range_nm`]; NaN in a table where it is not known.
     fn at(&self, nm: f64) -> f64 {
         match *self {
             Self::Constant(x) => x,
@@ -232,6 +284,8 @@ impl Dispersion<'_> {
                 let upper = x.partition_point(|&l| l < nm);
                 let row = |row: usize| Some((*x.get(row)?, *y.get(row)?));
                 match (upper.checked_sub(1).and_then(row), row(upper)) {
+                    // A row's own value, also beside one that is not known.
+                    (_, Some((x1, y1))) if x1 <= nm => y1,
                     (Some((x0, y0)), Some((x1, y1))) => {
                         let w = (nm - x0) / (x1 - x0);
                         y0 + w * (y1 - y0)
@@ -265,7 +319,7 @@ impl<'a> Medium<'a> {
         Self::new(Dispersion::Constant(eta.re), Dispersion::Constant(eta.im), Extrapolate::Refuse)
     }
 
-    /// A medium from its n and its k. Where both have a range, the medium holds in their intersection.
+    /// A medium from its n and its k. The medium holds where both do; one that clamps holds each at the ends of its own range.
     ///
     /// # Errors
     /// Any but [`MediumError::OutOfRange`]. A formula that gives n ≤ 0 is found when it is evaluated.
@@ -276,7 +330,7 @@ impl<'a> Medium<'a> {
             Dispersion::Constant(x) => (!passive(x)).then_some((x, 0.0)),
             Dispersion::Table { wavelength_nm, value } => {
                 let mut rows = value.iter().copied().zip(wavelength_nm.iter().copied());
-                rows.find(|&(value, _)| !passive(value))
+                rows.find(|&(value, _)| !passive(value) && !value.is_nan())
             }
             Dispersion::Formula { .. } => None,
         };
@@ -289,35 +343,66 @@ impl<'a> Medium<'a> {
         Ok(Self { n, k, extrapolate })
     }
 
-    /// The wavelengths for which data exist, ends included.
+    /// The wavelengths for which both n and k have data, ends included; the first is the larger where there are none.
     #[must_use]
     pub fn range_nm(&self) -> [f64; 2] {
         let ([n0, n1], [k0, k1]) = (self.n.range_nm(), self.k.range_nm());
         [n0.max(k0), n1.min(k1)]
     }
 
-    /// η = n + ik at a vacuum wavelength in nanometres.
-    ///
-    /// # Errors
-    /// [`MediumError::OutOfRange`] unless the medium clamps; [`MediumError::NotPassive`] where a formula leaves the
-    /// passive domain.
-    pub fn eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
-        let range_nm @ [from, to] = self.range_nm();
+    /// The wavelengths for which n or k has data, ends included.
+    #[must_use]
+    pub fn part_range_nm(&self, part: IndexPart) -> [f64; 2] {
+        self.part(part).range_nm()
+    }
+
+    fn part(&self, part: IndexPart) -> &Dispersion<'a> {
+        match part {
+            IndexPart::N => &self.n,
+            IndexPart::K => &self.k,
+        }
+    }
+
+    /// n or k at a wavelength.
+    fn value(&self, part: IndexPart, wavelength_nm: f64) -> Result<f64, MediumError> {
+        let dispersion = self.part(part);
+        let range_nm @ [from, to] = dispersion.range_nm();
         // Files give micrometres; their conversion may move an end of the range by one rounding.
         let slack = 4.0 * f64::EPSILON * wavelength_nm;
         let inside = wavelength_nm >= from - slack && wavelength_nm <= to + slack;
         if !inside && self.extrapolate == Extrapolate::Refuse {
-            return Err(MediumError::OutOfRange { wavelength_nm, range_nm });
+            return Err(MediumError::OutOfRange { part, wavelength_nm, range_nm });
         }
-        let clamped = |x: &Dispersion<'_>| {
-            let [from, to] = x.range_nm();
-            x.at(wavelength_nm.max(from).min(to))
-        };
-        let (n, k) = (clamped(&self.n), clamped(&self.k));
+        let value = dispersion.at(wavelength_nm.max(from).min(to));
+        match dispersion {
+            Dispersion::Table { .. } if value.is_nan() => Err(MediumError::Unknown { part, wavelength_nm }),
+            _ => Ok(value),
+        }
+    }
+
+    /// η = n + ik at a vacuum wavelength in nanometres.
+    ///
+    /// # Errors
+    /// [`MediumError::OutOfRange`] unless the medium clamps; [`MediumError::Unknown`] beside a value that is not known;
+    /// [`MediumError::NotPassive`] where a formula leaves the passive domain.
+    pub fn eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
+        let n = self.value(IndexPart::N, wavelength_nm)?;
+        let k = self.value(IndexPart::K, wavelength_nm)?;
         if n > 0.0 && n.is_finite() && k >= 0.0 && k.is_finite() {
             Ok(Complex64::new(n, k))
         } else {
             Err(MediumError::NotPassive { n, k, wavelength_nm })
+        }
+    }
+
+    /// [`Medium::eta`] of a medium in which light arrives.
+    ///
+    /// # Errors
+    /// Those of [`Medium::eta`], and [`MediumError::Opaque`] where k exceeds [`MAX_AMBIENT_K`].
+    pub fn ambient_eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
+        match self.eta(wavelength_nm)? {
+            Complex64 { im: k, .. } if k > MAX_AMBIENT_K => Err(MediumError::Opaque { k, wavelength_nm }),
+            eta => Ok(eta),
         }
     }
 }
@@ -334,7 +419,7 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
     /// `memory` holds one element for each medium.
     ///
     /// # Errors
-    /// The index of the medium and what it said. [`MediumError::Shape`] if there is no wavelength, one is not positive, or
+    /// The index of the medium and what it said of the first wavelength that it refuses. [`MediumError::Shape`] if there is no wavelength, one is not positive, or
     /// `memory` and `media` differ in length.
     pub fn evaluate(
         media: &[Medium<'_>],
@@ -351,7 +436,7 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
             let mut refused = None;
             *out = ComplexLanes::from_fn(|lane| {
                 medium.eta(nm(lane)).unwrap_or_else(|error| {
-                    refused = Some(error);
+                    refused.get_or_insert(error);
                     Complex64::new(1.0, 0.0)
                 })
             });
@@ -422,7 +507,10 @@ mod tests {
         .unwrap();
         assert!((medium.eta(450.0).unwrap().re - 1.55).abs() < 1e-12);
         assert!((medium.eta(600.0).unwrap().re - 1.7).abs() < 1e-12);
-        assert_eq!(medium.eta(700.0), Err(MediumError::OutOfRange { wavelength_nm: 700.0, range_nm: [400.0, 600.0] }));
+        assert_eq!(
+            medium.eta(700.0),
+            Err(MediumError::OutOfRange { part: IndexPart::N, wavelength_nm: 700.0, range_nm: [400.0, 600.0] })
+        );
         let clamped = Medium { extrapolate: Extrapolate::Clamp, ..medium };
         assert!((clamped.eta(700.0).unwrap().re - 1.7).abs() < 1e-12);
     }
@@ -441,5 +529,52 @@ mod tests {
         };
         assert_eq!(table(&[400.0, 500.0, 450.0]), Err(MediumError::NotIncreasing { index: 2 }));
         assert_eq!(table(&[400.0, 500.0]), Err(MediumError::Shape));
+    }
+
+    #[test]
+    fn a_value_that_is_not_known_is_missing_up_to_its_neighbours() {
+        let value = &[1.5, 1.6, f64::NAN, 1.7, 1.8];
+        let n = Dispersion::Table { wavelength_nm: &[400.0, 500.0, 550.0, 600.0, 700.0], value };
+        let medium = Medium::new(n, Dispersion::Constant(0.0), Extrapolate::Refuse).unwrap();
+        for (nm, n) in [(450.0, 1.55), (500.0, 1.6), (600.0, 1.7), (650.0, 1.75)] {
+            assert!((medium.eta(nm).unwrap().re - n).abs() < 1e-12, "{nm}");
+        }
+        for wavelength_nm in [500.1, 550.0, 599.9] {
+            assert_eq!(medium.eta(wavelength_nm), Err(MediumError::Unknown { part: IndexPart::N, wavelength_nm }));
+        }
+        let blank = Dispersion::Table { wavelength_nm: &[400.0, 500.0], value: &[f64::NAN; 2] };
+        let refused = Medium::new(blank, Dispersion::Constant(0.0), Extrapolate::Refuse);
+        assert_eq!(refused, Err(MediumError::NotFinite { index: 0 }));
+    }
+
+    #[test]
+    fn n_and_k_are_clamped_each_by_itself() {
+        let table = |wavelength_nm, value| Dispersion::Table { wavelength_nm, value };
+        let (n, k) = (table(&[400.0, 500.0], &[1.5, 1.6]), table(&[600.0, 700.0], &[0.2, 0.1]));
+        let clamped = Medium::new(n, k, Extrapolate::Clamp).unwrap();
+        assert_eq!(clamped.eta(550.0), Ok(Complex64::new(1.6, 0.2)));
+        assert_eq!(clamped.eta(650.0).unwrap().re, 1.6);
+        let strict = Medium::new(n, k, Extrapolate::Refuse).unwrap();
+        let refused = MediumError::OutOfRange { part: IndexPart::K, wavelength_nm: 450.0, range_nm: [600.0, 700.0] };
+        assert_eq!(strict.eta(450.0), Err(refused));
+    }
+
+    #[test]
+    fn light_arrives_through_faint_absorption_alone() {
+        let medium = |k| Medium::constant(Complex64::new(1.5, k)).unwrap();
+        assert_eq!(medium(1e-8).ambient_eta(550.0), Ok(Complex64::new(1.5, 1e-8)));
+        assert!(medium(MAX_AMBIENT_K).ambient_eta(550.0).is_ok());
+        let (k, wavelength_nm) = (1.01e-3, 550.0);
+        assert_eq!(medium(k).ambient_eta(wavelength_nm), Err(MediumError::Opaque { k, wavelength_nm }));
+    }
+
+    #[test]
+    fn the_first_wavelength_without_data_is_named() {
+        use crate::lanes::F32;
+        let n = Dispersion::Table { wavelength_nm: &[400.0, 600.0], value: &[1.5, 1.7] };
+        let media = [Medium::new(n, Dispersion::Constant(0.0), Extrapolate::Refuse).unwrap()];
+        let mut eta = [ComplexLanes::zero()];
+        let refused = MediaLanes::<F32>::evaluate(&media, &[380.0, 385.0, 390.0, 395.0], &mut eta).unwrap_err();
+        assert!(matches!(refused, (0, MediumError::OutOfRange { wavelength_nm: 380.0, .. })), "{refused:?}");
     }
 }

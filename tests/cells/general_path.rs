@@ -34,7 +34,20 @@ const SINGLE: f64 = 1e-5;
 
 #[test]
 fn planes_reflect_as_the_independent_transfer_matrix_says() {
-    let reference: Value = serde_json::from_str(include_str!("../data/planar.json")).expect("the reference is JSON");
+    planes_reflect_as(include_str!("../data/planar.json"), Precision::F32, SINGLE);
+}
+
+/// A tube's cross-section is taken by moduli, |q_n|/|η|, where the exact power has real parts: (k/n)²/cos⁴θ apart, 8e-3 of T at 85° for
+/// the largest k, of which a mirror or a total reflection leaves little.
+const SECOND_ORDER_IN_K: f64 = 1e-3;
+
+#[test]
+fn planes_under_a_weakly_absorbing_medium_reflect_as_the_independent_solution_says() {
+    planes_reflect_as(include_str!("../data/weak_ambient.json"), Precision::F64, SECOND_ORDER_IN_K);
+}
+
+fn planes_reflect_as(reference: &str, precision: Precision, tolerance: f64) {
+    let reference: Value = serde_json::from_str(reference).expect("the reference is JSON");
     let list = |value: &Value| -> Vec<f64> {
         value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
     };
@@ -62,7 +75,7 @@ fn planes_reflect_as_the_independent_transfer_matrix_says() {
         let mut worst: f64 = 0.0;
         for (row, theta) in list(&case["theta_deg"]).into_iter().enumerate() {
             // All starting rays are alike: one for each batch.
-            let found = traced(&scene, theta, 37.0, &wavelengths, 32, Precision::F32);
+            let found = traced(&scene, theta, 37.0, &wavelengths, 32, precision);
             for (column, found) in found.iter().enumerate() {
                 let of = |key: &str| case[key][row][column].as_f64().expect("a number");
                 let (r, t) = (0.5 * (of("R_s") + of("R_p")), 0.5 * (of("T_s") + of("T_p")));
@@ -70,7 +83,7 @@ fn planes_reflect_as_the_independent_transfer_matrix_says() {
             }
         }
         println!("{name}: {worst:.1e}");
-        assert!(worst <= SINGLE, "{name}: {worst:e}");
+        assert!(worst <= tolerance, "{name}: {worst:e}");
     }
 }
 

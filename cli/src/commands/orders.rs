@@ -2,7 +2,7 @@
 
 use crate::args::OrdersArgs;
 use crate::bumpy::Bumpy;
-use crate::commands::{direction, write_csv};
+use crate::commands::{direction, remark_on_media, write_csv};
 use crate::diffraction::{Request, default_hits, orders, unreliable};
 use crate::error::{Error, Result};
 use crate::grid::Wavelengths;
@@ -24,6 +24,7 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
         hits: args.hits.unwrap_or_else(|| default_hits(&bumpy)),
         threads: args.threads.map_or_else(crate::parallel::available, usize::from),
     };
+    remark_on_media(&scene, wavelengths, false);
     let found = orders(&bumpy, direction(args.theta, args.phi)?, wavelengths, &request)?;
     if let Some(warning) = unreliable(&bumpy, wavelengths) {
         remark(false, warning);

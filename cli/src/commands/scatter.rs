@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::args::{ScatterArgs, spelled};
 use crate::bumpy::Bumpy;
 use crate::coherent::{scatter_bins, scatter_orders};
-use crate::commands::direction;
+use crate::commands::{direction, remark_on_media};
 use crate::diffraction::{default_hits, unreliable};
 use crate::error::{Error, Result};
 use crate::output;
@@ -30,6 +30,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         precision: args.precision,
         threads: args.threads.map_or_else(crate::parallel::available, usize::from),
     };
+    remark_on_media(&scene, &[args.wavelength], args.quiet);
     let mut found = once(&bumpy, wi, args, &request)?;
     while args.target_error.is_some_and(|target| largest_error(&found) > target) {
         if request.rays > MOST_RAYS / 2 {

@@ -2,6 +2,7 @@
 
 mod builtin;
 mod closed;
+mod column;
 mod file;
 mod item;
 mod media;
@@ -13,6 +14,7 @@ mod planes;
 pub mod presets;
 mod source;
 mod surface;
+mod text;
 mod yaml;
 
 use std::path::{Path, PathBuf};
