@@ -37,13 +37,12 @@ fn planes_reflect_as_the_independent_transfer_matrix_says() {
     planes_reflect_as(include_str!("../data/planar.json"), Precision::F32, SINGLE);
 }
 
-/// A tube's cross-section is taken by moduli, |q_n|/|η|, where the exact power has real parts: (k/n)²/cos⁴θ apart, 8e-3 of T at 85° for
-/// the largest k, of which a mirror or a total reflection leaves little.
-const SECOND_ORDER_IN_K: f64 = 1e-3;
+/// The general tracer drops waves below a power of 1e-13: 2√1e-13 = 6e-7 for each wave that rings.
+const DROPPED: f64 = 1e-6;
 
 #[test]
 fn planes_under_a_weakly_absorbing_medium_reflect_as_the_independent_solution_says() {
-    planes_reflect_as(include_str!("../data/weak_ambient.json"), Precision::F64, SECOND_ORDER_IN_K);
+    planes_reflect_as(include_str!("../data/weak_ambient.json"), Precision::F64, DROPPED);
 }
 
 fn planes_reflect_as(reference: &str, precision: Precision, tolerance: f64) {
@@ -72,6 +71,9 @@ fn planes_reflect_as(reference: &str, precision: Precision, tolerance: f64) {
             names.iter().enumerate().map(|(i, name)| (name.as_str(), between(pair(i), pair(i + 1)))).collect();
         let scene = cell(&flat, [2000.0, 2000.0], &interfaces);
         let wavelengths = list(&case["wavelength_nm"]);
+        // A tube's cross-section is taken by moduli, |q_n|/|η|, where the exact power has real parts: the square of
+        // Im q_n/Re q_n = (k/n)/cos²θ apart. An ambient medium that does not absorb leaves no difference.
+        let second_order = |theta: f64| (n[0][1] / n[0][0] / theta.to_radians().cos().powi(2)).powi(2);
         let mut worst: f64 = 0.0;
         for (row, theta) in list(&case["theta_deg"]).into_iter().enumerate() {
             // All starting rays are alike: one for each batch.
@@ -79,11 +81,12 @@ fn planes_reflect_as(reference: &str, precision: Precision, tolerance: f64) {
             for (column, found) in found.iter().enumerate() {
                 let of = |key: &str| case[key][row][column].as_f64().expect("a number");
                 let (r, t) = (0.5 * (of("R_s") + of("R_p")), 0.5 * (of("T_s") + of("T_p")));
-                worst = worst.max((found.reflected.value - r).abs()).max((found.transmitted.value - t).abs());
+                let error = (found.reflected.value - r).abs().max((found.transmitted.value - t).abs());
+                worst = worst.max(error);
+                assert!(error <= tolerance + second_order(theta), "{name} at {theta}°: {error:e}");
             }
         }
         println!("{name}: {worst:.1e}");
-        assert!(worst <= tolerance, "{name}: {worst:e}");
     }
 }
 

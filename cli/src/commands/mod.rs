@@ -37,7 +37,8 @@ use crate::scene::{NamedMedium, Scene};
 /// One line for the user.
 pub fn run(command: &Command) -> Result<()> {
     match command {
-        Command::Presets { name } => presets::run(name.as_deref()),
+        Command::Presets { materials: true, .. } => presets::materials(),
+        Command::Presets { name, .. } => presets::run(name.as_deref()),
         Command::Spectrum(args) => spectrum::run(args),
         Command::Colour(args) => colour::run(args),
         Command::Estimate(args) => estimate::run(args),

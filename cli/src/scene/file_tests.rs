@@ -44,7 +44,7 @@ fn repetitions_are_written_out_and_media_listed_once() {
 fn declared_materials_hide_built_in_ones_and_may_clamp() {
     let text = |clamp: &str| {
         format!(
-            "{clamp}\n[stack]\nambient = 1\nlayers = [ {{ material = \"tio2\", thickness_nm = 1 }} ]\nsubstrate = \"cellulose\"\n[materials.TiO2]\nn = 9\n"
+            "{clamp}\n[stack]\nambient = 1\nlayers = [ {{ material = \"tio2\", thickness_nm = 1 }} ]\nsubstrate = \"TiO2-rutile\"\n[materials.TiO2]\nn = 9\n"
         )
     };
     let eta = |scene: &Scene| scene.media[2].medium.borrow().eta(400.0).is_ok();

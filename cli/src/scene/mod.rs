@@ -24,7 +24,7 @@ use goniochrome::medium::{Extrapolate, MediumIndex};
 
 use crate::error::{Error, Result};
 
-pub use builtin::names as material_names;
+pub use builtin::{list as list_materials, names as material_names};
 pub use closed::check_closed;
 pub(crate) use closed::on_border;
 pub use medium::{OwnedDispersion, OwnedMedium};
