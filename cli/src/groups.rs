@@ -18,8 +18,8 @@ impl<V: Lanes> Groups<V> {
         Self(wavelength_nm.chunks(V::WIDTH).map(|_| vec![ComplexLanes::zero(); media]).collect())
     }
 
-    /// Evaluates the media. Light arrives in the medium `ambient`: every computation passes here, so that none accepts an ambient
-    /// medium that another refuses.
+    /// Evaluates the media. Light arrives in the medium `ambient`: every computation passes here, so that none accepts
+    /// an ambient medium that another refuses.
     ///
     /// # Errors
     /// The index of a medium and what it said: [`MediumError::Opaque`] of the ambient one, or no data.

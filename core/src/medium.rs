@@ -2,7 +2,7 @@
 //!
 //! The formulas are those of the refractiveindex.info database (M. N. Polyanskiy, *Sci. Data* 11, 94 (2024)), numbered
 //! as there. A [`Medium`] is checked when it is made; evaluation can fail only because a wavelength lies outside the
-//! range for which the data hold.
+//! range for which the data hold, or beside a value that is not known.
 
 use crate::complex::ComplexLanes;
 use crate::lanes::Lanes;
@@ -109,7 +109,8 @@ pub enum Dispersion<'a> {
     Table {
         /// Strictly increasing.
         wavelength_nm: &'a [f64],
-        /// One value for each wavelength. NaN marks a value that is not known: nothing is known between it and its neighbours.
+        /// One value for each wavelength. NaN marks a value that is not known: nothing is known between it and its
+        /// neighbours.
         value: &'a [f64],
     },
 }
@@ -134,10 +135,10 @@ impl core::fmt::Display for IndexPart {
 
 /// Largest k of a medium through which light may arrive.
 ///
-/// In such a medium a plane wave whose n sin θ is real decays towards the surface. Its power is that at the surface, Re κ for a
-/// unit amplitude, and R = |r|². The incident and the reflected wave exchange power besides, 2 Im κ Im r in the same units,
-/// which belongs to neither: R + T + A differs from 1 by up to 2 |r| Im κ/Re κ ≤ 2 (k/n)/cos²θ, to first order in k/n. At the
-/// largest k and normal incidence that is 2e-3/n.
+/// In such a medium a plane wave whose n sin θ is real decays towards the surface. Its power is that at the surface, Re
+/// κ for a unit amplitude, and R = |r|². The incident and the reflected wave exchange power besides, 2 Im κ Im r in the
+/// same units, which belongs to neither: R + T + A differs from 1 by up to 2 |r| Im κ/Re κ ≤ 2 (k/n)/cos²θ, to first
+/// order in k/n. At the largest k and normal incidence that is 2e-3/n.
 pub const MAX_AMBIENT_K: f64 = 1e-3;
 
 /// What to do with a wavelength outside the range for which data exist.
@@ -153,7 +154,8 @@ pub enum Extrapolate {
 /// Why a medium was refused, or could not be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MediumError {
-    /// A number that is NaN or infinite, or a table of which no value is known; its index among the coefficients or rows.
+    /// A number that is NaN or infinite, or a table of which no value is known; its index among the coefficients or
+    /// rows.
     NotFinite {
         /// Row or coefficient.
         index: usize,
@@ -319,7 +321,8 @@ impl<'a> Medium<'a> {
         Self::new(Dispersion::Constant(eta.re), Dispersion::Constant(eta.im), Extrapolate::Refuse)
     }
 
-    /// A medium from its n and its k. The medium holds where both do; one that clamps holds each at the ends of its own range.
+    /// A medium from its n and its k. The medium holds where both do; one that clamps holds each at the ends of its own
+    /// range.
     ///
     /// # Errors
     /// Any but [`MediumError::OutOfRange`]. A formula that gives n ≤ 0 is found when it is evaluated.
@@ -419,7 +422,8 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
     /// `memory` holds one element for each medium.
     ///
     /// # Errors
-    /// The index of the medium and what it said of the first wavelength that it refuses. [`MediumError::Shape`] if there is no wavelength, one is not positive, or
+    /// The index of the medium and what it said of the first wavelength that it refuses. [`MediumError::Shape`] if
+    /// there is no wavelength, one is not positive, or
     /// `memory` and `media` differ in length.
     pub fn evaluate(
         media: &[Medium<'_>],

@@ -83,9 +83,9 @@ impl<V: Lanes> Incident<V> {
     /// Light from the unit direction `wi` (towards the light, z > 0) in a medium of index `eta`, whose k is at most
     /// [`crate::medium::MAX_AMBIENT_K`].
     ///
-    /// s is across the macroscopic plane of incidence, z × wi, and y at normal incidence. As on planes, the part of the wavevector
-    /// along the macroscopic surface is real, n sin θ. The amplitude is 1 wherever the light first meets the cell: what the
-    /// medium absorbs before that, or after the last facet, is not counted; between facets it is.
+    /// s is across the macroscopic plane of incidence, z × wi, and y at normal incidence. As on planes, the part of the
+    /// wavevector along the macroscopic surface is real, n sin θ. The amplitude is 1 wherever the light first meets the
+    /// cell: what the medium absorbs before that, or after the last facet, is not counted; between facets it is.
     #[must_use]
     pub fn new(wi: DVec3, eta: ComplexLanes<V::Precise>) -> Self {
         let across = DVec3::Z.cross(wi);
@@ -108,7 +108,8 @@ impl<V: Lanes> Incident<V> {
         field.map(|e| e.norm_sqr() * per)
     }
 
-    /// The real part of the light's wavevector, in units of k₀: its phase over the cell, for an amplitude of 1 all over it.
+    /// The real part of the light's wavevector, in units of k₀: its phase over the cell, for an amplitude of 1 all over
+    /// it.
     #[must_use]
     pub fn wavevector(&self) -> VectorLanes<V::Precise> {
         self.wavevector.map(|q| ComplexLanes::real(q.re))

@@ -65,7 +65,8 @@ fn power_is_conserved() {
     }
 }
 
-/// What a preset's source or design says of its reflectance straight down: where it peaks, how high, and how wide it is at half of that.
+/// What a preset's source or design says of its reflectance straight down: where it peaks, how high, and how wide it is
+/// at half of that.
 struct Peak {
     name: &'static str,
     wavelength_nm: [f64; 2],
@@ -74,7 +75,8 @@ struct Peak {
 }
 
 const PEAKS: [Peak; 4] = [
-    // Stavenga et al. (2011): a peak near 530 nm, bands 100 to 150 nm wide where layers are graded and unequal; equal ones are narrower.
+    // Stavenga et al. (2011): a peak near 530 nm, bands 100 to 150 nm wide where layers are graded and unequal; equal
+    // ones are narrower.
     Peak { name: "jewel-beetle", wavelength_nm: [525.0, 535.0], reflectance: [0.36, 0.39], half_nm: [495.0, 570.0] },
     // Blue Morphos reflect some 400 to 500 nm; unbroken lamellae reflect more than ridges.
     Peak { name: "morpho-stack", wavelength_nm: [400.0, 480.0], reflectance: [0.7, 0.9], half_nm: [380.0, 530.0] },

@@ -170,3 +170,22 @@ fn a_murky_ambient_is_refused_at_the_wavelengths_at_which_it_is_murky() {
     user.refused("spectrum dye.toml", 1, &says);
     user.ok("spectrum dye.toml --wavelengths 510,600");
 }
+
+#[test]
+fn n_and_k_come_as_text_in_the_unit_that_is_said_or_guessed() {
+    let scene = "[materials.dye]\nfile = \"dye.csv\"\n[stack]\nambient = 1\nsubstrate = \"dye\"\n";
+    let inline = scene.replace("file = \"dye.csv\"", "table = [[380, 1.5, 0.1], [780, 1.7, 0.2]]");
+    let user = User::with(&[("said.toml", &scene.replace("dye.csv\"", "dye.csv\"\nunit = \"um\""))]);
+    user.write("guessed.toml", scene);
+    user.write("inline.toml", inline);
+    user.write("dye.csv", "0.38,1.5,0.1\n0.78,1.7,0.2\n");
+    let [said, guessed, inline] =
+        ["said", "guessed", "inline"].map(|name| user.ok(&format!("spectrum {name}.toml --theta 0,60")));
+    assert_eq!(said.stdout, guessed.stdout);
+    assert_eq!(said.stdout, inline.stdout);
+    assert!(guessed.stderr.contains("dye.csv: wavelengths taken as micrometres"), "{}", guessed.stderr);
+    assert_eq!((said.stderr.as_str(), inline.stderr.as_str()), ("", ""));
+    assert_eq!(user.ok("spectrum guessed.toml --quiet").stderr, "");
+    user.write("dye.csv", "0.38,1.5,0.1\n0.78,x,0.2\n");
+    user.refused("spectrum said.toml", 1, &["dye.csv:2:", "\"x\" is not a number"]);
+}

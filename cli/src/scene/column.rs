@@ -1,9 +1,9 @@
 //! A table's column of n or of k: what its rows say without doubt, and where they do not.
 //!
-//! A row is in its place if every row before it has a smaller wavelength and every row after it a larger one; a row that
-//! repeats the one before it exactly is passed over. Between two neighbours that are in their places the table is
-//! unambiguous. Elsewhere, and beside a value that no passive medium has, nothing is known; only those who ask for these
-//! wavelengths are told.
+//! A row is in its place if every row before it has a smaller wavelength and every row after it a larger one; a row
+//! that repeats the one before it exactly is passed over. Between two neighbours that are in their places the table is
+//! unambiguous. Elsewhere, and beside a value that no passive medium has, nothing is known; only those who ask for
+//! these wavelengths are told.
 
 use goniochrome::medium::IndexPart;
 

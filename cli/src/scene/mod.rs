@@ -150,6 +150,14 @@ pub fn parse_nk(label: &str, text: &str) -> Result<OwnedMedium> {
     nk::parse(&source::Source { label, text }, Extrapolate::Refuse)
 }
 
+/// The medium in columns of text: wavelength, n and, if it absorbs, k.
+///
+/// # Errors
+/// One line that names the place, under `label`.
+pub fn parse_columns(label: &str, text: &str) -> Result<OwnedMedium> {
+    text::parse(&source::Source { label, text }, None, Extrapolate::Refuse)
+}
+
 /// The mesh in a text in Wavefront OBJ; `interfaces` are the names that `usemtl` may use.
 ///
 /// # Errors

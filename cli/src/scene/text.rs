@@ -1,8 +1,9 @@
 //! n and k as columns of text: CSV with commas, semicolons or tabs, or columns set apart by blanks.
 //!
-//! A line of numbers is a row: wavelength, n and, if there is a third, k. A line that begins with no number may name the
-//! columns, also in another order and among columns that are passed over; such a line after rows begins a further table, as
-//! in the CSV files of refractiveindex.info, where one of n is followed by one of k. Empty lines and lines that begin with
+//! A line of numbers is a row: wavelength, n and, if there is a third, k. A line that begins with no number may name
+//! the columns, also in another order and among columns that are passed over; such a line after rows begins a further
+//! table, as in the CSV files of refractiveindex.info, where one of n is followed by one of k. Empty lines and lines
+//! that begin with
 //! `#`, `%`, `!` or `//` are passed over. With semicolons, tabs or blanks, numbers may have a decimal comma.
 
 use goniochrome::medium::{Extrapolate, IndexPart};
@@ -32,8 +33,8 @@ impl Unit {
         }
     }
 
-    /// The unit of wavelengths from `least` to `most`: tables of nanometres that begin below 150, and of micrometres that begin
-    /// below 0.1 or above 5 or end above 100, are too rare to be told from the other unit.
+    /// The unit of wavelengths from `least` to `most`: tables of nanometres that begin below 150, and of micrometres
+    /// that begin below 0.1 or above 5 or end above 100, are too rare to be told from the other unit.
     fn guess(least: f64, most: f64) -> Option<Self> {
         const LEAST_NM: f64 = 150.0;
         const LEAST_UM: f64 = 0.1;
