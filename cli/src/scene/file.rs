@@ -30,7 +30,7 @@
 //! [materials.dye]
 //! table = [[400, 1.5, 0.01], [700, 1.48, 0.0]]  # rows of wavelength in nm, n and, if it absorbs, k
 //! [materials.rutile]
-//! file = "TiO2-Devore-o.yml"          # in the format of refractiveindex.info, or columns of text, see `text.rs`
+//! file = "TiO2-Devore-o.yml"          # in the format of refractiveindex.info, or columns of text, see `delimited.rs`
 //! unit = "um"                         # of wavelengths in columns of text, "nm" or "um", if no header names it
 //! extrapolate = "clamp"
 //! ```
@@ -41,6 +41,7 @@ use goniochrome::interface::{Below, Interface};
 use goniochrome::medium::{Extrapolate, MediumIndex};
 use toml::de::DeTable;
 
+use super::delimited::{self, Unit};
 use super::item::{Item, Table};
 use super::media::{self, Media};
 use super::medium::OwnedMedium;
@@ -48,7 +49,6 @@ use super::obj::Mesh;
 use super::placement::{self, Frame};
 use super::planes::is_horizontal;
 use super::source::{Source, canonical, read_text};
-use super::text::{self, Unit};
 use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, check_closed, nk, surface};
 use crate::error::Result;
 use crate::text::{one_line, toml_key};
@@ -189,7 +189,7 @@ impl Reader<'_> {
                 let content = read_text(&path, MAX_NK_BYTES)?;
                 let source = Source { label: &path.to_string_lossy(), text: &content };
                 match (is_yaml(&path, &content), table.get("unit")) {
-                    (false, _) => text::parse(&source, unit, extrapolate),
+                    (false, _) => delimited::parse(&source, unit, extrapolate),
                     (true, None) => nk::parse(&source, extrapolate),
                     (true, Some(unit)) => {
                         Err(unit.refuse("the format of refractiveindex.info is in micrometres; remove it"))
@@ -217,7 +217,7 @@ impl Reader<'_> {
         if rows.is_empty() {
             return Err(item.refuse("no rows; write table = [[400, 1.5, 0.0], [700, 1.48, 0.0]]"));
         }
-        text::inline(&Source { label: self.label, text: "" }, &rows, extrapolate)
+        delimited::inline(&Source { label: self.label, text: "" }, &rows, extrapolate)
     }
 
     fn stack(&mut self, table: &Table<'_>) -> Result<Shape> {

@@ -3,6 +3,7 @@
 mod builtin;
 mod closed;
 mod column;
+mod delimited;
 mod file;
 mod item;
 mod media;
@@ -14,7 +15,6 @@ mod planes;
 pub mod presets;
 mod source;
 mod surface;
-mod text;
 mod yaml;
 
 use std::path::{Path, PathBuf};
@@ -155,7 +155,7 @@ pub fn parse_nk(label: &str, text: &str) -> Result<OwnedMedium> {
 /// # Errors
 /// One line that names the place, under `label`.
 pub fn parse_columns(label: &str, text: &str) -> Result<OwnedMedium> {
-    text::parse(&source::Source { label, text }, None, Extrapolate::Refuse)
+    delimited::parse(&source::Source { label, text }, None, Extrapolate::Refuse)
 }
 
 /// The mesh in a text in Wavefront OBJ; `interfaces` are the names that `usemtl` may use.

@@ -303,5 +303,5 @@ fn refuse_decimal_commas(source: &Source<'_>, lines: &[(usize, Vec<String>)]) ->
 }
 
 #[cfg(test)]
-#[path = "text_tests.rs"]
+#[path = "delimited_tests.rs"]
 mod tests;
