@@ -116,9 +116,10 @@ fn hex(csv: &str) -> [u8; 3] {
 #[test]
 fn presets_have_the_colours_that_they_name() {
     let user = User::new();
-    let [blue, green, violet] =
+    type Looks = fn([u8; 3]) -> bool;
+    let [blue, green, violet]: [Looks; 3] =
         [|[r, g, b]: [u8; 3]| b > g && g > r, |[r, g, b]: [u8; 3]| g > b && b > r, |[r, g, b]: [u8; 3]| b > r && r > g];
-    let cases: [(&str, f64, fn([u8; 3]) -> bool); 7] = [
+    let cases: [(&str, f64, Looks); 7] = [
         ("jewel-beetle", 0.0, green),
         ("jewel-beetle", 75.0, |[r, g, b]| b > r && b > g),
         ("morpho-stack", 0.0, blue),
