@@ -1,14 +1,14 @@
-//! End to end: the 20-layer beetle over 90 angles and 81 wavelengths, s and p, one thread and two.
+//! End to end: the 20-layer stack over 90 angles and 81 wavelengths, s and p, one thread and two.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use goniochrome::interface::Model;
+use goniochrome_benches::twenty_layers;
 use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
 use goniochrome_cli::planar::Planar;
-use goniochrome_cli::scene::load;
 use std::hint::black_box;
 
 fn estimate(c: &mut Criterion) {
-    let scene = load("jewel-beetle").expect("a preset");
+    let scene = twenty_layers();
     let planar = Planar::new(&scene).expect("a planar scene");
     let theta: Vec<f64> = (0..90).map(f64::from).collect();
     let wavelengths: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();

@@ -15,6 +15,7 @@ use goniochrome::interface::Model;
 use goniochrome::lanes::F32;
 use goniochrome::layers::{Summation, Workspace, trace_layers};
 use goniochrome_benches::clock::processor_time;
+use goniochrome_benches::twenty_layers;
 use goniochrome_benches::{MOST_PLANES, contrast, group, stages};
 use goniochrome_cli::bumpy::Bumpy;
 use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
@@ -62,7 +63,7 @@ fn layers(summation: Summation) -> impl FnMut(usize) -> f64 {
 }
 
 fn wavelengths(count: usize) -> f64 {
-    let scene = load("jewel-beetle").expect("a preset");
+    let scene = twenty_layers();
     let planar = Planar::new(&scene).expect("a planar scene");
     let theta: Vec<f64> = (0..90).map(f64::from).collect();
     let wavelengths: Vec<f64> = (0..count).map(|i| 380.0 + 400.0 * i as f64 / count as f64).collect();

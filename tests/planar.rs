@@ -1,11 +1,13 @@
 //! Closed form and ray tracing against the independent transfer-matrix results.
 
-use crate::reference::{Layered, PlanarCase, planar};
+use crate::reference::{Layered, PlanarCase, planar, weak_ambient};
 use goniochrome::complex::Polarised;
 use goniochrome::interface::Model;
 use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome::medium::MAX_AMBIENT_K;
 use goniochrome::trace::Limits;
+use num_complex::Complex64;
 
 /// The reference is printed to 12 significant digits.
 const PRINTED: f64 = 1e-12;
@@ -89,4 +91,57 @@ fn ray_tracing_hit_by_hit_f32() {
 #[test]
 fn ray_tracing_hit_by_hit_f64() {
     holds::<F64>(Some(Summation::Generations(Limits::DOUBLE)), DOUBLE_TRACED);
+}
+
+/// The reference is printed to 14 digits; a plasmon's resonance amplifies the rounding of 41 boundaries.
+const WEAK_AMBIENT: f64 = 1e-11;
+
+#[test]
+fn light_that_arrives_through_faint_absorption_agrees_with_the_reference() {
+    for case in weak_ambient() {
+        assert!(case.n[0][1] > 0.0 && case.n[0][1] <= MAX_AMBIENT_K, "{}", case.name);
+        for (summation, tolerance) in [
+            (None, WEAK_AMBIENT),
+            (Some(Summation::ClosedLoops), WEAK_AMBIENT),
+            (Some(Summation::Generations(Limits::DOUBLE)), DOUBLE_TRACED),
+        ] {
+            let Worst { error, .. } = worst::<F64>(&case, summation);
+            println!("{:24} {summation:?} error {error:.1e}", case.name);
+            assert!(error <= tolerance, "{} {summation:?}: {error:e}", case.name);
+        }
+    }
+}
+
+/// The ledger lacks the power that the incident and the reflected wave exchange, and nothing else.
+#[test]
+fn what_an_absorbing_ambient_leaves_out_is_the_exchange_of_two_waves() {
+    let mut largest: f64 = 0.0;
+    for case in weak_ambient() {
+        let stack = Layered::from(&case);
+        let mut workspace = Box::new(Workspace::<F64>::new());
+        let eta = stack.eta[0];
+        for &theta in &case.theta_deg {
+            stack.with_optics::<F64, _>(theta, &case.wavelength_nm, Model::Physical, |optics| {
+                let traced = trace_layers(optics, Summation::ClosedLoops, workspace.memory()).expect("the stack fits");
+                let (r, missing) = (traced.response.reflection, traced.ledger.imbalance);
+                let sin = theta.to_radians().sin();
+                let q = (eta * eta - Complex64::from(eta.re * sin).powi(2)).sqrt();
+                for (r, missing, admittance) in [(r.s, missing.s, q), (r.p, missing.p, q / (eta * eta))] {
+                    for lane in 0..case.wavelength_nm.len().min(F64::WIDTH) {
+                        // R + T + A = 1 + 2 Im κ Im r / Re κ.
+                        let exchange = 2.0 * admittance.im / admittance.re * r.lane(lane).im;
+                        let missing = Lanes::lane(missing, lane);
+                        assert!((missing + exchange).abs() <= WEAK_AMBIENT, "{}: {missing:e} {exchange:e}", case.name);
+                        let bound = 2.0 * eta.im / eta.re / (theta.to_radians().cos().powi(2));
+                        // To first order in k/n; |r| exceeds 1 by as much.
+                        let second = 1.0 + 2.0 * bound;
+                        assert!(missing.abs() <= bound * second + WEAK_AMBIENT, "{}: {missing:e} {bound:e}", case.name);
+                        largest = largest.max(missing.abs());
+                    }
+                }
+            });
+        }
+    }
+    println!("largest: {largest:.1e}");
+    assert!(largest > 1e-3, "the cases show the effect: {largest:e}");
 }

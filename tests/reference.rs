@@ -38,6 +38,11 @@ pub fn planar() -> Vec<PlanarCase> {
     serde_json::from_str::<Planar>(include_str!("data/planar.json")).expect("the reference is JSON").cases
 }
 
+/// Stacks whose ambient medium absorbs weakly: k up to 1e-3.
+pub fn weak_ambient() -> Vec<PlanarCase> {
+    serde_json::from_str::<Planar>(include_str!("data/weak_ambient.json")).expect("the reference is JSON").cases
+}
+
 /// A planar stack of constant indices.
 pub struct Layered {
     /// Ambient first, then each layer, then the substrate; without it the stack stands on a perfect mirror.

@@ -1,4 +1,4 @@
-"""The 20-layer beetle at 90 angles x 81 wavelengths, R of s and p, one thread: other people's programs and goniochrome.
+"""The 20-layer stack at 90 angles x 81 wavelengths, R of s and p, one thread: other people's programs and goniochrome.
 
 `closed_form.py PROGRAM [PEER ...]`; without names all peers. The programs take turns; seconds are of processor time, and each ratio is of
 medians within this run. Fails if results differ.

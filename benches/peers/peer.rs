@@ -1,10 +1,10 @@
-//! `peer METHOD PRECISION REPEATS`: times the estimate of the 20-layer beetle, and prints seconds of processor time and results as JSON.
+//! `peer METHOD PRECISION REPEATS`: times the estimate of the 20-layer stack, and prints seconds of processor time and results as JSON.
 
 use goniochrome::interface::Model;
 use goniochrome_benches::clock::processor_time;
+use goniochrome_benches::twenty_layers;
 use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
 use goniochrome_cli::planar::Planar;
-use goniochrome_cli::scene::load;
 use std::env;
 use std::error::Error;
 use std::hint::black_box;
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let precision = if precision == "f64" { Precision::F64 } else { Precision::F32 };
     let request = Request { model: Model::Physical, method, precision, threads: 1 };
 
-    let scene = load("jewel-beetle")?;
+    let scene = twenty_layers();
     let planar = Planar::new(&scene)?;
     let theta: Vec<f64> = (0..90).map(f64::from).collect();
     let wavelengths: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();

@@ -11,6 +11,7 @@ use goniochrome::interface::{Below, Model};
 use goniochrome::lanes::Lanes;
 use goniochrome::medium::{MediaLanes, Medium, MediumIndex};
 use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use goniochrome_cli::scene::{Scene, parse};
 use num_complex::Complex64;
 
 /// Planes for which the benches have room.
@@ -29,7 +30,7 @@ pub struct Layered {
     pub substrate: MediumIndex,
 }
 
-/// The 20-layer beetle: 1.73 + 0.01i, 80 nm, and 1.40, 100 nm, in turn, on 1.56 + 0.06i.
+/// The stack of [`twenty_layers`]: 1.73 + 0.01i, 80 nm, and 1.40, 100 nm, in turn, on 1.56 + 0.06i.
 #[must_use]
 pub fn beetle() -> Layered {
     let layer = |i: usize| match i % 2 {
@@ -42,6 +43,15 @@ pub fn beetle() -> Layered {
         layers: (0..20).map(layer).collect(),
         substrate: 3,
     }
+}
+
+/// The scene of `tests/data/twenty_layers.toml`: high contrast, half of its layers absorbing.
+///
+/// # Panics
+/// Never: the scene is good.
+#[must_use]
+pub fn twenty_layers() -> Scene {
+    parse("twenty-layers", include_str!("../../tests/data/twenty_layers.toml")).expect("a good scene")
 }
 
 /// Layers of index 1.56 and 1.0 in turn, 100 nm each, on 1.56.

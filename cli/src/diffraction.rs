@@ -162,8 +162,9 @@ fn run<V: Lanes>(
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups =
-        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+    let groups = groups
+        .evaluate(&media, cell.above(), wavelength_nm)
+        .map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
     let mut found = Diffraction { orders: Vec::new(), left_out: Vec::new() };
     for (media, wavelengths) in &groups {
         let light = Light { cell, media: *media, wavelengths, wi, states: states(bumpy) };

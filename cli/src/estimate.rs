@@ -104,7 +104,7 @@ impl Spectra {
 /// Reflectance and transmittance of a planar scene at every angle and wavelength; `progress` is told of each finished angle.
 ///
 /// # Errors
-/// A medium without data at a wavelength, an ambient medium that absorbs, a grid larger than [`MAX_SAMPLES`].
+/// A medium without data at a wavelength, an ambient medium that absorbs too much, a grid larger than [`MAX_SAMPLES`].
 pub fn spectra(
     planar: &Planar<'_>,
     theta_deg: &[f64],
@@ -153,11 +153,9 @@ fn run<V: Lanes>(
     let stack = planar.stack(&mut buffer)?;
     let media = planar.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups =
-        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| planar.scene().medium_error(index, &error))?;
-    for (group, _) in &groups {
-        refuse_absorbing_ambient(planar, stack, group)?;
-    }
+    let groups = groups
+        .evaluate(&media, stack.ambient(), wavelength_nm)
+        .map_err(|(index, error)| planar.scene().medium_error(index, &error))?;
 
     let mut samples = vec![Sample::default(); count];
     let rows = samples.chunks_mut(wavelength_nm.len().max(1)).zip(theta_deg);
@@ -174,18 +172,6 @@ fn run<V: Lanes>(
         },
     );
     Ok(Spectra { theta_deg: theta_deg.to_vec(), wavelength_nm: wavelength_nm.to_vec(), samples, fell_back: 0 })
-}
-
-/// Light that arrives through an absorbing medium has no power to compare with.
-fn refuse_absorbing_ambient<V: Lanes>(planar: &Planar<'_>, stack: Stack<'_>, group: &MediaLanes<'_, V>) -> Result<()> {
-    if group.eta()[usize::from(stack.ambient())].im.any_above(0.0) {
-        return Err(Error::failed(format_args!(
-            "{}: the ambient medium {} absorbs; light must arrive through a medium with k = 0",
-            planar.scene().name,
-            planar.medium_name(stack.ambient())
-        )));
-    }
-    Ok(())
 }
 
 /// A thread's memory.

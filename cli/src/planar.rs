@@ -2,7 +2,7 @@
 
 use goniochrome::cell::{Cell, Facet};
 use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::{Medium, MediumIndex};
+use goniochrome::medium::Medium;
 use goniochrome::stack::{Boundary, Film, Stack, StackMemory};
 
 use crate::error::{Error, Result};
@@ -120,12 +120,6 @@ impl<'s> Planar<'s> {
         }
         let path = |j| largest[usize::from(stack.film(j).medium)] * stack.film(j).thickness_nm;
         Ok((0..stack.planes() - 1).map(path).sum())
-    }
-
-    /// The name of a medium.
-    #[must_use]
-    pub fn medium_name(&self, index: MediumIndex) -> &str {
-        &self.scene.media[usize::from(index)].name
     }
 
     /// The scene.

@@ -181,7 +181,7 @@ pub(crate) const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 
 /// [`steps`].
 ///
 /// # Errors
-/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs, more memory than there is,
+/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs too much, more memory than there is,
 /// waves without a sum, more light left out than [`MAX_TRUNCATED`].
 pub fn scatter(
     bumpy: &Bumpy<'_>,
@@ -244,8 +244,9 @@ fn tallied<V: Lanes>(
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups =
-        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+    let groups = groups
+        .evaluate(&media, cell.above(), wavelength_nm)
+        .map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
     let batches = work(cell, &groups)?;
     let found: Vec<Scattered> =
         (0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect();

@@ -129,8 +129,9 @@ fn run<V: Lanes>(
     let cell = bumpy.cell(&mut buffer)?;
     let media = bumpy.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups =
-        groups.evaluate(&media, wavelength_nm).map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+    let groups = groups
+        .evaluate(&media, cell.above(), wavelength_nm)
+        .map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
     let layout = request.layout;
     let (bins, pairs) = (layout.bins().count(), layout.count());
     let mut table = ScatterTable {

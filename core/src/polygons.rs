@@ -80,22 +80,26 @@ pub struct Incident<V: Lanes> {
 }
 
 impl<V: Lanes> Incident<V> {
-    /// Light from the unit direction `wi` (towards the light, z > 0) in a medium of index `eta`, which must not absorb.
+    /// Light from the unit direction `wi` (towards the light, z > 0) in a medium of index `eta`, whose k is at most
+    /// [`crate::medium::MAX_AMBIENT_K`].
     ///
-    /// s is across the macroscopic plane of incidence, z × wi, and y at normal incidence.
+    /// s is across the macroscopic plane of incidence, z × wi, and y at normal incidence. As on planes, the part of the
+    /// wavevector along the macroscopic surface is real, n sin θ. The amplitude is 1 wherever the light first meets the
+    /// cell: what the medium absorbs before that, or after the last facet, is not counted; between facets it is.
     #[must_use]
     pub fn new(wi: DVec3, eta: ComplexLanes<V::Precise>) -> Self {
         let across = DVec3::Z.cross(wi);
         let s = across.try_normalize().unwrap_or(DVec3::Y);
-        let p = s.cross(-wi);
-        let wavevector = VectorLanes::<V::Precise>::splat(-wi).scale(ComplexLanes::real(eta.re));
-        Self {
-            wi,
-            across: s,
-            wavevector,
-            field: Polarised { s: VectorLanes::splat(s), p: VectorLanes::splat(p) },
-            index: V::narrow(eta.re),
+        let mut wavevector = VectorLanes::<V::Precise>::splat(-wi).scale(ComplexLanes::real(eta.re));
+        let mut p = VectorLanes::<V>::splat(s.cross(-wi));
+        if eta.im.any_above(0.0) {
+            let tangential = eta.re * V::Precise::splat(wi.truncate().length());
+            wavevector.z = -(eta.square() - ComplexLanes::real(tangential * tangential)).sqrt_away();
+            let along = VectorLanes::<V::Precise>::splat(s).cross(wavevector);
+            let length = ComplexLanes::real(along.norm_sqr().sqrt());
+            p = VectorLanes::narrow(along.scale(ComplexLanes::one().div_or_zero(length)));
         }
+        Self { wi, across: s, wavevector, field: Polarised { s: VectorLanes::splat(s), p }, index: V::narrow(eta.re) }
     }
 
     /// Power of a field in a tube, per polarisation: |E|² J n/n_in for a travelling wave in a medium of index `eta`.
@@ -104,10 +108,11 @@ impl<V: Lanes> Incident<V> {
         field.map(|e| e.norm_sqr() * per)
     }
 
-    /// The light's wavevector in units of k₀.
+    /// The real part of the light's wavevector, in units of k₀: its phase over the cell, for an amplitude of 1 all over
+    /// it.
     #[must_use]
     pub fn wavevector(&self) -> VectorLanes<V::Precise> {
-        self.wavevector
+        self.wavevector.map(|q| ComplexLanes::real(q.re))
     }
 }
 

@@ -1,19 +1,28 @@
-//! Any text as a refractive index file. What is read is passive wherever it can be evaluated.
+//! Any text as a refractive index file of either kind. What is read is passive wherever it can be evaluated.
 
-use goniochrome_cli::scene;
+use goniochrome_cli::error::Error;
+use goniochrome_cli::scene::{self, OwnedMedium};
 
 /// Holds for any bytes; those that are no text are no input.
 pub fn check(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    match scene::parse_nk("fuzz.yml", text) {
+    for read in [scene::parse_nk("fuzz.yml", text), scene::parse_columns("fuzz.csv", text)] {
+        passive(read);
+    }
+}
+
+fn passive(read: Result<OwnedMedium, Error>) {
+    match read {
         Err(error) => assert!(!error.to_string().contains('\n')),
         Ok(owned) => {
             let medium = owned.borrow();
             let [from, to] = medium.range_nm();
             assert!(from <= to);
+            assert!(owned.remark(&[from, 550.0]).is_none_or(|said| !said.contains('\n')));
             for nm in [from, to, 380.0, 555.5, 780.0] {
-                if let Ok(eta) = medium.eta(nm) {
-                    assert!(eta.re > 0.0 && eta.im >= 0.0 && eta.is_finite());
+                match medium.eta(nm) {
+                    Ok(eta) => assert!(eta.re > 0.0 && eta.im >= 0.0 && eta.is_finite()),
+                    Err(error) => assert!(!owned.describe(&error).contains('\n')),
                 }
             }
         }

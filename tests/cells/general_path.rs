@@ -29,12 +29,21 @@ fn traced(
     scatter(&bumpy, towards(theta_deg, phi_deg), wavelengths, &request, &|| ()).expect("a good mesh")
 }
 
-/// As for the planar tracer.
+/// As for the planar tracer. In double precision too, a thin metal film under a clear medium is 5e-6 off.
 const SINGLE: f64 = 1e-5;
 
 #[test]
 fn planes_reflect_as_the_independent_transfer_matrix_says() {
-    let reference: Value = serde_json::from_str(include_str!("../data/planar.json")).expect("the reference is JSON");
+    planes_reflect_as(include_str!("../data/planar.json"), Precision::F32, SINGLE);
+}
+
+#[test]
+fn planes_under_a_weakly_absorbing_medium_reflect_as_the_independent_solution_says() {
+    planes_reflect_as(include_str!("../data/weak_ambient.json"), Precision::F64, SINGLE);
+}
+
+fn planes_reflect_as(reference: &str, precision: Precision, tolerance: f64) {
+    let reference: Value = serde_json::from_str(reference).expect("the reference is JSON");
     let list = |value: &Value| -> Vec<f64> {
         value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
     };
@@ -59,18 +68,23 @@ fn planes_reflect_as_the_independent_transfer_matrix_says() {
             names.iter().enumerate().map(|(i, name)| (name.as_str(), between(pair(i), pair(i + 1)))).collect();
         let scene = cell(&flat, [2000.0, 2000.0], &interfaces);
         let wavelengths = list(&case["wavelength_nm"]);
+        // A tube's cross-section is taken by moduli, |q_n|/|η|, where the exact power has real parts: the square of
+        // Im q_n/Re q_n = (k/n)/cos²θ apart. An ambient medium that does not absorb leaves no difference.
+        let second_order = |theta: f64| (n[0][1] / n[0][0] / theta.to_radians().cos().powi(2)).powi(2);
         let mut worst: f64 = 0.0;
         for (row, theta) in list(&case["theta_deg"]).into_iter().enumerate() {
             // All starting rays are alike: one for each batch.
-            let found = traced(&scene, theta, 37.0, &wavelengths, 32, Precision::F32);
+            let found = traced(&scene, theta, 37.0, &wavelengths, 32, precision);
             for (column, found) in found.iter().enumerate() {
                 let of = |key: &str| case[key][row][column].as_f64().expect("a number");
                 let (r, t) = (0.5 * (of("R_s") + of("R_p")), 0.5 * (of("T_s") + of("T_p")));
-                worst = worst.max((found.reflected.value - r).abs()).max((found.transmitted.value - t).abs());
+                let error = (found.reflected.value - r).abs().max((found.transmitted.value - t).abs());
+                worst = worst.max(error);
+                let allowed = tolerance + second_order(theta);
+                assert!(error <= allowed, "{name} at {theta}°: {error:e}");
             }
         }
         println!("{name}: {worst:.1e}");
-        assert!(worst <= SINGLE, "{name}: {worst:e}");
     }
 }
 

@@ -173,7 +173,7 @@ pub fn with_cell<T>(scene: &Scene, wavelength_nm: f64, work: impl FnOnce(MeshCel
     let media = bumpy.media();
     let wavelengths = [wavelength_nm];
     let mut groups = Groups::<F64>::new(media.len(), &wavelengths);
-    let groups = groups.evaluate(&media, &wavelengths).expect("constant media");
+    let groups = groups.evaluate(&media, cell.above(), &wavelengths).expect("constant media");
     work(cell, groups[0].0)
 }
 

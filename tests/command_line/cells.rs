@@ -253,3 +253,45 @@ fn orders_say_what_they_do_not_follow() {
     let ran = user.ok(&format!("orders roof.toml {light} --hits 8"));
     assert!(ran.stderr.is_empty() && ran.stdout.lines().nth(1).expect("an order").ends_with(",0.00e0"));
 }
+
+/// Rolling glass seen from inside, with a k of the glass.
+fn from_inside(k: &str) -> String {
+    let surface = "{ kind = \"sines\", waves = 12, highest = 4, rms_slope = 0.35, grid = [16, 16], seed = 1 }";
+    format!(
+        "[cell]\nperiod_nm = [10000.0, 10000.0]\nsurface = {surface}\n[interface.upper]\nabove = \"glass\"\nbelow = 1.0\n\
+         [materials.glass]\ntable = [[400, 1.52, 0], [500, 1.52, {k}], [700, 1.52, {k}]]\n"
+    )
+}
+
+/// Of light that crosses a hundredth of a millimetre between facets, 4π k/λ times that is lost.
+const FAINTLY_LOST: f64 = 3e-6;
+
+#[test]
+fn light_reaches_a_cell_through_faint_absorption_in_every_command() {
+    let user = User::with(&[("clear.toml", &from_inside("0")), ("faint.toml", &from_inside("1e-8"))]);
+    let reflected = |scene: &str, coherence: &str| {
+        let light = format!("--theta 20 --phi 30 --wavelength 550 --coherence {coherence} --rays 512 --quiet --json -");
+        let report: serde_json::Value =
+            serde_json::from_str(&user.ok(&format!("scatter {scene} {light}")).stdout).expect("JSON");
+        report["reflected"]["value"].as_f64().expect("a number")
+    };
+    for coherence in ["none", "ray", "bin", "cell"] {
+        let [clear, faint] = ["clear.toml", "faint.toml"].map(|scene| reflected(scene, coherence));
+        assert!((clear - faint).abs() <= FAINTLY_LOST, "{coherence}: {clear} {faint}");
+    }
+    user.ok("orders faint.toml --wavelengths 550 --rays 64 --most-order 2 --csv orders.csv");
+    user.ok("estimate faint.toml -o t.exr --incident 2x1 --bins 4x8 --rays 32 --wavelengths 450,550 -q");
+}
+
+#[test]
+fn every_command_refuses_a_cell_under_a_murky_medium_alike() {
+    let user = User::with(&[("murky.toml", &from_inside("0.002"))]);
+    let says =
+        ["murky: material glass: k = 0.002 at 550 nm; light can arrive only through a medium with k up to 0.001"];
+    user.refused("orders murky.toml --wavelengths 420,550 --rays 64 --csv o.csv", 1, &says);
+    user.refused("estimate murky.toml -o t.exr --wavelengths 420,550 --incident 2x1 --bins 4x8 -q", 1, &says);
+    for coherence in ["none", "ray", "bin", "cell"] {
+        user.refused(&format!("scatter murky.toml --wavelength 550 --coherence {coherence} --json -"), 1, &says);
+        user.ok(&format!("scatter murky.toml --wavelength 420 --coherence {coherence} --rays 32 --json s.json"));
+    }
+}

@@ -65,6 +65,88 @@ fn power_is_conserved() {
     }
 }
 
+/// What a preset's source or design says of its reflectance straight down: where it peaks, how high, and how wide it is
+/// at half of that.
+struct Peak {
+    name: &'static str,
+    wavelength_nm: [f64; 2],
+    reflectance: [f64; 2],
+    half_nm: [f64; 2],
+}
+
+const PEAKS: [Peak; 4] = [
+    // Stavenga et al. (2011): a peak near 530 nm, bands 100 to 150 nm wide where layers are graded and unequal; equal
+    // ones are narrower.
+    Peak { name: "jewel-beetle", wavelength_nm: [525.0, 535.0], reflectance: [0.36, 0.39], half_nm: [495.0, 570.0] },
+    // Blue Morphos reflect some 400 to 500 nm; unbroken lamellae reflect more than ridges.
+    Peak { name: "morpho-stack", wavelength_nm: [400.0, 480.0], reflectance: [0.7, 0.9], half_nm: [380.0, 530.0] },
+    // 2 (1.83 · 80 nm + 1.34 · 70 nm) = 480 nm.
+    Peak { name: "opaline-guanine", wavelength_nm: [475.0, 490.0], reflectance: [0.98, 1.0], half_nm: [430.0, 550.0] },
+    // Macleod: R = ((1 - y)/(1 + y))² with y = (2.35/1.38)^20 · 1.52, 0.9999.
+    Peak {
+        name: "quarter-wave-mirror",
+        wavelength_nm: [545.0, 555.0],
+        reflectance: [0.999, 1.0],
+        half_nm: [440.0, 720.0],
+    },
+];
+
+#[test]
+fn presets_reflect_what_their_sources_say() {
+    let user = User::new();
+    for Peak { name, wavelength_nm, reflectance, half_nm } in PEAKS {
+        let csv = user.ok(&format!("spectrum {name} --theta 0 --wavelengths 380:780:1")).stdout;
+        let (nm, r) = (column(&csv, "wavelength_nm"), column(&csv, "R_s"));
+        let top = (0..r.len()).max_by(|&a, &b| r[a].total_cmp(&r[b])).expect("a spectrum");
+        println!("{name}: {} at {} nm", r[top], nm[top]);
+        assert!((wavelength_nm[0]..=wavelength_nm[1]).contains(&nm[top]), "{name}: {} nm", nm[top]);
+        assert!((reflectance[0]..=reflectance[1]).contains(&r[top]), "{name}: {}", r[top]);
+        let above = |i: &usize| r[*i] > 0.5 * r[top];
+        let [first, last] = [(0..r.len()).find(above), (0..r.len()).rfind(above)].map(|i| nm[i.expect("the peak")]);
+        assert!(half_nm[0] <= first && last <= half_nm[1], "{name}: half its peak from {first} to {last} nm");
+    }
+}
+
+/// Red, green and blue of a colour's hex.
+fn hex(csv: &str) -> [u8; 3] {
+    let hex = csv.lines().nth(1).and_then(|row| row.rsplit(',').next()).expect("a colour");
+    [1, 3, 5].map(|at| u8::from_str_radix(&hex[at..at + 2], 16).expect("a colour"))
+}
+
+#[test]
+fn presets_have_the_colours_that_they_name() {
+    let user = User::new();
+    type Looks = fn([u8; 3]) -> bool;
+    let [blue, green, violet]: [Looks; 3] =
+        [|[r, g, b]: [u8; 3]| b > g && g > r, |[r, g, b]: [u8; 3]| g > b && b > r, |[r, g, b]: [u8; 3]| b > r && r > g];
+    let cases: [(&str, f64, Looks); 7] = [
+        ("jewel-beetle", 0.0, green),
+        ("jewel-beetle", 75.0, |[r, g, b]| b > r && b > g),
+        ("morpho-stack", 0.0, blue),
+        ("opaline-guanine", 30.0, blue),
+        ("anodised-titanium", 0.0, blue),
+        ("soap-bubble", 0.0, violet),
+        ("quarter-wave-mirror", 0.0, |[r, g, b]| g > r && r > b),
+    ];
+    for (name, theta, holds) in cases {
+        let rgb = hex(&user.ok(&format!("colour {name} --theta {theta} --csv - --quiet")).stdout);
+        assert!(holds(rgb), "{name} at {theta}°: {rgb:?}");
+    }
+}
+
+#[test]
+fn the_built_in_materials_are_listed_with_their_ranges() {
+    let user = User::new();
+    let list = user.ok("presets --materials").stdout;
+    assert!(list.lines().any(|line| line.starts_with("N-BK7 ") && line.contains("300 to 2500 nm")), "{list}");
+    assert_eq!(user.run("presets soap-bubble --materials").code, Some(2));
+    user.write("rutile.toml", "[stack]\nambient = \"air\"\nsubstrate = \"TiO2-rutile\"\n");
+    // The first wavelength asked for, not another of its group.
+    user.refused("spectrum rutile.toml", 1, &["TiO2-rutile", "at 380 nm", "n covers 430 to 1530 nm"]);
+    user.write("infrared.toml", "[stack]\nambient = \"air\"\nsubstrate = \"Al\"\n");
+    user.ok("spectrum infrared.toml --wavelengths 1690,4000,10600");
+}
+
 /// The samples of an EXR channel.
 fn channel(image: &FlatImage, name: &str) -> Vec<f64> {
     let channels = &image.layer_data[0].channel_data.list;

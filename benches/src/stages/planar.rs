@@ -10,7 +10,7 @@ use crate::{MOST_PLANES, beetle, group};
 /// Power in flight, enough for 1e-5 in reflectance.
 const LIMITS: Limits = Limits { in_flight: 1e-12, ..Limits::SINGLE };
 
-/// Rays through the 20-layer beetle at 30 degrees, loops closed and hit by hit.
+/// Rays through the 20-layer stack at 30 degrees, loops closed and hit by hit.
 pub fn planar<V: Lanes>(visit: Visit<'_>) {
     let stack = beetle();
     let mut workspace = Box::new(Workspace::<V, MOST_PLANES>::new());

@@ -7,7 +7,7 @@ use goniochrome::stack::{Optics, OpticsArrays};
 use super::{Visit, Work};
 use crate::{MOST_PLANES, beetle, group};
 
-/// The closed form of the 20-layer beetle at 30 degrees: preparation of the stack, and the recursion.
+/// The closed form of the 20-layer stack at 30 degrees: preparation of the stack, and the recursion.
 pub fn stack<V: Lanes>(visit: Visit<'_>) {
     let stack = beetle();
     let amount = (V::WIDTH * stack.layers.len()) as f64;

@@ -45,6 +45,9 @@ pub enum Command {
     Presets {
         /// The scene to print
         name: Option<String>,
+        /// List the built-in materials instead, with the wavelengths for which they have data and their sources
+        #[arg(long, conflicts_with = "name")]
+        materials: bool,
     },
     /// Reflectance and transmittance at angles and wavelengths
     Spectrum(SpectrumArgs),

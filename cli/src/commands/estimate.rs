@@ -11,7 +11,7 @@ use crate::bumpy::Bumpy;
 use crate::checkpoint::Checkpoint;
 use crate::colours::{colours, visible_weights};
 use crate::commands::plot::disc_of;
-use crate::commands::{compute, named};
+use crate::commands::{compute, named, remark_on_media};
 use crate::error::{Error, Result};
 use crate::estimate::{Method, Sample, Spectra};
 use crate::grid::Wavelengths;
@@ -140,6 +140,7 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String, Opti
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
     let bumpy = Bumpy::new(scene)?;
+    remark_on_media(scene, wavelength_nm, args.computing.running.quiet);
     let checkpoint = Checkpoint::open(&args.output, &request.identity(scene, wavelength_nm))?;
     let progress = bar(&scene.name, layout.incident_count(), args.computing.running.quiet);
     let mut table = estimate(&bumpy, wavelength_nm, &request, checkpoint.as_ref(), &|| progress.inc(1))?;

@@ -283,7 +283,7 @@ fn gallery(folder: &Path, request: &Request) -> Result<Section> {
         images: vec!["presets.png".into()],
         caption_html:
             "<p>Exact physics, daylight (D65), sRGB. Each disc is brightened to the same maximum up to 70°: a soap \
-                       film reflects a tenth of the light, a beetle’s shell nearly all of its green. \
+                       film reflects a tenth of the light, a beetle’s shell more than a third of its green. \
                        <code>goniochrome presets</code> lists them.</p>"
                 .into(),
     })

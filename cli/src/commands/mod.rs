@@ -29,7 +29,7 @@ use crate::output;
 use crate::picture;
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
-use crate::scene::Scene;
+use crate::scene::{NamedMedium, Scene};
 
 /// Does what the command line asks for.
 ///
@@ -41,7 +41,8 @@ pub fn run(command: &Command) -> Result<()> {
 
 fn dispatch(command: &Command) -> Result<()> {
     match command {
-        Command::Presets { name } => presets::run(name.as_deref()),
+        Command::Presets { materials: true, .. } => presets::materials(),
+        Command::Presets { name, .. } => presets::run(name.as_deref()),
         Command::Spectrum(args) => spectrum::run(args),
         Command::Colour(args) => colour::run(args),
         Command::Estimate(args) => estimate::run(args),
@@ -75,6 +76,7 @@ fn compute(
             ),
         );
     }
+    remark_on_media(planar.scene(), &wavelength_nm, computing.running.quiet);
     let progress = bar(&planar.scene().name, theta_deg.len(), computing.running.quiet);
     let spectra = spectra(planar, theta_deg, &wavelength_nm, &computing.request(), &|| progress.inc(1))?;
     progress.finish_and_clear();
@@ -92,6 +94,15 @@ fn remark_fall_backs(fell_back: usize, samples: usize, quiet: bool) {
                  their loops are closed, as by --method trace"
             ),
         );
+    }
+}
+
+/// Says what was guessed or rounded in the data of media that are used at these wavelengths.
+fn remark_on_media(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
+    for NamedMedium { name, medium } in &scene.media {
+        if let Some(said) = medium.remark(wavelength_nm) {
+            remark(quiet, format_args!("{}: material {name}: {said}", scene.name));
+        }
     }
 }
 

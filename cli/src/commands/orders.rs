@@ -2,7 +2,7 @@
 
 use crate::args::OrdersArgs;
 use crate::bumpy::Bumpy;
-use crate::commands::{direction, named, write_csv};
+use crate::commands::{direction, named, remark_on_media, write_csv};
 use crate::diffraction::{Diffraction, Request, default_hits, groups, orders, unreliable};
 use crate::error::Result;
 use crate::output;
@@ -24,6 +24,7 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
         threads: args.running.threads(),
     };
     let quiet = args.running.quiet;
+    remark_on_media(&scene, wavelengths, quiet);
     let progress = bar(&scene.name, BATCHES as usize * groups(wavelengths.len(), request.precision), quiet);
     let found = orders(&bumpy, direction(args.theta, args.phi)?, wavelengths, &request, &|| progress.inc(1))?;
     progress.finish_and_clear();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::output;
-use crate::scene::{load, presets};
+use crate::scene::{list_materials, load, presets};
 
 pub fn run(name: Option<&str>) -> Result<()> {
     let text = match name {
@@ -19,4 +19,9 @@ pub fn run(name: Option<&str>) -> Result<()> {
         }
     };
     output::write_text(Path::new("-"), &text)
+}
+
+/// `goniochrome presets --materials`.
+pub fn materials() -> Result<()> {
+    output::write_text(Path::new("-"), &list_materials()?)
 }

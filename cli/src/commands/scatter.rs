@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::args::{ScatterArgs, spelled};
 use crate::bumpy::Bumpy;
-use crate::commands::{direction, named};
+use crate::commands::{direction, named, remark_on_media};
 use crate::diffraction::unreliable;
 use crate::error::{Error, Result};
 use crate::output;
@@ -29,6 +29,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         precision: args.precision,
         threads: args.running.threads(),
     };
+    remark_on_media(&scene, wavelengths, args.running.quiet);
     let once = |request: &Request| {
         let progress = bar(&scene.name, steps(wavelengths.len(), request), args.running.quiet);
         let found = scatter(&bumpy, wi, wavelengths, request, &|| progress.inc(1));

@@ -6,44 +6,85 @@ use super::source::Source;
 use super::{NamedMedium, nk};
 use crate::error::Result;
 
-/// Name and data file.
-const MATERIALS: &[(&str, &str)] = &[
-    ("air", include_str!("../../data/materials/air-Ciddor.yml")),
-    ("vacuum", include_str!("../../data/materials/vacuum.yml")),
-    ("water", include_str!("../../data/materials/H2O-Daimon-20C.yml")),
-    ("SiO2", include_str!("../../data/materials/SiO2-Malitson.yml")),
-    ("TiO2", include_str!("../../data/materials/TiO2-Siefke.yml")),
-    ("TiO2-rutile", include_str!("../../data/materials/TiO2-Devore-o.yml")),
-    ("MgF2", include_str!("../../data/materials/MgF2-Dodge-o.yml")),
-    ("Al2O3", include_str!("../../data/materials/Al2O3-Malitson-o.yml")),
-    ("CaCO3", include_str!("../../data/materials/CaCO3-Ghosh-o.yml")),
-    ("N-BK7", include_str!("../../data/materials/N-BK7.yml")),
-    ("Si", include_str!("../../data/materials/Si-Green-2008.yml")),
-    ("Ag", include_str!("../../data/materials/Ag-Johnson.yml")),
-    ("Al", include_str!("../../data/materials/Al-Rakic.yml")),
-    ("Au", include_str!("../../data/materials/Au-Johnson.yml")),
-    ("Cr", include_str!("../../data/materials/Cr-Johnson.yml")),
-    ("Cu", include_str!("../../data/materials/Cu-Johnson.yml")),
-    ("Ti", include_str!("../../data/materials/Ti-Johnson.yml")),
-    ("cellulose", include_str!("../../data/materials/cellulose-Sultanova.yml")),
-    ("chitin", include_str!("../../data/materials/chitin.yml")),
-    ("keratin", include_str!("../../data/materials/keratin.yml")),
-    ("melanin", include_str!("../../data/materials/melanin.yml")),
-    ("guanine", include_str!("../../data/materials/guanine.yml")),
+/// A material: its name, its data file and, in short, where these come from.
+type Material = (&'static str, &'static str, &'static str);
+
+#[rustfmt::skip]
+const MATERIALS: &[Material] = &[
+    ("air", include_str!("../../data/materials/air-Ciddor.yml"),
+        "Ciddor, Appl. Opt. 35, 1566 (1996): dry air, 15 °C; beyond 1690 nm within 3.1e-7"),
+    ("vacuum", include_str!("../../data/materials/vacuum.yml"),
+        "by definition"),
+    ("water", include_str!("../../data/materials/H2O-Daimon-20C.yml"),
+        "Daimon and Masumura, Appl. Opt. 46, 3811 (2007): 20 °C, without absorption"),
+    ("SiO2", include_str!("../../data/materials/SiO2-Malitson.yml"),
+        "Malitson, J. Opt. Soc. Am. 55, 1205 (1965): fused silica"),
+    ("TiO2", include_str!("../../data/materials/TiO2-Siefke.yml"),
+        "Siefke et al., Adv. Opt. Mater. 4, 1780 (2016): amorphous film"),
+    ("TiO2-rutile", include_str!("../../data/materials/TiO2-Devore-o.yml"),
+        "DeVore, J. Opt. Soc. Am. 41, 416 (1951): ordinary ray; it absorbs below 420 nm, where there are no data"),
+    ("MgF2", include_str!("../../data/materials/MgF2-Dodge-o.yml"),
+        "Dodge, Appl. Opt. 23, 1980 (1984): crystal, ordinary ray; evaporated films have less"),
+    ("Al2O3", include_str!("../../data/materials/Al2O3-Malitson-o.yml"),
+        "Malitson and Dodge, J. Opt. Soc. Am. 62, 1405 (1972): sapphire, ordinary ray"),
+    ("CaCO3", include_str!("../../data/materials/CaCO3-Ghosh-o.yml"),
+        "Ghosh, Opt. Commun. 163, 95 (1999): calcite, ordinary ray"),
+    ("N-BK7", include_str!("../../data/materials/N-BK7.yml"),
+        "Schott, catalogue of January 2017"),
+    ("Si", include_str!("../../data/materials/Si-Green-2008.yml"),
+        "Green, Sol. Energ. Mat. Sol. Cells 92, 1305 (2008): crystal, 300 K"),
+    ("Ag", include_str!("../../data/materials/Ag-Johnson.yml"),
+        "Johnson and Christy, Phys. Rev. B 6, 4370 (1972)"),
+    ("Al", include_str!("../../data/materials/Al-Rakic.yml"),
+        "Rakić, Appl. Opt. 34, 4755 (1995)"),
+    ("Au", include_str!("../../data/materials/Au-Johnson.yml"),
+        "Johnson and Christy, Phys. Rev. B 6, 4370 (1972)"),
+    ("Cr", include_str!("../../data/materials/Cr-Johnson.yml"),
+        "Johnson and Christy, Phys. Rev. B 9, 5056 (1974)"),
+    ("Cu", include_str!("../../data/materials/Cu-Johnson.yml"),
+        "Johnson and Christy, Phys. Rev. B 6, 4370 (1972)"),
+    ("Ti", include_str!("../../data/materials/Ti-Johnson.yml"),
+        "Johnson and Christy, Phys. Rev. B 9, 5056 (1974)"),
+    ("cellulose-plastic", include_str!("../../data/materials/cellulose-plastic-Sultanova.yml"),
+        "Sultanova et al., Acta Phys. Pol. A 116, 585 (2009): an ester; below 437 nm within 0.002"),
+    ("chitin", include_str!("../../data/materials/chitin.yml"),
+        "Leertouwer et al., Opt. Express 19, 24061 (2011): without pigment, formula continued from 400 to 600 nm"),
+    ("keratin", include_str!("../../data/materials/keratin.yml"),
+        "Leertouwer et al., Opt. Express 19, 24061 (2011): formula continued from 400 to 600 nm"),
+    ("melanin", include_str!("../../data/materials/melanin.yml"),
+        "Stavenga et al., Light Sci. Appl. 4, e243 (2015)"),
+    ("guanine", include_str!("../../data/materials/guanine.yml"),
+        "Levy-Lior et al., Cryst. Growth Des. 8, 507 (2008): in the plane of a plate, one value"),
 ];
 
 /// The names of the built-in materials.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    MATERIALS.iter().map(|&(name, _)| name)
+    MATERIALS.iter().map(|&(name, ..)| name)
 }
 
 /// The built-in material of that name, upper or lower case.
 #[must_use]
 pub fn get(name: &str, extrapolate: Extrapolate) -> Option<Result<NamedMedium>> {
-    let &(name, text) = MATERIALS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
+    let &(name, text, _) = MATERIALS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name))?;
     let label = format!("built-in material {name}");
     let medium = nk::parse(&Source { label: &label, text }, extrapolate);
     Some(medium.map(|medium| NamedMedium { name: name.to_owned(), medium }))
+}
+
+/// A line on each built-in material: name, the wavelengths for which it has data, and its source.
+///
+/// # Errors
+/// None for the materials that come with the program.
+pub fn list() -> Result<String> {
+    let mut lines = String::new();
+    let width = names().map(str::len).max().unwrap_or(0);
+    for &(name, text, source) in MATERIALS {
+        let label = format!("built-in material {name}");
+        let [from, to] = nk::parse(&Source { label: &label, text }, Extrapolate::Refuse)?.borrow().range_nm();
+        let range = if name == "vacuum" { "any wavelength".to_owned() } else { format!("{from:.0} to {to:.0} nm") };
+        lines.push_str(&format!("{name:width$}  {range:17}  {source}\n"));
+    }
+    Ok(lines)
 }
 
 #[cfg(test)]
@@ -63,6 +104,9 @@ mod tests {
     fn indices_are_the_published_ones() {
         for (name, nm, n, k, digits) in [
             ("air", 589.3, 1.000_277, 0.0, 1e-6),
+            // The last row of Mathar's table, J. Opt. A 9, 470 (2007).
+            ("air", 14_100.0, 1.000_272_640, 0.0, 1e-7),
+            ("cellulose-plastic", 589.3, 1.4701, 0.0, 5e-4),
             ("water", 589.3, 1.333, 0.0, 5e-4),
             ("SiO2", 587.6, 1.458_46, 0.0, 5e-6),
             ("MgF2", 589.3, 1.3777, 0.0, 1e-4),
@@ -107,15 +151,24 @@ mod tests {
         }
     }
 
-    /// A scene is sampled from 380 to 780 nm; only these two publications stop short of that.
+    /// A scene is sampled from 380 to 780 nm; rutile absorbs below 420 nm, where its publication has no data.
     #[test]
-    fn all_but_two_cover_the_visible() {
+    fn all_but_rutile_cover_the_visible() {
         let short = names().filter(|name| {
             let material = get(name, Extrapolate::Refuse).unwrap().unwrap();
             let [from, to] = material.medium.borrow().range_nm();
             from > 380.0 || to < 780.0
         });
-        assert_eq!(short.collect::<Vec<_>>(), ["TiO2-rutile", "cellulose"]);
+        assert_eq!(short.collect::<Vec<_>>(), ["TiO2-rutile"]);
+    }
+
+    #[test]
+    fn the_list_has_a_line_for_each_material_with_range_and_source() {
+        let list = list().unwrap();
+        assert_eq!(list.lines().count(), names().count());
+        let line = |name: &str| list.lines().find(|line| line.split(' ').next() == Some(name)).unwrap().to_owned();
+        assert!(line("TiO2-rutile").contains("430 to 1530 nm") && line("TiO2-rutile").contains("DeVore"));
+        assert!(line("vacuum").contains("any wavelength"));
     }
 
     #[test]

@@ -420,7 +420,8 @@ impl Check<'_> {
             };
             if absorbs {
                 let top = self.name(top);
-                let message = format!("light cannot arrive at {} nm through {top}, which absorbs; use k = 0", place(z));
+                let message =
+                    format!("light cannot arrive at {} nm through {top}, which absorbs; use k <= 0.001", place(z));
                 return Err(self.refuse(line, message));
             }
         }

@@ -158,7 +158,9 @@ fn what_leaves_the_period_or_spans_none_is_named() {
         "m.obj:6: no surface spans the period, so light falls through between the facets; add a plane"
     );
     let message = refusal(&roof("dark", 0.0));
-    assert!(message.contains("light cannot arrive at (") && message.ends_with("\"dark\", which absorbs; use k = 0"));
+    assert!(
+        message.contains("light cannot arrive at (") && message.ends_with("\"dark\", which absorbs; use k <= 0.001")
+    );
     let mesh = parse_mesh("m.obj", &roof("top", 0.0), &["top"]).unwrap();
     let zero = check_closed(&mesh, [0.0, 8.0], &interfaces(), &media()).unwrap_err().to_string();
     assert_eq!(zero, "m.obj:8: a period of 0 by 8 nm; both must be more than 0 nm and at most a metre");

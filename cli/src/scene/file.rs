@@ -24,11 +24,14 @@
 //! coating = [ { material = "MgF2", thickness_nm = 100.0 } ]  # optional films on the facets, written like `layers`, from
 //!                                     # `above` to `below`; they take up no room in the mesh
 //!
-//! [materials.chitin]                  # n and k, or a file; hides a built-in material of the same name
+//! [materials.chitin]                  # n and k, a table or a file; hides a built-in material of the same name
 //! n = 1.56
 //! k = 0.06
+//! [materials.dye]
+//! table = [[400, 1.5, 0.01], [700, 1.48, 0.0]]  # rows of wavelength in nm, n and, if it absorbs, k
 //! [materials.rutile]
-//! file = "TiO2-Devore-o.yml"          # in the format of refractiveindex.info
+//! file = "TiO2-Devore-o.yml"          # in the format of refractiveindex.info, or columns of text, see `delimited.rs`
+//! unit = "um"                         # of wavelengths in columns of text, "nm" or "um", if no header names it
 //! extrapolate = "clamp"
 //! ```
 
@@ -38,6 +41,7 @@ use goniochrome::interface::{Below, Interface};
 use goniochrome::medium::{Extrapolate, MediumIndex};
 use toml::de::DeTable;
 
+use super::delimited::{self, Unit};
 use super::item::{Item, Table};
 use super::media::{self, Media};
 use super::medium::OwnedMedium;
@@ -131,6 +135,18 @@ fn extrapolate(table: &Table<'_>, default: Extrapolate) -> Result<Extrapolate> {
     }
 }
 
+/// Whether a file of n and k has the format of refractiveindex.info: by its name, else by its one required key.
+fn is_yaml(path: &Path, content: &str) -> bool {
+    let named =
+        path.extension().is_some_and(|name| name.eq_ignore_ascii_case("yml") || name.eq_ignore_ascii_case("yaml"));
+    named || content.lines().any(|line| line.trim_end() == "DATA:")
+}
+
+fn unit(item: &Item<'_>) -> Result<Unit> {
+    let named = item.text()?;
+    Unit::parse(named).ok_or_else(|| item.refuse(format_args!("{named:?} is unknown; write \"nm\" or \"um\"")))
+}
+
 /// A length of at least 0 nm and at most a metre.
 fn length(item: &Item<'_>) -> Result<f64> {
     match item.number()? {
@@ -152,11 +168,21 @@ impl Reader<'_> {
         Ok(path)
     }
 
-    /// `[materials.NAME]`: n and k, or a file.
+    /// `[materials.NAME]`: n and k, a table, or a file.
     fn material(&mut self, item: &Item<'_>, default: Extrapolate) -> Result<OwnedMedium> {
         let table = item.table(format!("[materials.{}]", toml_key(item.key())))?;
-        table.allow(&["n", "k", "file", "extrapolate", "description", "source"])?;
+        table.allow(&["n", "k", "table", "file", "unit", "extrapolate", "description", "source"])?;
         let extrapolate = extrapolate(&table, default)?;
+        let unit = table.get("unit").map(|item| unit(&item)).transpose()?;
+        if let (Some(item), None) = (table.get("unit"), table.get("file")) {
+            return Err(item.refuse("only columns of text in a file have a unit; an inline table is in nm"));
+        }
+        if let Some(rows) = table.get("table") {
+            if let Some(other) = ["n", "k", "file"].into_iter().find_map(|key| table.get(key)) {
+                return Err(other.refuse("a material has either a table, a file, or n and k; keep one"));
+            }
+            return self.inline(&rows, extrapolate);
+        }
         match (table.get("n"), table.get("k"), table.get("file")) {
             (Some(n), k, None) => {
                 let k_value = k.as_ref().map_or(Ok(0.0), Item::number)?;
@@ -164,15 +190,38 @@ impl Reader<'_> {
             }
             (None, None, Some(file)) => {
                 let path = self.path(&file)?;
-                let text = read_text(&path, MAX_NK_BYTES)?;
-                nk::parse(&Source { label: &path.to_string_lossy(), text: &text }, extrapolate)
+                let content = read_text(&path, MAX_NK_BYTES)?;
+                let source = Source { label: &path.to_string_lossy(), text: &content };
+                match (is_yaml(&path, &content), table.get("unit")) {
+                    (false, _) => delimited::parse(&source, unit, extrapolate),
+                    (true, None) => nk::parse(&source, extrapolate),
+                    (true, Some(unit)) => {
+                        Err(unit.refuse("the format of refractiveindex.info is in micrometres; remove it"))
+                    }
+                }
             }
             (Some(_), _, Some(file)) | (None, Some(_), Some(file)) => {
                 Err(file.refuse("a material has either a file or n and k; remove one"))
             }
             (None, Some(k), None) => Err(k.refuse("k without n; add n")),
-            (None, None, None) => Err(table.refuse("no data; add n (and k), or file")),
+            (None, None, None) => Err(table.refuse("no data; add n (and k), table or file")),
         }
+    }
+
+    /// `table = [[nm, n, k], …]`.
+    fn inline(&self, item: &Item<'_>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
+        let mut rows = Vec::new();
+        for row in item.array()? {
+            let numbers = row.array()?.iter().map(Item::number).collect::<Result<Vec<_>>>()?;
+            if !(2..=3).contains(&numbers.len()) {
+                return Err(row.refuse(format_args!("a row of {} numbers; write [nm, n] or [nm, n, k]", numbers.len())));
+            }
+            rows.push((row.line() as usize, numbers));
+        }
+        if rows.is_empty() {
+            return Err(item.refuse("no rows; write table = [[400, 1.5, 0.0], [700, 1.48, 0.0]]"));
+        }
+        delimited::inline(&Source { label: self.label, text: "" }, &rows, extrapolate)
     }
 
     fn stack(&mut self, table: &Table<'_>) -> Result<Shape> {

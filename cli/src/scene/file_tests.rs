@@ -44,7 +44,7 @@ fn repetitions_are_written_out_and_media_listed_once() {
 fn declared_materials_hide_built_in_ones_and_may_clamp() {
     let text = |clamp: &str| {
         format!(
-            "{clamp}\n[stack]\nambient = 1\nlayers = [ {{ material = \"tio2\", thickness_nm = 1 }} ]\nsubstrate = \"cellulose\"\n[materials.TiO2]\nn = 9\n"
+            "{clamp}\n[stack]\nambient = 1\nlayers = [ {{ material = \"tio2\", thickness_nm = 1 }} ]\nsubstrate = \"TiO2-rutile\"\n[materials.TiO2]\nn = 9\n"
         )
     };
     let eta = |scene: &Scene| scene.media[2].medium.borrow().eta(400.0).is_ok();
@@ -99,7 +99,7 @@ fn layers_are_refused_by_place() {
     assert_eq!(layer("0", "1"), "s.toml:3:25: material: n = 0, k = 0 is not passive (n > 0 and k >= 0 are required)");
     assert_eq!(
         layer("[2, -1]", "1"),
-        "s.toml:3:25: material: n = 2, k = -1 is not passive (n > 0 and k >= 0 are required)"
+        "s.toml:3:25: material: k = -1 is gain; k must not be negative: for n − ik write +k"
     );
     assert_eq!(layer("inf", "1"), "s.toml:3:25: material: inf is not a finite number");
     assert_eq!(layer("1e7", "1"), "s.toml:3:25: material: n = 10000000, k = 0: more than 1000000");
@@ -128,7 +128,7 @@ fn layers_are_refused_by_place() {
     assert_eq!(refusal(&stack("7")), "s.toml:3:10: layers: expected a list, found 7");
     assert_eq!(
         refusal("[stack]\nambient = [1.3, 0.1]\nsubstrate = 1\n"),
-        "s.toml:2:11: ambient: light cannot arrive through a medium that absorbs; use k = 0"
+        "s.toml:2:11: ambient: light cannot arrive through a medium that absorbs; use k <= 0.001, or make it a layer under a clear ambient"
     );
 }
 
@@ -163,21 +163,36 @@ fn deep_nesting_is_refused() {
 fn materials_are_refused_by_place() {
     let material = |body: &str| refusal(&format!("[materials.x]\n{body}\n"));
     assert_eq!(material("k = 1"), "s.toml:2:5: k: k without n; add n");
-    assert_eq!(material(""), "s.toml:1:1: [materials.x]: no data; add n (and k), or file");
+    assert_eq!(material(""), "s.toml:1:1: [materials.x]: no data; add n (and k), table or file");
     assert_eq!(
         material("n = 1\nfile = \"x.yml\""),
         "s.toml:3:8: file: a material has either a file or n and k; remove one"
     );
-    assert_eq!(
-        material("n = 1\nk = -1"),
-        "s.toml:3:5: k: n = 1, k = -1 is not passive (n > 0 and k >= 0 are required)"
-    );
+    assert_eq!(material("n = 1\nk = -1"), "s.toml:3:5: k: k = -1 is gain; k must not be negative: for n − ik write +k");
     assert_eq!(material("n = 0"), "s.toml:2:5: n: n = 0, k = 0 is not passive (n > 0 and k >= 0 are required)");
     assert_eq!(material("n = nan"), "s.toml:2:5: n: NaN is not a finite number");
     assert_eq!(
         material("file = \"x.yml\""),
         "s.toml:2:8: file: /nonexistent/x.yml: no such file; paths start at the scene file"
     );
+    assert_eq!(
+        material("table = [[400, 1.5], [500]]"),
+        "s.toml:2:22: table: a row of 1 numbers; write [nm, n] or [nm, n, k]"
+    );
+    assert_eq!(material("table = []"), "s.toml:2:9: table: no rows; write table = [[400, 1.5, 0.0], [700, 1.48, 0.0]]");
+    assert_eq!(
+        material("table = [[400, 1.5], [500, 1.5, 0.1]]"),
+        "s.toml:2: k stands in some rows and is missing in others; give it in each, or in none"
+    );
+    assert_eq!(
+        material("n = 1\ntable = [[400, 1.5]]"),
+        "s.toml:2:5: n: a material has either a table, a file, or n and k; keep one"
+    );
+    assert_eq!(
+        material("unit = \"nm\"\nn = 1"),
+        "s.toml:2:8: unit: only columns of text in a file have a unit; an inline table is in nm"
+    );
+    assert_eq!(material("unit = \"cm\"\nfile = \"x\""), "s.toml:2:8: unit: \"cm\" is unknown; write \"nm\" or \"um\"");
     assert_eq!(
         refusal("[materials.Mirror]\nn = 1\n"),
         "s.toml:1:1: Mirror: this name stands for a perfect mirror; choose another"

@@ -5,13 +5,17 @@ use std::collections::HashMap;
 use goniochrome::interface::Below;
 use goniochrome::medium::{Extrapolate, MediumIndex};
 
+use super::column::MAX_INDEX;
 use super::item::Item;
 use super::medium::OwnedMedium;
-use super::nk::MAX_INDEX;
 use super::source::nearest;
 use super::{NamedMedium, builtin};
 use crate::error::Result;
 use crate::text::toml_key;
+
+/// What to say of an ambient medium that absorbs at every wavelength more than [`goniochrome::medium::MAX_AMBIENT_K`].
+pub(super) const AMBIENT_ABSORBS: &str =
+    "light cannot arrive through a medium that absorbs; use k <= 0.001, or make it a layer under a clear ambient";
 
 /// Stands for a perfect mirror where something may lie below.
 pub(super) const MIRROR: &str = "mirror";
@@ -90,11 +94,11 @@ impl Media {
         }
     }
 
-    /// The medium in which light arrives; it must not absorb, for then a wave from far away never arrives.
+    /// The medium in which light arrives; it must hardly absorb, for else a wave from far away never arrives.
     pub fn resolve_ambient(&mut self, item: &Item<'_>) -> Result<MediumIndex> {
         let index = self.resolve(item)?;
         if self.list[usize::from(index)].medium.always_absorbs() {
-            return Err(item.refuse("light cannot arrive through a medium that absorbs; use k = 0"));
+            return Err(item.refuse(AMBIENT_ABSORBS));
         }
         Ok(index)
     }
@@ -142,6 +146,9 @@ impl Media {
 pub(super) fn constant(item: &Item<'_>, n: f64, k: f64) -> Result<OwnedMedium> {
     if n.max(k) > MAX_INDEX {
         return Err(item.refuse(format_args!("n = {n}, k = {k}: more than {MAX_INDEX}")));
+    }
+    if k < 0.0 {
+        return Err(item.refuse(format_args!("k = {k} is gain; k must not be negative: for n − ik write +k")));
     }
     OwnedMedium::constant(n, k).map_err(|error| item.refuse(error))
 }

@@ -1,12 +1,11 @@
 //! A medium that owns its coefficients and tables, checked once.
 
-use goniochrome::medium::{Dispersion, Extrapolate, Formula, Medium, MediumError};
+use goniochrome::medium::{Dispersion, Extrapolate, Formula, IndexPart, MAX_AMBIENT_K, Medium, MediumError};
 
-/// The wavelengths at which formulas are tried when a medium is made, in nanometres.
-const TRIED_NM: std::ops::RangeInclusive<u16> = 360..=830;
+use super::column::Notes;
 
 /// A real function of wavelength; the owned twin of [`Dispersion`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum OwnedDispersion {
     /// The same at every wavelength.
     Constant(f64),
@@ -23,9 +22,27 @@ pub enum OwnedDispersion {
     Table {
         /// Strictly increasing.
         wavelength_nm: Vec<f64>,
-        /// One value for each wavelength.
+        /// One value for each wavelength; NaN where it is not known.
         value: Vec<f64>,
     },
+}
+
+/// Values that are not known are equal to one another.
+impl PartialEq for OwnedDispersion {
+    fn eq(&self, other: &Self) -> bool {
+        let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        match (self, other) {
+            (Self::Constant(a), Self::Constant(b)) => a == b,
+            (
+                Self::Formula { formula: f, coefficients: a, range_nm: x },
+                Self::Formula { formula: g, coefficients: b, range_nm: y },
+            ) => f == g && a == b && x == y,
+            (Self::Table { wavelength_nm: x, value: a }, Self::Table { wavelength_nm: y, value: b }) => {
+                x == y && bits(a) == bits(b)
+            }
+            _ => false,
+        }
+    }
 }
 
 impl OwnedDispersion {
@@ -42,30 +59,43 @@ impl OwnedDispersion {
     }
 }
 
-/// A passive medium: n(λ), k(λ), and what to do beyond their data.
-#[derive(Clone, Debug, PartialEq)]
+/// A passive medium: n(λ), k(λ), what to do beyond their data, and what is wrong with their tables.
+#[derive(Clone, Debug)]
 pub struct OwnedMedium {
     n: OwnedDispersion,
     k: OwnedDispersion,
     extrapolate: Extrapolate,
+    n_notes: Notes,
+    k_notes: Notes,
+    /// What was guessed when it was read.
+    guess: Option<String>,
+}
+
+/// Media are equal if their η is, whatever file it comes from.
+impl PartialEq for OwnedMedium {
+    fn eq(&self, other: &Self) -> bool {
+        self.n == other.n && self.k == other.k && self.extrapolate == other.extrapolate
+    }
 }
 
 impl OwnedMedium {
-    /// A medium from its n and its k. Unless both are constant they are tried at every nanometre of the visible that they cover,
-    /// so that a pole or n ≤ 0 is found here and not in the middle of a run.
+    /// A medium from its n and its k. A formula that leaves the passive domain is found when it is evaluated.
     ///
     /// # Errors
-    /// Those of [`Medium::new`], and [`MediumError::NotPassive`] for a formula.
+    /// Those of [`Medium::new`].
     pub fn new(n: OwnedDispersion, k: OwnedDispersion, extrapolate: Extrapolate) -> Result<Self, MediumError> {
-        let medium = Medium::new(n.borrow(), k.borrow(), extrapolate)?;
-        let constant = [&n, &k].iter().all(|part| matches!(part, OwnedDispersion::Constant(_)));
-        for nm in TRIED_NM.filter(|_| !constant) {
-            match medium.eta(f64::from(nm)) {
-                Ok(_) | Err(MediumError::OutOfRange { .. }) => {}
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(Self { n, k, extrapolate })
+        Medium::new(n.borrow(), k.borrow(), extrapolate)?;
+        Ok(Self { n, k, extrapolate, n_notes: Notes::default(), k_notes: Notes::default(), guess: None })
+    }
+
+    /// The same medium, with what is wrong with its tables of n and of k.
+    pub(super) fn with_notes(self, n_notes: Notes, k_notes: Notes) -> Self {
+        Self { n_notes, k_notes, ..self }
+    }
+
+    /// The same medium, with what was guessed when it was read.
+    pub(super) fn with_guess(self, guess: Option<String>) -> Self {
+        Self { guess, ..self }
     }
 
     /// A medium of the same n + ik at every wavelength.
@@ -85,14 +115,79 @@ impl OwnedMedium {
         Medium::new(self.n.borrow(), self.k.borrow(), self.extrapolate).expect("checked by OwnedMedium::new")
     }
 
-    /// True where no datum of k is zero: such a medium absorbs at every wavelength.
+    /// True where every datum of k is above [`MAX_AMBIENT_K`]: light can arrive through such a medium at no wavelength.
     #[must_use]
     pub fn always_absorbs(&self) -> bool {
         match &self.k {
-            OwnedDispersion::Constant(k) => *k > 0.0,
-            OwnedDispersion::Table { value, .. } => value.iter().all(|k| *k > 0.0),
+            OwnedDispersion::Constant(k) => *k > MAX_AMBIENT_K,
+            OwnedDispersion::Table { value, .. } => value.iter().all(|k| *k > MAX_AMBIENT_K),
             OwnedDispersion::Formula { .. } => false,
         }
+    }
+
+    /// What `error`, an answer of [`Medium::eta`], means for this medium: which of n and k, where, and why.
+    #[must_use]
+    pub fn describe(&self, error: &MediumError) -> String {
+        match *error {
+            MediumError::OutOfRange { part, wavelength_nm, range_nm: [from, to] } => {
+                let (other, [lower, upper]) = match part {
+                    IndexPart::N => ("k", self.k.borrow().range_nm()),
+                    IndexPart::K => ("n", self.n.borrow().range_nm()),
+                };
+                let other =
+                    if upper < f64::INFINITY { format!(", {other} {lower} to {upper} nm") } else { String::new() };
+                format!("no data for {part} at {wavelength_nm} nm ({part} covers {from} to {to} nm{other})")
+            }
+            MediumError::Unknown { part, wavelength_nm } => self.fault(part, wavelength_nm),
+            MediumError::Opaque { .. } => {
+                format!("{error}; lower its k, or make it a layer under a clear ambient medium")
+            }
+            _ => error.to_string(),
+        }
+    }
+
+    /// Why a table is of no use at a wavelength, and between which.
+    fn fault(&self, part: IndexPart, wavelength_nm: f64) -> String {
+        let (dispersion, notes) = match part {
+            IndexPart::N => (&self.n, &self.n_notes),
+            IndexPart::K => (&self.k, &self.k_notes),
+        };
+        let (mut lower, mut upper) = (0.0, f64::INFINITY);
+        if let OwnedDispersion::Table { wavelength_nm: rows, value } = dispersion {
+            for (&nm, _) in rows.iter().zip(value).filter(|(_, value)| !value.is_nan()) {
+                if nm <= wavelength_nm {
+                    lower = nm;
+                } else {
+                    upper = nm.min(upper);
+                }
+            }
+        }
+        let stretch = match (lower > 0.0, upper < f64::INFINITY) {
+            (true, true) => format!("between {lower} and {upper} nm"),
+            (true, false) => format!("above {lower} nm"),
+            _ => format!("below {upper} nm"),
+        };
+        let reason = notes.faults.iter().find(|(nm, _)| lower < *nm && *nm < upper);
+        let reason = reason.map_or_else(String::new, |(_, reason)| format!(": {reason}"));
+        format!("{part} is not known at {wavelength_nm} nm ({stretch}){reason}")
+    }
+
+    /// What a reader should know who uses the medium at these wavelengths.
+    #[must_use]
+    pub fn remark(&self, wavelengths_nm: &[f64]) -> Option<String> {
+        if let Some(guess) = &self.guess {
+            return Some(guess.clone());
+        }
+        let OwnedDispersion::Table { wavelength_nm: rows, .. } = &self.k else { return None };
+        // A row counts up to its neighbours.
+        let counts = |row_nm: f64| {
+            let at = rows.partition_point(|&nm| nm < row_nm);
+            let from = at.checked_sub(1).map_or(0.0, |below| rows[below]);
+            let to = rows.get(at + 1).copied().unwrap_or(f64::INFINITY);
+            wavelengths_nm.iter().any(|&nm| from < nm && nm < to)
+        };
+        let row_nm = self.k_notes.rounded_nm.iter().find(|&&nm| counts(nm))?;
+        Some(format!("k at {row_nm} nm lies just below 0, which is gain; it is taken as 0"))
     }
 }
 
@@ -101,27 +196,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_medium_is_checked_where_its_formula_holds() {
-        let formula = |coefficients: &[f64], range_nm| {
-            let n =
-                OwnedDispersion::Formula { formula: Formula::Cauchy, coefficients: coefficients.to_vec(), range_nm };
-            OwnedMedium::new(n, OwnedDispersion::Constant(0.0), Extrapolate::Refuse)
+    fn a_formula_is_checked_where_it_is_asked() {
+        let formula = |coefficients: &[f64]| {
+            let (formula, range_nm) = (Formula::Cauchy, [400.0, 700.0]);
+            let n = OwnedDispersion::Formula { formula, coefficients: coefficients.to_vec(), range_nm };
+            OwnedMedium::new(n, OwnedDispersion::Constant(0.0), Extrapolate::Refuse).unwrap()
         };
-        let cauchy = formula(&[1.5, 0.01, -2.0], [400.0, 700.0]).unwrap();
-        assert!((cauchy.borrow().eta(500.0).unwrap().re - 1.54).abs() < 1e-12);
-        assert!(matches!(formula(&[-1.0], [400.0, 700.0]), Err(MediumError::NotPassive { .. })));
+        assert!((formula(&[1.5, 0.01, -2.0]).borrow().eta(500.0).unwrap().re - 1.54).abs() < 1e-12);
+        // n = 3 λ - 1.5 with λ in micrometres: passive above 500 nm alone.
+        let slope = formula(&[-1.5, 3.0, 1.0]);
+        assert!(slope.borrow().eta(600.0).is_ok());
+        assert!(matches!(slope.borrow().eta(450.0), Err(MediumError::NotPassive { .. })));
     }
 
     #[test]
-    fn a_medium_that_is_clear_somewhere_does_not_always_absorb() {
+    fn light_arrives_through_a_medium_that_is_clear_somewhere() {
         let tabulated = |k: [f64; 2]| {
             let k = OwnedDispersion::Table { wavelength_nm: vec![400.0, 700.0], value: k.to_vec() };
             OwnedMedium::new(OwnedDispersion::Constant(1.5), k, Extrapolate::Refuse).unwrap().always_absorbs()
         };
         assert!(tabulated([0.1, 2.0]));
-        assert!(!tabulated([0.1, 0.0]));
+        assert!(!tabulated([0.1, 1e-3]));
         assert!(OwnedMedium::constant(1.5, 0.1).unwrap().always_absorbs());
-        assert!(!OwnedMedium::constant(1.5, 0.0).unwrap().always_absorbs());
+        assert!(!OwnedMedium::constant(1.5, 1e-8).unwrap().always_absorbs());
         assert!(OwnedMedium::constant(1.5, -0.1).is_err());
     }
 }

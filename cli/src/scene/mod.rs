@@ -2,6 +2,8 @@
 
 mod builtin;
 mod closed;
+mod column;
+mod delimited;
 mod file;
 mod item;
 mod media;
@@ -22,7 +24,7 @@ use goniochrome::medium::{Extrapolate, MediumError, MediumIndex};
 
 use crate::error::{Error, Result};
 
-pub use builtin::names as material_names;
+pub use builtin::{list as list_materials, names as material_names};
 pub use closed::ClosedCell;
 pub use medium::{OwnedDispersion, OwnedMedium};
 pub use obj::{Mesh, Triangle};
@@ -53,7 +55,8 @@ impl Scene {
     /// What the medium of this index says against a wavelength, with its name and the remedy that the scene has. A command that
     /// asks for wavelengths adds its own: see [`Error::no_data`].
     pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
-        let line = format_args!("{}: material {}: {error}", self.name, self.media[index].name);
+        let NamedMedium { name, medium } = &self.media[index];
+        let line = format!("{}: material {name}: {}", self.name, medium.describe(error));
         match error {
             MediumError::OutOfRange { .. } => Error::no_data(line),
             _ => Error::failed(line),
@@ -179,6 +182,14 @@ pub fn parse(label: &str, text: &str) -> Result<Scene> {
 /// One line that names the place, under `label`.
 pub fn parse_nk(label: &str, text: &str) -> Result<OwnedMedium> {
     nk::parse(&source::Source { label, text }, Extrapolate::Refuse)
+}
+
+/// The medium in columns of text: wavelength, n and, if it absorbs, k.
+///
+/// # Errors
+/// One line that names the place, under `label`.
+pub fn parse_columns(label: &str, text: &str) -> Result<OwnedMedium> {
+    delimited::parse(&source::Source { label, text }, None, Extrapolate::Refuse)
 }
 
 /// The mesh in a text in Wavefront OBJ; `interfaces` are the names that `usemtl` may use.

@@ -4,15 +4,13 @@
 //! files), `tabulated nk`, `tabulated n` and `tabulated k`; wavelengths in micrometres. One extension: `exponential k`
 //! with two coefficients, k = c₁ exp(−λ/c₂), c₂ in micrometres (melanin).
 
-use goniochrome::medium::{Extrapolate, Formula};
+use goniochrome::medium::{Extrapolate, Formula, IndexPart};
 
+use super::column::{Column, Notes, Row, column};
 use super::medium::{OwnedDispersion, OwnedMedium};
 use super::source::Source;
 use super::yaml::{self, Node, Value};
 use crate::error::Result;
-
-/// Metals in the far infrared reach n and k of some thousand; beyond this a number is a slip, and its square a danger.
-pub(super) const MAX_INDEX: f64 = 1e6;
 
 const TYPES: &str = "formula 1 to 9, tabulated nk, tabulated n, tabulated k, exponential k";
 
@@ -27,34 +25,53 @@ pub(super) fn parse(source: &Source<'_>, extrapolate: Extrapolate) -> Result<Own
     };
     let (mut n, mut k) = (None, None);
     for entry in entries {
-        let set = |slot: &mut Option<OwnedDispersion>, name: &str, value| match slot.replace(value) {
-            None => Ok(()),
-            Some(_) => Err(source.refuse_line(entry.line, format_args!("{name} is given twice"))),
+        let mut set = |part, value| {
+            let slot = if part == IndexPart::N { &mut n } else { &mut k };
+            match slot.replace(value) {
+                None => Ok(()),
+                Some(_) => Err(source.refuse_line(entry.line, format_args!("{part} is given twice"))),
+            }
         };
         match kind(source, entry)? {
-            Kind::Table(columns) => {
-                for (name, table) in columns.iter().zip(table(source, entry, columns)?) {
-                    set(if *name == "n" { &mut n } else { &mut k }, name, table)?;
+            Kind::Table(parts) => {
+                for (&part, column) in parts.iter().zip(table(source, entry, parts)?) {
+                    set(part, column)?;
                 }
             }
-            Kind::Formula(Formula::Exponential) => set(&mut k, "k", formula(source, entry, Formula::Exponential)?)?,
-            Kind::Formula(which) => set(&mut n, "n", formula(source, entry, which)?)?,
+            Kind::Formula(part, which) => {
+                set(part, Column { dispersion: formula(source, entry, which)?, notes: Notes::default() })?;
+            }
         }
     }
     let n = n.ok_or_else(|| source.refuse_line(data.line, "no data for n; add a formula or a table of n"))?;
-    let k = k.unwrap_or(OwnedDispersion::Constant(0.0));
-    let ([n0, n1], [k0, k1]) = (n.borrow().range_nm(), k.borrow().range_nm());
-    if n0.max(k0) > n1.min(k1) {
-        let ranges = format!("n covers {n0} to {n1} nm but k covers {k0} to {k1} nm; they must overlap");
-        return Err(source.refuse_line(data.line, ranges));
+    medium(source, data.line, n, k, extrapolate)
+}
+
+/// The medium of a column of n and one of k; without k it does not absorb.
+pub(super) fn medium(
+    source: &Source<'_>,
+    line: usize,
+    n: Column,
+    k: Option<Column>,
+    extrapolate: Extrapolate,
+) -> Result<OwnedMedium> {
+    let k = k.unwrap_or(Column { dispersion: OwnedDispersion::Constant(0.0), notes: Notes::default() });
+    let ([n0, n1], [k0, k1]) = (n.dispersion.borrow().range_nm(), k.dispersion.borrow().range_nm());
+    if n0.max(k0) > n1.min(k1) && extrapolate == Extrapolate::Refuse {
+        let ranges = format!(
+            "n covers {n0} to {n1} nm but k covers {k0} to {k1} nm, so that nowhere both are known; extend one, or set \
+             extrapolate = \"clamp\" in the scene to hold the ends of each"
+        );
+        return Err(source.refuse_line(line, ranges));
     }
-    OwnedMedium::new(n, k, extrapolate).map_err(|error| source.refuse_line(data.line, error))
+    let medium = OwnedMedium::new(n.dispersion, k.dispersion, extrapolate);
+    Ok(medium.map_err(|error| source.refuse_line(line, error))?.with_notes(n.notes, k.notes))
 }
 
 enum Kind {
-    Formula(Formula),
+    Formula(IndexPart, Formula),
     /// The columns after the wavelength.
-    Table(&'static [&'static str]),
+    Table(&'static [IndexPart]),
 }
 
 fn kind(source: &Source<'_>, entry: &Node) -> Result<Kind> {
@@ -62,13 +79,13 @@ fn kind(source: &Source<'_>, entry: &Node) -> Result<Kind> {
     let text = node.text().unwrap_or_default();
     let words: Vec<&str> = text.split_whitespace().collect();
     match words[..] {
-        ["tabulated", "nk"] => return Ok(Kind::Table(&["n", "k"])),
-        ["tabulated", "n"] => return Ok(Kind::Table(&["n"])),
-        ["tabulated", "k"] => return Ok(Kind::Table(&["k"])),
-        ["exponential", "k"] => return Ok(Kind::Formula(Formula::Exponential)),
+        ["tabulated", "nk"] => return Ok(Kind::Table(&[IndexPart::N, IndexPart::K])),
+        ["tabulated", "n"] => return Ok(Kind::Table(&[IndexPart::N])),
+        ["tabulated", "k"] => return Ok(Kind::Table(&[IndexPart::K])),
+        ["exponential", "k"] => return Ok(Kind::Formula(IndexPart::K, Formula::Exponential)),
         ["formula", number] => {
             if let Some(formula) = number.parse().ok().and_then(Formula::from_number) {
-                return Ok(Kind::Formula(formula));
+                return Ok(Kind::Formula(IndexPart::N, formula));
             }
         }
         _ => {}
@@ -84,10 +101,10 @@ fn field<'a>(source: &Source<'_>, entry: &'a Node, names: &[&str]) -> Result<&'a
         .ok_or_else(|| source.refuse_line(entry.line, format_args!("this DATA entry has no {}", names[0])))
 }
 
+/// Numbers, finite or not.
 fn numbers(source: &Source<'_>, line: usize, text: &str) -> Result<Vec<f64>> {
-    let number = |word: &str| match word.parse::<f64>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        _ => Err(source.refuse_line(line, format_args!("{word:?} is not a finite number"))),
+    let number = |word: &str| {
+        word.parse::<f64>().map_err(|_| source.refuse_line(line, format_args!("{word:?} is not a number")))
     };
     text.split_whitespace().map(number).collect()
 }
@@ -95,7 +112,11 @@ fn numbers(source: &Source<'_>, line: usize, text: &str) -> Result<Vec<f64>> {
 fn formula(source: &Source<'_>, entry: &Node, formula: Formula) -> Result<OwnedDispersion> {
     let list = |names: &[&str]| {
         let node = field(source, entry, names)?;
-        Ok((node.line, numbers(source, node.line, node.text().unwrap_or_default())?))
+        let numbers = numbers(source, node.line, node.text().unwrap_or_default())?;
+        match numbers.iter().find(|x| !x.is_finite()) {
+            Some(x) => Err(source.refuse_line(node.line, format_args!("{x} is not a finite number"))),
+            None => Ok((node.line, numbers)),
+        }
     };
     let (line, range) = list(&["wavelength_range", "range"])?;
     let range_nm = match range[..] {
@@ -125,46 +146,38 @@ fn formula(source: &Source<'_>, entry: &Node, formula: Formula) -> Result<OwnedD
     Ok(OwnedDispersion::Formula { formula, coefficients, range_nm })
 }
 
-/// The columns of a table, each with the wavelengths.
-fn table(source: &Source<'_>, entry: &Node, columns: &[&str]) -> Result<Vec<OwnedDispersion>> {
+/// The columns of a table.
+fn table(source: &Source<'_>, entry: &Node, parts: &[IndexPart]) -> Result<Vec<Column>> {
     let data = field(source, entry, &["data"])?;
     let Value::Scalar { text, block: true } = &data.value else {
         return Err(source.refuse_line(data.line, "data must be a literal block: `data: |`, then one row a line"));
     };
-    let mut wavelength_nm: Vec<f64> = Vec::new();
-    let mut values = vec![Vec::new(); columns.len()];
+    let mut rows = vec![Vec::new(); parts.len()];
     for (index, row) in text.lines().enumerate() {
-        let refuse = |message: String| source.refuse_line(data.line + index, message);
-        let numbers = numbers(source, data.line + index, row)?;
-        let Some((&um, rest)) = numbers.split_first() else { continue };
-        if rest.len() != columns.len() {
-            let names = columns.join(", ");
-            let (expected, found) = (columns.len() + 1, numbers.len());
-            return Err(refuse(format!("the row needs {expected} numbers (wavelength, {names}) but has {found}")));
+        let line = data.line + index;
+        let numbers = numbers(source, line, row)?;
+        let Some((&um, values)) = numbers.split_first() else { continue };
+        if values.len() != parts.len() {
+            let names = parts.iter().map(IndexPart::to_string).collect::<Vec<_>>().join(", ");
+            let (expected, found) = (parts.len() + 1, numbers.len());
+            let message = format!("the row needs {expected} numbers (wavelength, {names}) but has {found}");
+            return Err(source.refuse_line(line, message));
         }
-        let nm = nanometres(um);
-        if um <= 0.0 || wavelength_nm.last().is_some_and(|&last| last >= nm) {
-            return Err(refuse(format!("wavelength {um}: wavelengths must be positive and increase from row to row")));
+        if !(um > 0.0 && um.is_finite()) {
+            return Err(source.refuse_line(line, format_args!("wavelength {um}: wavelengths must be positive")));
         }
-        wavelength_nm.push(nm);
-        for ((&name, &value), column) in columns.iter().zip(rest).zip(&mut values) {
-            match name {
-                "n" if value <= 0.0 => return Err(refuse(format!("n = {value}; n must be positive"))),
-                "k" if value < 0.0 => return Err(refuse(format!("k = {value} is gain; k must not be negative"))),
-                _ if value > MAX_INDEX => return Err(refuse(format!("{name} = {value} is more than {MAX_INDEX}"))),
-                _ => column.push(value),
-            }
+        for (rows, &value) in rows.iter_mut().zip(values) {
+            rows.push(Row { line, wavelength_nm: nanometres(um), value });
         }
     }
-    if wavelength_nm.is_empty() {
+    if rows.iter().all(Vec::is_empty) {
         return Err(source.refuse_line(data.line, "the table has no rows"));
     }
-    let table = |value| OwnedDispersion::Table { wavelength_nm: wavelength_nm.clone(), value };
-    Ok(values.into_iter().map(table).collect())
+    parts.iter().zip(rows).map(|(&part, rows)| column(source, part, rows)).collect()
 }
 
 /// Rounded to 1e-9 nm, so that 0.555 µm is 555 nm and not its neighbour.
-fn nanometres(um: f64) -> f64 {
+pub(super) fn nanometres(um: f64) -> f64 {
     let nm = um * 1e3;
     let rounded = (nm * 1e9).round() / 1e9;
     if rounded.is_finite() && rounded > 0.0 { rounded } else { nm }
@@ -206,21 +219,63 @@ mod tests {
         let second = |row: &str| refusal(&table(&format!("        0.5 1.5 0\n        {row}\n        0.7 1.5 0\n")));
         assert_eq!(second("0.6 1.5"), "f.yml:5: the row needs 3 numbers (wavelength, n, k) but has 2");
         assert_eq!(second("0.6 1.5 0 0"), "f.yml:5: the row needs 3 numbers (wavelength, n, k) but has 4");
-        assert_eq!(second("0.6 l.5 0"), "f.yml:5: \"l.5\" is not a finite number");
-        assert_eq!(second("0.6 NaN 0"), "f.yml:5: \"NaN\" is not a finite number");
-        assert_eq!(second("0.6 1.5 1e999"), "f.yml:5: \"1e999\" is not a finite number");
-        assert_eq!(
-            second("0.5 1.5 0"),
-            "f.yml:5: wavelength 0.5: wavelengths must be positive and increase from row to row"
-        );
-        assert_eq!(second("0.6 1.5 -0.1"), "f.yml:5: k = -0.1 is gain; k must not be negative");
-        assert_eq!(second("0.6 0 0.1"), "f.yml:5: n = 0; n must be positive");
-        assert_eq!(second("0.6 1e7 0.1"), "f.yml:5: n = 10000000 is more than 1000000");
+        assert_eq!(second("0.6 l.5 0"), "f.yml:5: \"l.5\" is not a number");
+        assert_eq!(second("NaN 1.5 0"), "f.yml:5: wavelength NaN: wavelengths must be positive");
         assert_eq!(second("\n        0.6 1.5"), "f.yml:6: the row needs 3 numbers (wavelength, n, k) but has 2");
-        assert_eq!(
-            refusal(&table("        -0.5 1.5 0\n")),
-            "f.yml:4: wavelength -0.5: wavelengths must be positive and increase from row to row"
-        );
+        assert_eq!(refusal(&table("        -0.5 1.5 0\n")), "f.yml:4: wavelength -0.5: wavelengths must be positive");
+    }
+
+    /// What a file of three rows, the second given, answers at a wavelength.
+    fn answer(row: &str, nm: f64) -> String {
+        let medium = read(&table(&format!("        0.5 1.5 0\n        {row}\n        0.7 1.5 0\n        0.8 1.5 0\n")));
+        let medium = medium.unwrap();
+        medium.borrow().eta(nm).map_or_else(|error| medium.describe(&error), |eta| eta.to_string())
+    }
+
+    #[test]
+    fn a_row_of_no_use_is_the_business_of_those_who_ask_for_it() {
+        for (row, between, reason) in [
+            ("0.6 NaN 0", "n is not known at 600 nm (between 500 and 700 nm)", "f.yml:5: n is no finite number"),
+            ("0.6 1.5 1e999", "k is not known at 600 nm (between 500 and 700 nm)", "f.yml:5: k is no finite number"),
+            ("0.6 1.5 -0.1", "k is not known at 600 nm (between 500 and 700 nm)", "f.yml:5: k = -0.1 is gain"),
+            ("0.6 0 0.1", "n is not known at 600 nm (between 500 and 700 nm)", "f.yml:5: n = 0; n must be positive"),
+            ("0.6 1e7 0.1", "n is not known at 600 nm (between 500 and 700 nm)", "f.yml:5: n = 10000000 is more than"),
+            (
+                "0.7 1.6 0",
+                "n is not known at 600 nm (between 500 and 800 nm)",
+                "f.yml:6: 700 nm stands twice, with n = 1.6",
+            ),
+            (
+                "0.75 1.6 0",
+                "n is not known at 600 nm (between 500 and 800 nm)",
+                "f.yml:6: the row of 700 nm stands after",
+            ),
+        ] {
+            let refused = answer(row, 600.0);
+            assert!(refused.starts_with(between) && refused.contains(reason), "{row}: {refused}");
+            assert_eq!(answer(row, 800.0), "1.5+0i", "{row}");
+        }
+        assert_eq!(answer("0.5 1.5 0", 600.0), "1.5+0i");
+        assert_eq!(answer("0.6 1.5 -6e-19", 600.0), "1.5+0i");
+    }
+
+    #[test]
+    fn which_of_n_and_k_is_missing_is_said() {
+        let text = "DATA:\n  - type: tabulated n\n    data: |\n        0.4 1.5\n        0.8 1.5\n  - type: tabulated k\n    data: |\n        0.4 0\n        0.6 0\n";
+        let medium = read(text).unwrap();
+        let refused = medium.describe(&medium.borrow().eta(780.0).unwrap_err());
+        assert_eq!(refused, "no data for k at 780 nm (k covers 400 to 600 nm, n 400 to 800 nm)");
+        let clamped = parse(&Source { label: "f.yml", text }, Extrapolate::Clamp).unwrap();
+        assert!(clamped.borrow().eta(780.0).is_ok());
+    }
+
+    #[test]
+    fn k_below_zero_by_rounding_is_remarked_where_it_counts() {
+        let rows = "        0.4 1.5 0\n        0.5 1.5 -1e-9\n        0.6 1.5 0\n        0.7 1.5 0\n";
+        let medium = read(&table(rows)).unwrap();
+        let said = medium.remark(&[380.0, 550.0]).unwrap();
+        assert!(said.contains("k at 500 nm lies just below 0"), "{said}");
+        assert_eq!(medium.remark(&[600.0, 650.0]), None);
     }
 
     #[test]
@@ -239,7 +294,7 @@ mod tests {
             formula("formula 2", "0.4 0.8", "0 1").contains("f.yml:4: 2 coefficients; this type takes an odd number")
         );
         assert!(formula("exponential k", "0.4 0.8", "-1 0.3").contains("f.yml:4: exponential k takes c1 >= 0"));
-        assert!(formula("formula 5", "0.4 0.8", "-1").contains("f.yml:2: n = -1, k = 0 at 400 nm is not passive"));
+        assert!(formula("formula 5", "0.4 0.8", "inf").contains("f.yml:4: inf is not a finite number"));
         assert!(formula("exponential k", "0.4 0.8", "1 0.3").contains("f.yml:2: no data for n"));
         assert_eq!(
             refusal("DATA:\n  - type: formula 5\n    range: 0.4 0.8\n"),
@@ -247,7 +302,7 @@ mod tests {
         );
         assert_eq!(refusal("DATA: 5\n"), "f.yml:1: DATA must be a list of entries, each with a type");
         assert!(refusal("x: 5\n").contains("f.yml:1: no DATA"));
-        assert_eq!(refusal(&table("        # none\n")), "f.yml:4: \"#\" is not a finite number");
+        assert_eq!(refusal(&table("        # none\n")), "f.yml:4: \"#\" is not a number");
         assert!(
             refusal("DATA:\n  - type: tabulated n\n    data: 0.5 1.5\n")
                 .contains("f.yml:3: data must be a literal block")
@@ -255,6 +310,9 @@ mod tests {
         let twice = format!("{}  - type: tabulated n\n    data: |\n        0.5 1.5\n", table("        0.5 1.5 0\n"));
         assert_eq!(refusal(&twice), "f.yml:5: n is given twice");
         let apart = "DATA:\n  - type: tabulated n\n    data: |\n        0.4 1.5\n        0.5 1.5\n  - type: tabulated k\n    data: |\n        0.6 0\n        0.7 0\n";
-        assert_eq!(refusal(apart), "f.yml:2: n covers 400 to 500 nm but k covers 600 to 700 nm; they must overlap");
+        let refused = refusal(apart);
+        assert!(refused.starts_with("f.yml:2: n covers 400 to 500 nm but k covers 600 to 700 nm, so"), "{refused}");
+        let clamped = parse(&Source { label: "f.yml", text: apart }, Extrapolate::Clamp).unwrap();
+        assert_eq!(clamped.borrow().eta(550.0).unwrap(), 1.5.into());
     }
 }

@@ -306,7 +306,8 @@ impl Check<'_> {
         let medium = &self.media[usize::from(top.plane.interface.above)];
         if medium.medium.always_absorbs() {
             let (top_name, medium) = (self.name(top), &medium.name);
-            let message = format!("light cannot arrive at {top_name} through {medium:?}, which absorbs; use k = 0");
+            let message =
+                format!("light cannot arrive at {top_name} through {medium:?}, which absorbs; use k <= 0.001");
             return Err(self.refuse(top.facets[0].line, message));
         }
         Ok(())

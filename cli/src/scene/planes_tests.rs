@@ -192,6 +192,6 @@ fn planes_that_disagree_are_refused() {
     );
     assert_eq!(
         refusal(&square("dark", 5.0)),
-        "m.obj:6: light cannot arrive at the plane \"dark\" at z = 5 nm through \"1.5+0.1i\", which absorbs; use k = 0"
+        "m.obj:6: light cannot arrive at the plane \"dark\" at z = 5 nm through \"1.5+0.1i\", which absorbs; use k <= 0.001"
     );
 }

@@ -111,8 +111,6 @@ mod tests {
     #[test]
     fn reference_presets_are_the_reference_stacks() {
         let of = |name| stack(&load(name).unwrap());
-        let beetle = alternating(10, (1.73, 0.01), (1.4, 0.0), [(1.0, 0.0), (1.56, 0.06)]);
-        assert_eq!(of("jewel-beetle"), (beetle, [80.0, 100.0].repeat(10)));
         let mirror = alternating(10, (2.35, 0.0), (1.38, 0.0), [(1.0, 0.0), (1.52, 0.0)]);
         assert_eq!(of("quarter-wave-mirror"), (mirror, [58.5, 99.6].repeat(10)));
         assert_eq!(of("soap-bubble"), (vec![(1.0, 0.0), (1.33, 0.0), (1.0, 0.0)], vec![420.0]));

@@ -162,7 +162,7 @@ enum gonio_status
      */
     GONIO_STATUS_THICKNESS = 12,
     /*
-     The medium that the light comes from absorbs.
+     The medium that the light comes from absorbs: its k is above 1e-3.
      */
     GONIO_STATUS_AMBIENT = 13,
     /*

@@ -62,17 +62,14 @@ impl Media {
         if usize::from(medium) < self.count { Ok(medium) } else { Err(Status::Index) }
     }
 
-    /// Refuses wavelengths at which a medium cannot be evaluated, or the one that light comes from absorbs.
+    /// Refuses wavelengths at which a medium cannot be evaluated, or the one that light comes from absorbs too much.
     pub fn check(&self, wavelengths_nm: &[f64], ambient: u16) -> Result<(), Status> {
         if wavelengths_nm.is_empty() || !wavelengths_nm.iter().all(|nm| (LEAST_NM..=MOST_NM).contains(nm)) {
             return Err(Status::Wavelength);
         }
         for &nm in wavelengths_nm {
             for (index, medium) in self.as_slice().iter().enumerate() {
-                let eta = medium.eta(nm)?;
-                if index == usize::from(ambient) && eta.im > 0.0 {
-                    return Err(Status::Ambient);
-                }
+                if index == usize::from(ambient) { medium.ambient_eta(nm) } else { medium.eta(nm) }?;
             }
         }
         Ok(())

@@ -37,7 +37,7 @@ pub enum Status {
     Index = 11,
     /// A thickness is not from 0 to 1e9 nm.
     Thickness = 12,
-    /// The medium that the light comes from absorbs.
+    /// The medium that the light comes from absorbs: its k is above 1e-3.
     Ambient = 13,
     /// The mesh is empty, not finite or beyond 1e9 nm, or a triangle has no area.
     Mesh = 14,
@@ -80,7 +80,7 @@ impl Status {
         c"a medium has no data at a wavelength",
         c"an index names a medium, an interface or a vertex that is not there",
         c"a thickness is not from 0 to 1e9 nm",
-        c"the medium that the light comes from absorbs",
+        c"the medium that the light comes from absorbs: its k is above 1e-3",
         c"the mesh is empty or not finite, or a triangle has no area",
         c"the period is not positive, or the mesh leaves it",
         c"a count or an enumerator is out of range",
@@ -111,7 +111,8 @@ pub(crate) fn answer(body: impl FnOnce() -> Result<(), Status>) -> Status {
 impl From<MediumError> for Status {
     fn from(error: MediumError) -> Self {
         match error {
-            MediumError::OutOfRange { .. } => Self::NoData,
+            MediumError::OutOfRange { .. } | MediumError::Unknown { .. } => Self::NoData,
+            MediumError::Opaque { .. } => Self::Ambient,
             _ => Self::Medium,
         }
     }

@@ -28,7 +28,7 @@ static void check_untouched(const char *what) {
     }
 }
 
-static const double one = 1.0, glass = 1.5, gain = -0.1, absorbs = 0.2;
+static const double one = 1.0, glass = 1.5, gain = -0.1, absorbs = 0.2, faint = 1e-3;
 static const gonio_medium air = {NULL, &one, NULL, 1};
 
 static void films(void) {
@@ -92,6 +92,9 @@ static void films(void) {
     EXPECT(AMBIENT, gonio_stack_rgb(&stack, &colour, 0.5, r));
     check_untouched("films");
     float limit[6];
+    const gonio_medium misty = {NULL, &glass, &faint, 1}; /* light arrives through a faint k */
+    EXPECT(OK, gonio_stack_make(&stack, &misty, 1, 0, NULL, 0, GONIO_MIRROR));
+    EXPECT(OK, gonio_stack_rgb(&stack, &colour, 0.5, limit));
     EXPECT(OK, gonio_stack_make(&stack, media, 2, 0, layers, 5, 1));
     EXPECT(OK, gonio_stack_reflectance(&stack, 0.0, nm, 3, limit, limit + 3));
     for (int i = 0; i < 6; i++) {

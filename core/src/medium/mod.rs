@@ -2,94 +2,18 @@
 //!
 //! The formulas are those of the refractiveindex.info database (M. N. Polyanskiy, *Sci. Data* 11, 94 (2024)), numbered
 //! as there. A [`Medium`] is checked when it is made; evaluation can fail only because a wavelength lies outside the
-//! range for which the data hold.
+//! range for which the data hold, or beside a value that is not known.
 
 use crate::complex::ComplexLanes;
 use crate::lanes::Lanes;
-use libm::{exp, pow, sqrt};
 use num_complex::Complex64;
+
+mod formula;
+
+pub use formula::Formula;
 
 /// Where a medium stands in the list of media of a scene.
 pub type MediumIndex = u16;
-
-/// Dispersion formulas of refractiveindex.info; λ in micrometres, c₁ first. Missing trailing coefficients are zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Formula {
-    /// 1: n² − 1 = c₁ + Σ c₂λ²/(λ² − c₃²)
-    Sellmeier,
-    /// 2: n² − 1 = c₁ + Σ c₂λ²/(λ² − c₃)
-    Sellmeier2,
-    /// 3: n² = c₁ + Σ c₂ λ^c₃
-    Polynomial,
-    /// 4: n² = c₁ + c₂λ^c₃/(λ² − c₄^c₅) + c₆λ^c₇/(λ² − c₈^c₉) + Σ c₁₀ λ^c₁₁
-    RefractiveIndexInfo,
-    /// 5: n = c₁ + Σ c₂ λ^c₃
-    Cauchy,
-    /// 6: n − 1 = c₁ + Σ c₂/(c₃ − λ⁻²)
-    Gases,
-    /// 7: n = c₁ + c₂/(λ² − 0.028) + c₃/(λ² − 0.028)² + c₄λ² + c₅λ⁴ + c₆λ⁶
-    Herzberger,
-    /// 8: (n² − 1)/(n² + 2) = c₁ + c₂λ²/(λ² − c₃) + c₄λ²
-    Retro,
-    /// 9: n² = c₁ + c₂/(λ² − c₃) + c₄(λ − c₅)/((λ − c₅)² + c₆)
-    Exotic,
-    /// Absorption falling exponentially with wavelength, k = c₁ exp(−λ/c₂): melanin (Stavenga et al. 2015)
-    Exponential,
-}
-
-impl Formula {
-    /// The formula of that number in refractiveindex.info files, 1 to 9.
-    #[must_use]
-    pub fn from_number(number: u32) -> Option<Self> {
-        Some(match number {
-            1 => Self::Sellmeier,
-            2 => Self::Sellmeier2,
-            3 => Self::Polynomial,
-            4 => Self::RefractiveIndexInfo,
-            5 => Self::Cauchy,
-            6 => Self::Gases,
-            7 => Self::Herzberger,
-            8 => Self::Retro,
-            9 => Self::Exotic,
-            _ => return None,
-        })
-    }
-
-    /// The formula's value at `um` micrometres.
-    #[must_use]
-    pub fn evaluate(self, c: &[f64], um: f64) -> f64 {
-        let at = |i: usize| c.get(i).copied().unwrap_or(0.0);
-        let tail = |from: usize| c.get(from..).unwrap_or(&[]).chunks_exact(2).map(|pair| (pair[0], pair[1]));
-        let l2 = um * um;
-        match self {
-            Self::Sellmeier => sqrt(1.0 + at(0) + tail(1).map(|(b, l)| b * l2 / (l2 - l * l)).sum::<f64>()),
-            Self::Sellmeier2 => sqrt(1.0 + at(0) + tail(1).map(|(b, l)| b * l2 / (l2 - l)).sum::<f64>()),
-            Self::Polynomial => sqrt(at(0) + tail(1).map(|(a, e)| a * pow(um, e)).sum::<f64>()),
-            Self::RefractiveIndexInfo => {
-                let pole = |i: usize| match at(i) {
-                    0.0 => 0.0,
-                    a => a * pow(um, at(i + 1)) / (l2 - pow(at(i + 2), at(i + 3))),
-                };
-                sqrt(at(0) + pole(1) + pole(5) + tail(9).map(|(a, e)| a * pow(um, e)).sum::<f64>())
-            }
-            Self::Cauchy => at(0) + tail(1).map(|(a, e)| a * pow(um, e)).sum::<f64>(),
-            Self::Gases => 1.0 + at(0) + tail(1).map(|(b, l)| b / (l - 1.0 / l2)).sum::<f64>(),
-            Self::Herzberger => {
-                let w = 1.0 / (l2 - 0.028);
-                at(0) + at(1) * w + at(2) * w * w + l2 * (at(3) + l2 * (at(4) + l2 * at(5)))
-            }
-            Self::Retro => {
-                let x = at(0) + at(1) * l2 / (l2 - at(2)) + at(3) * l2;
-                sqrt((1.0 + 2.0 * x) / (1.0 - x))
-            }
-            Self::Exotic => {
-                let d = um - at(4);
-                sqrt(at(0) + at(1) / (l2 - at(2)) + at(3) * d / (d * d + at(5)))
-            }
-            Self::Exponential => at(0) * exp(-um / at(1)),
-        }
-    }
-}
 
 /// A real function of wavelength: the n or the k of a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,10 +33,37 @@ pub enum Dispersion<'a> {
     Table {
         /// Strictly increasing.
         wavelength_nm: &'a [f64],
-        /// One value for each wavelength.
+        /// One value for each wavelength. NaN marks a value that is not known: nothing is known between it and its
+        /// neighbours.
         value: &'a [f64],
     },
 }
+
+/// One of the two parts of η = n + ik.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndexPart {
+    /// The refractive index.
+    N,
+    /// The extinction coefficient.
+    K,
+}
+
+impl core::fmt::Display for IndexPart {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::N => "n",
+            Self::K => "k",
+        })
+    }
+}
+
+/// Largest k of a medium through which light may arrive.
+///
+/// In such a medium a plane wave whose n sin θ is real decays towards the surface. Its power is that at the surface, Re
+/// κ for a unit amplitude, and R = |r|². The incident and the reflected wave exchange power besides, 2 Im κ Im r in the
+/// same units, which belongs to neither: R + T + A differs from 1 by up to 2 |r| Im κ/Re κ ≤ 2 (k/n)/cos²θ, to first
+/// order in k/n. At the largest k and normal incidence that is 2e-3/n.
+pub const MAX_AMBIENT_K: f64 = 1e-3;
 
 /// What to do with a wavelength outside the range for which data exist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -127,7 +78,8 @@ pub enum Extrapolate {
 /// Why a medium was refused, or could not be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MediumError {
-    /// A number that is NaN or infinite; its index among the coefficients or rows.
+    /// A number that is NaN or infinite, or a table of which no value is known; its index among the coefficients or
+    /// rows.
     NotFinite {
         /// Row or coefficient.
         index: usize,
@@ -148,12 +100,28 @@ pub enum MediumError {
     },
     /// A table with no rows, or columns of different lengths.
     Shape,
-    /// The wavelength lies outside the data.
+    /// The wavelength lies outside the data of n or k.
     OutOfRange {
+        /// Which of the two.
+        part: IndexPart,
         /// The wavelength asked for.
         wavelength_nm: f64,
-        /// The range of the data.
+        /// The range of its data.
         range_nm: [f64; 2],
+    },
+    /// The wavelength lies beside a value of a table that is not known.
+    Unknown {
+        /// Which of n and k.
+        part: IndexPart,
+        /// The wavelength asked for.
+        wavelength_nm: f64,
+    },
+    /// Light cannot arrive through this medium: its k is above [`MAX_AMBIENT_K`].
+    Opaque {
+        /// The k.
+        k: f64,
+        /// The wavelength asked for.
+        wavelength_nm: f64,
     },
 }
 
@@ -169,9 +137,14 @@ impl core::fmt::Display for MediumError {
             }
             Self::NotIncreasing { index } => write!(f, "row {}: wavelengths must be positive and increase", index + 1),
             Self::Shape => write!(f, "the table is empty or its columns differ in length"),
-            Self::OutOfRange { wavelength_nm, range_nm: [from, to] } => {
-                write!(f, "no data at {wavelength_nm} nm (data cover {from} to {to} nm)")
+            Self::OutOfRange { part, wavelength_nm, range_nm: [from, to] } => {
+                write!(f, "no data for {part} at {wavelength_nm} nm ({part} covers {from} to {to} nm)")
             }
+            Self::Unknown { part, wavelength_nm } => write!(f, "{part} is not known at {wavelength_nm} nm"),
+            Self::Opaque { k, wavelength_nm } => write!(
+                f,
+                "k = {k} at {wavelength_nm} nm; light can arrive only through a medium with k up to {MAX_AMBIENT_K}"
+            ),
         }
     }
 }
@@ -213,7 +186,12 @@ impl Dispersion<'_> {
                     return Err(MediumError::Shape);
                 }
                 finite(wavelength_nm)?;
-                finite(value)?;
+                if let Some(index) = value.iter().position(|x| x.is_infinite()) {
+                    return Err(MediumError::NotFinite { index });
+                }
+                if value.iter().all(|x| x.is_nan()) {
+                    return Err(MediumError::NotFinite { index: 0 });
+                }
                 let mut last = 0.0;
                 match wavelength_nm.iter().position(|&nm| core::mem::replace(&mut last, nm) >= nm) {
                     Some(index) => Err(MediumError::NotIncreasing { index }),
@@ -223,7 +201,7 @@ impl Dispersion<'_> {
         }
     }
 
-    /// The value at `nm`, which must lie in [`Dispersion::range_nm`].
+    /// The value at `nm`, which must lie in [`Dispersion::range_nm`]; NaN in a table where it is not known.
     fn at(&self, nm: f64) -> f64 {
         match *self {
             Self::Constant(x) => x,
@@ -232,6 +210,8 @@ impl Dispersion<'_> {
                 let upper = x.partition_point(|&l| l < nm);
                 let row = |row: usize| Some((*x.get(row)?, *y.get(row)?));
                 match (upper.checked_sub(1).and_then(row), row(upper)) {
+                    // A row's own value, also beside one that is not known.
+                    (_, Some((x1, y1))) if x1 <= nm => y1,
                     (Some((x0, y0)), Some((x1, y1))) => {
                         let w = (nm - x0) / (x1 - x0);
                         y0 + w * (y1 - y0)
@@ -265,7 +245,8 @@ impl<'a> Medium<'a> {
         Self::new(Dispersion::Constant(eta.re), Dispersion::Constant(eta.im), Extrapolate::Refuse)
     }
 
-    /// A medium from its n and its k. Where both have a range, the medium holds in their intersection.
+    /// A medium from its n and its k. The medium holds where both do; one that clamps holds each at the ends of its own
+    /// range.
     ///
     /// # Errors
     /// Any but [`MediumError::OutOfRange`]. A formula that gives n ≤ 0 is found when it is evaluated.
@@ -276,7 +257,7 @@ impl<'a> Medium<'a> {
             Dispersion::Constant(x) => (!passive(x)).then_some((x, 0.0)),
             Dispersion::Table { wavelength_nm, value } => {
                 let mut rows = value.iter().copied().zip(wavelength_nm.iter().copied());
-                rows.find(|&(value, _)| !passive(value))
+                rows.find(|&(value, _)| !passive(value) && !value.is_nan())
             }
             Dispersion::Formula { .. } => None,
         };
@@ -289,35 +270,66 @@ impl<'a> Medium<'a> {
         Ok(Self { n, k, extrapolate })
     }
 
-    /// The wavelengths for which data exist, ends included.
+    /// The wavelengths for which both n and k have data, ends included; the first is the larger where there are none.
     #[must_use]
     pub fn range_nm(&self) -> [f64; 2] {
         let ([n0, n1], [k0, k1]) = (self.n.range_nm(), self.k.range_nm());
         [n0.max(k0), n1.min(k1)]
     }
 
-    /// η = n + ik at a vacuum wavelength in nanometres.
-    ///
-    /// # Errors
-    /// [`MediumError::OutOfRange`] unless the medium clamps; [`MediumError::NotPassive`] where a formula leaves the
-    /// passive domain.
-    pub fn eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
-        let range_nm @ [from, to] = self.range_nm();
+    /// The wavelengths for which n or k has data, ends included.
+    #[must_use]
+    pub fn part_range_nm(&self, part: IndexPart) -> [f64; 2] {
+        self.part(part).range_nm()
+    }
+
+    fn part(&self, part: IndexPart) -> &Dispersion<'a> {
+        match part {
+            IndexPart::N => &self.n,
+            IndexPart::K => &self.k,
+        }
+    }
+
+    /// n or k at a wavelength.
+    fn value(&self, part: IndexPart, wavelength_nm: f64) -> Result<f64, MediumError> {
+        let dispersion = self.part(part);
+        let range_nm @ [from, to] = dispersion.range_nm();
         // Files give micrometres; their conversion may move an end of the range by one rounding.
         let slack = 4.0 * f64::EPSILON * wavelength_nm;
         let inside = wavelength_nm >= from - slack && wavelength_nm <= to + slack;
         if !inside && self.extrapolate == Extrapolate::Refuse {
-            return Err(MediumError::OutOfRange { wavelength_nm, range_nm });
+            return Err(MediumError::OutOfRange { part, wavelength_nm, range_nm });
         }
-        let clamped = |x: &Dispersion<'_>| {
-            let [from, to] = x.range_nm();
-            x.at(wavelength_nm.max(from).min(to))
-        };
-        let (n, k) = (clamped(&self.n), clamped(&self.k));
+        let value = dispersion.at(wavelength_nm.max(from).min(to));
+        match dispersion {
+            Dispersion::Table { .. } if value.is_nan() => Err(MediumError::Unknown { part, wavelength_nm }),
+            _ => Ok(value),
+        }
+    }
+
+    /// η = n + ik at a vacuum wavelength in nanometres.
+    ///
+    /// # Errors
+    /// [`MediumError::OutOfRange`] unless the medium clamps; [`MediumError::Unknown`] beside a value that is not known;
+    /// [`MediumError::NotPassive`] where a formula leaves the passive domain.
+    pub fn eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
+        let n = self.value(IndexPart::N, wavelength_nm)?;
+        let k = self.value(IndexPart::K, wavelength_nm)?;
         if n > 0.0 && n.is_finite() && k >= 0.0 && k.is_finite() {
             Ok(Complex64::new(n, k))
         } else {
             Err(MediumError::NotPassive { n, k, wavelength_nm })
+        }
+    }
+
+    /// [`Medium::eta`] of a medium in which light arrives.
+    ///
+    /// # Errors
+    /// Those of [`Medium::eta`], and [`MediumError::Opaque`] where k exceeds [`MAX_AMBIENT_K`].
+    pub fn ambient_eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
+        match self.eta(wavelength_nm)? {
+            Complex64 { im: k, .. } if k > MAX_AMBIENT_K => Err(MediumError::Opaque { k, wavelength_nm }),
+            eta => Ok(eta),
         }
     }
 }
@@ -334,7 +346,8 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
     /// `memory` holds one element for each medium.
     ///
     /// # Errors
-    /// The index of the medium and what it said. [`MediumError::Shape`] if there is no wavelength, one is not positive, or
+    /// The index of the medium and what it said of the first wavelength that it refuses. [`MediumError::Shape`] if
+    /// there is no wavelength, one is not positive, or
     /// `memory` and `media` differ in length.
     pub fn evaluate(
         media: &[Medium<'_>],
@@ -351,7 +364,7 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
             let mut refused = None;
             *out = ComplexLanes::from_fn(|lane| {
                 medium.eta(nm(lane)).unwrap_or_else(|error| {
-                    refused = Some(error);
+                    refused.get_or_insert(error);
                     Complex64::new(1.0, 0.0)
                 })
             });
@@ -383,35 +396,6 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
 mod tests {
     use super::*;
 
-    /// Published values quoted to five digits.
-    const QUOTED_DIGITS: f64 = 5e-6;
-
-    fn n(formula: Formula, coefficients: &[f64], nm: f64) -> f64 {
-        formula.evaluate(coefficients, nm * 1e-3)
-    }
-
-    #[test]
-    fn formulas_give_the_published_indices() {
-        let silica = [0.0, 0.6961663, 0.0684043, 0.4079426, 0.1162414, 0.8974794, 9.896161];
-        assert!((n(Formula::Sellmeier, &silica, 587.6) - 1.45846).abs() < QUOTED_DIGITS);
-        let bk7 = [0.0, 1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653];
-        assert!((n(Formula::Sellmeier2, &bk7, 587.5618) - 1.5168).abs() < QUOTED_DIGITS);
-        let air = [0.0, 0.05792105, 238.0185, 0.00167917, 57.362];
-        assert!((n(Formula::Gases, &air, 589.3) - 1.000277).abs() < 1e-6);
-        let rutile = [5.913, 0.2441, 0.0, 0.0803, 1.0, 0.0, 0.0, 0.0, 1.0];
-        assert!((n(Formula::RefractiveIndexInfo, &rutile, 589.3) - 2.6129).abs() < 1e-4);
-    }
-
-    #[test]
-    fn formulas_reduce_to_each_other_where_they_must() {
-        // Cauchy and Polynomial: n = n0 when only c1 is given; Retro: Lorentz-Lorenz of a constant.
-        assert!((n(Formula::Cauchy, &[1.5, 0.01, -2.0], 500.0) - 1.54).abs() < 1e-12);
-        assert!((n(Formula::Polynomial, &[2.25, 0.04, -2.0], 500.0) - sqrt(2.41)).abs() < 1e-12);
-        assert!((n(Formula::Retro, &[0.25, 0.0, 0.1, 0.0], 500.0) - sqrt(2.0)).abs() < 1e-12);
-        assert!((n(Formula::Exotic, &[2.25, 0.0, 0.1, 0.0, 0.0, 1.0], 500.0) - 1.5).abs() < 1e-12);
-        assert!((n(Formula::Herzberger, &[1.5, 0.0, 0.0, 0.04], 500.0) - 1.51).abs() < 1e-12);
-    }
-
     #[test]
     fn a_table_interpolates_and_names_its_range() {
         let medium = Medium::new(
@@ -422,7 +406,10 @@ mod tests {
         .unwrap();
         assert!((medium.eta(450.0).unwrap().re - 1.55).abs() < 1e-12);
         assert!((medium.eta(600.0).unwrap().re - 1.7).abs() < 1e-12);
-        assert_eq!(medium.eta(700.0), Err(MediumError::OutOfRange { wavelength_nm: 700.0, range_nm: [400.0, 600.0] }));
+        assert_eq!(
+            medium.eta(700.0),
+            Err(MediumError::OutOfRange { part: IndexPart::N, wavelength_nm: 700.0, range_nm: [400.0, 600.0] })
+        );
         let clamped = Medium { extrapolate: Extrapolate::Clamp, ..medium };
         assert!((clamped.eta(700.0).unwrap().re - 1.7).abs() < 1e-12);
     }
@@ -441,5 +428,52 @@ mod tests {
         };
         assert_eq!(table(&[400.0, 500.0, 450.0]), Err(MediumError::NotIncreasing { index: 2 }));
         assert_eq!(table(&[400.0, 500.0]), Err(MediumError::Shape));
+    }
+
+    #[test]
+    fn a_value_that_is_not_known_is_missing_up_to_its_neighbours() {
+        let value = &[1.5, 1.6, f64::NAN, 1.7, 1.8];
+        let n = Dispersion::Table { wavelength_nm: &[400.0, 500.0, 550.0, 600.0, 700.0], value };
+        let medium = Medium::new(n, Dispersion::Constant(0.0), Extrapolate::Refuse).unwrap();
+        for (nm, n) in [(450.0, 1.55), (500.0, 1.6), (600.0, 1.7), (650.0, 1.75)] {
+            assert!((medium.eta(nm).unwrap().re - n).abs() < 1e-12, "{nm}");
+        }
+        for wavelength_nm in [500.1, 550.0, 599.9] {
+            assert_eq!(medium.eta(wavelength_nm), Err(MediumError::Unknown { part: IndexPart::N, wavelength_nm }));
+        }
+        let blank = Dispersion::Table { wavelength_nm: &[400.0, 500.0], value: &[f64::NAN; 2] };
+        let refused = Medium::new(blank, Dispersion::Constant(0.0), Extrapolate::Refuse);
+        assert_eq!(refused, Err(MediumError::NotFinite { index: 0 }));
+    }
+
+    #[test]
+    fn n_and_k_are_clamped_each_by_itself() {
+        let table = |wavelength_nm, value| Dispersion::Table { wavelength_nm, value };
+        let (n, k) = (table(&[400.0, 500.0], &[1.5, 1.6]), table(&[600.0, 700.0], &[0.2, 0.1]));
+        let clamped = Medium::new(n, k, Extrapolate::Clamp).unwrap();
+        assert_eq!(clamped.eta(550.0), Ok(Complex64::new(1.6, 0.2)));
+        assert_eq!(clamped.eta(650.0).unwrap().re, 1.6);
+        let strict = Medium::new(n, k, Extrapolate::Refuse).unwrap();
+        let refused = MediumError::OutOfRange { part: IndexPart::K, wavelength_nm: 450.0, range_nm: [600.0, 700.0] };
+        assert_eq!(strict.eta(450.0), Err(refused));
+    }
+
+    #[test]
+    fn light_arrives_through_faint_absorption_alone() {
+        let medium = |k| Medium::constant(Complex64::new(1.5, k)).unwrap();
+        assert_eq!(medium(1e-8).ambient_eta(550.0), Ok(Complex64::new(1.5, 1e-8)));
+        assert!(medium(MAX_AMBIENT_K).ambient_eta(550.0).is_ok());
+        let (k, wavelength_nm) = (1.01e-3, 550.0);
+        assert_eq!(medium(k).ambient_eta(wavelength_nm), Err(MediumError::Opaque { k, wavelength_nm }));
+    }
+
+    #[test]
+    fn the_first_wavelength_without_data_is_named() {
+        use crate::lanes::F32;
+        let n = Dispersion::Table { wavelength_nm: &[400.0, 600.0], value: &[1.5, 1.7] };
+        let media = [Medium::new(n, Dispersion::Constant(0.0), Extrapolate::Refuse).unwrap()];
+        let mut eta = [ComplexLanes::zero()];
+        let refused = MediaLanes::<F32>::evaluate(&media, &[380.0, 385.0, 390.0, 395.0], &mut eta).unwrap_err();
+        assert!(matches!(refused, (0, MediumError::OutOfRange { wavelength_nm: 380.0, .. })), "{refused:?}");
     }
 }
