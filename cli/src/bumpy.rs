@@ -99,11 +99,24 @@ impl<'s> Bumpy<'s> {
         self.scene.media.iter().map(|named| named.medium.borrow()).collect()
     }
 
-    /// The shortest period in whose direction facets are tilted; infinite for a flat surface.
+    /// Every triangle that has an area: its corners, the interface that it belongs to, and whether a coating lies on it.
+    pub fn triangles(&self) -> impl Iterator<Item = ([DVec3; 3], Interface, bool)> + '_ {
+        self.triangles.iter().zip(&self.facet_of).map(|(triangle, &facet)| {
+            let kind = usize::from(self.facets[facet as usize].interface);
+            (triangle.map(|v| self.vertices[v as usize]), self.interfaces[kind], !self.coatings[kind].is_empty())
+        })
+    }
+
+    /// The period in x and in y.
     #[must_use]
-    pub fn structured_period_nm(&self) -> f64 {
-        let tilted = |axis: usize| self.facets.iter().any(|facet| facet.normal[axis].abs() > TILT);
-        (0..2).filter(|&axis| tilted(axis)).map(|axis| self.period_nm[axis]).fold(f64::INFINITY, f64::min)
+    pub fn period_nm(&self) -> [f64; 2] {
+        self.period_nm
+    }
+
+    /// The medium that light arrives in.
+    #[must_use]
+    pub fn above(&self) -> MediumIndex {
+        self.above
     }
 
     /// Interfaces that facets have.
@@ -121,9 +134,6 @@ impl<'s> Bumpy<'s> {
         self.scene
     }
 }
-
-/// Normals of horizontal triangles differ by the rounding of single-precision files over the length of an edge.
-const TILT: f64 = 1e-6;
 
 /// Twice the area of a triangle along its normal.
 fn area(vertices: &[DVec3], triangle: [u32; 3]) -> DVec3 {

@@ -75,16 +75,18 @@ struct Log {
     end: u64,
     /// Whether the file outlives this run: it has records, or is another's.
     stays: bool,
+    /// An earlier run has left records, or the beginning of one.
+    resumed: bool,
     synced: Instant,
 }
 
 impl Checkpoint {
-    /// Opens the checkpoint of an output, or starts one, and locks it. `None` where the output is a device or a pipe, which
-    /// has no folder for it.
+    /// Opens the checkpoint of an output, or starts one, and locks it. `restart` discards what an earlier run has finished,
+    /// whatever it computed. `None` where the output is a device or a pipe, which has no folder for it.
     ///
     /// # Errors
     /// Another run has it locked, it belongs to other work, or it cannot be written.
-    pub fn open(output: &Path, identity: &Identity) -> Result<Option<Self>> {
+    pub fn open(output: &Path, identity: &Identity, restart: bool) -> Result<Option<Self>> {
         let target = std::fs::canonicalize(output).unwrap_or_else(|_| output.to_path_buf());
         if output::is_stream(&target) {
             return Ok(None);
@@ -96,14 +98,14 @@ impl Checkpoint {
             return Err(Error::failed(format_args!("{} is a folder; choose another output", path.display())));
         }
         let file = locked(&path, output)?;
-        let log = Log { file, end: 0, stays: false, synced: Instant::now() };
+        let log = Log { file, end: 0, stays: false, resumed: false, synced: Instant::now() };
         let checkpoint = Self { path, log: Mutex::new(log) };
-        checkpoint.begin(&identity.0)?;
+        checkpoint.begin(&identity.0, restart)?;
         Ok(Some(checkpoint))
     }
 
-    /// Checks the head, or writes it where there is none or half a one.
-    fn begin(&self, head: &str) -> Result<()> {
+    /// Checks the head, or writes it where there is none or half a one. To `restart`, any checkpoint makes room for it.
+    fn begin(&self, head: &str, restart: bool) -> Result<()> {
         let mut log = self.log();
         // Two heads differ in their first KiB, long before which they end.
         let mut found = Vec::new();
@@ -111,9 +113,11 @@ impl Checkpoint {
             .take(head.len().max(1024) as u64)
             .read_to_end(&mut found)
             .map_err(|error| self.unreadable(&error))?;
-        if found.starts_with(head.as_bytes()) {
+        let discards = restart && found.starts_with(TITLE.as_bytes());
+        if !discards && found.starts_with(head.as_bytes()) {
             log.stays = true; // restoring will tell whether it has records
-        } else if head.as_bytes().starts_with(&found) {
+            log.resumed = found.len() > head.len();
+        } else if discards || head.as_bytes().starts_with(&found) {
             log.file
                 .set_len(0)
                 .and_then(|()| log.write_at(0, head.as_bytes()))
@@ -124,6 +128,18 @@ impl Checkpoint {
         }
         log.end = head.len() as u64;
         Ok(())
+    }
+
+    /// What to tell the user before the work: what happens to it if it is interrupted.
+    #[must_use]
+    pub fn says(&self) -> String {
+        let path = self.path.display();
+        if self.log().resumed {
+            return format!("resumes from {path}; --restart begins anew");
+        }
+        format!(
+            "finished directions are kept in {path}: after an interruption the same command resumes, --restart begins anew"
+        )
     }
 
     /// Hands every finished part, each of `length` bytes and with a number below `count`, to `take`; says how many there are.
@@ -218,7 +234,7 @@ impl Checkpoint {
             Some(version) => &format!("comes from {version}, another version"),
             None => &format!("belongs to other work: not the same {what}"),
         };
-        let remedy = "finish it by the command that began it, or delete it to begin anew";
+        let remedy = "finish it by the command that began it, or begin anew by --restart";
         Error::failed(format_args!("{path} {why}; {remedy}"))
     }
 }

@@ -24,7 +24,7 @@ fn output() -> (TempDir, PathBuf) {
 }
 
 fn open(output: &Path) -> Result<Checkpoint> {
-    Checkpoint::open(output, &identity("film")).map(|checkpoint| checkpoint.expect("no device"))
+    Checkpoint::open(output, &identity("film"), false).map(|checkpoint| checkpoint.expect("no device"))
 }
 
 /// The numbers of the parts that are found; each must be what was kept.
@@ -108,9 +108,9 @@ fn other_work_is_refused_with_the_reason_and_stays() {
     let (_folder, output) = output();
     let (bytes, _) = log_of_three(&output);
     let path = output.with_extension("exr.checkpoint");
-    let refusal = |identity: &Identity| Checkpoint::open(&output, identity).unwrap_err().to_string();
+    let refusal = |identity: &Identity| Checkpoint::open(&output, identity, false).unwrap_err().to_string();
     let shown = path.display();
-    let remedy = "finish it by the command that began it, or delete it to begin anew";
+    let remedy = "finish it by the command that began it, or begin anew by --restart";
     assert_eq!(
         refusal(&identity("other film")),
         format!("{shown} belongs to other work: not the same scene; {remedy}")
@@ -155,7 +155,7 @@ fn nothing_kept_leaves_no_file() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_device_has_no_checkpoint_and_is_none() {
-    assert!(Checkpoint::open(Path::new("/dev/null"), &identity("film")).unwrap().is_none());
+    assert!(Checkpoint::open(Path::new("/dev/null"), &identity("film"), false).unwrap().is_none());
     let (folder, output) = output();
     std::os::unix::fs::symlink("/dev/full", folder.path().join("table.exr.checkpoint")).unwrap();
     assert!(open(&output).unwrap_err().to_string().contains("is no checkpoint; move it away"));

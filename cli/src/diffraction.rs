@@ -103,21 +103,6 @@ pub fn default_hits(bumpy: &Bumpy<'_>) -> u32 {
     if bumpy.interface_count() == 1 { SINGLE_SCATTERING } else { LAYERED }
 }
 
-/// A warning where physical optics is asked for too much: periods of under 5 wavelengths, whose features are no wider than one
-/// or two. Gratings of 7.7 wavelengths still agree with rigorous solvers, a compact disc's 2.5 to 3.6 do not.
-#[must_use]
-pub fn unreliable(bumpy: &Bumpy<'_>, wavelength_nm: &[f64]) -> Option<String> {
-    const FEWEST_WAVELENGTHS: f64 = 5.0;
-    let period = bumpy.structured_period_nm();
-    let longest = wavelength_nm.iter().copied().fold(0.0, f64::max);
-    (period < FEWEST_WAVELENGTHS * longest).then(|| {
-        format!(
-            "a period of {period} nm is less than {FEWEST_WAVELENGTHS} wavelengths of {longest} nm; directions are exact, but \
-             efficiencies are unreliable, off by up to 0.2"
-        )
-    })
-}
-
 /// Orders that are computed at most; a period of 20 µm has some thousands.
 const MOST_ORDERS: usize = 16_384;
 /// Waves in flight below this power are dropped.

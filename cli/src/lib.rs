@@ -18,6 +18,7 @@ mod hits;
 pub mod html;
 pub mod memory;
 pub(crate) mod obj;
+pub mod order_error;
 pub mod output;
 pub mod parallel;
 pub mod picture;

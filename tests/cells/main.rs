@@ -6,5 +6,6 @@ mod geometric;
 mod gratings;
 mod height_field;
 mod laws;
+mod order_error;
 mod reciprocity;
 mod scene;

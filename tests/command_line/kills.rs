@@ -165,7 +165,7 @@ fn a_log_cut_at_any_record_resumes_to_the_same_bytes() {
 fn a_checkpoint_of_other_work_is_refused_with_the_reason() {
     let user = user();
     interrupted(&user);
-    let remedy = "delete it to begin anew";
+    let remedy = "begin anew by --restart";
     for (change, what) in [("--rays 4096", "options"), ("--seed 3", "options"), ("--precision f64", "options")] {
         let line = estimate(1).replace("--rays 2048", if change.starts_with("--rays") { "" } else { "--rays 2048" });
         user.refused(&format!("{line} {change}"), 1, &[CHECKPOINT, "other work", what, remedy]);
@@ -183,6 +183,38 @@ fn a_checkpoint_of_other_work_is_refused_with_the_reason() {
     user.refused(&estimate(1), 1, &[CHECKPOINT, "comes from goniochrome 0.0.1 (none), another version", remedy]);
     user.write(CHECKPOINT, "something else");
     user.refused(&estimate(1), 1, &[CHECKPOINT, "is no checkpoint", "choose another output"]);
+    user.refused(&format!("{} --restart", estimate(1)), 1, &[CHECKPOINT, "is no checkpoint", "choose another output"]);
+}
+
+#[test]
+fn restart_discards_what_an_earlier_run_has_finished() {
+    let user = user();
+    interrupted(&user);
+    let other = estimate(1).replace("--rays 2048", "--rays 1024");
+    user.refused(&other, 1, &[CHECKPOINT, "begin anew by --restart"]);
+    user.ok(&format!("{other} --restart"));
+    let anew = user.read("t.exr");
+    assert!(!user.at(CHECKPOINT).exists());
+    user.ok(&other);
+    assert!(user.read("t.exr") == anew);
+}
+
+#[test]
+fn an_interrupted_run_has_said_how_to_go_on() {
+    let user = user();
+    interrupted(&user);
+    let aloud = estimate(1).replace(" -q", "");
+    let said = user.ok(&aloud).stderr;
+    assert!(
+        said.contains(&format!("resumes from {}", user.at(CHECKPOINT).display()))
+            || said.contains("resumes from t.exr"),
+        "{said}"
+    );
+    assert!(said.contains("--restart begins anew"), "{said}");
+    let said = user.ok(&aloud).stderr;
+    assert!(said.contains("after an interruption the same command resumes, --restart begins anew"), "{said}");
+    // Planes have nothing to resume.
+    assert!(!user.ok("estimate paper-fig4 -o p.exr --angles 4 --restart").stderr.contains("resumes"));
 }
 
 #[test]

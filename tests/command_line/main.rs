@@ -7,6 +7,7 @@ mod cells;
 mod colours;
 mod destinations;
 mod disk_full;
+mod drawn_scenes;
 mod exports;
 mod figures;
 mod hits;

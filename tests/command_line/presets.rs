@@ -209,7 +209,7 @@ fn tables_become_pictures() {
         user.ok(&format!("estimate {name} -o t.exr --quiet"));
         let drawn = ["disc -o disc.png", "map -o map.png", "chromaticity -o path.png", "spectrum -o spectrum.svg"];
         for line in drawn {
-            let ran = user.ok(&format!("plot t.exr --kind {line}"));
+            let ran = user.ok(&format!("plot t.exr --kind {line} -q"));
             assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""), "{name} {line}");
         }
         for file in ["disc.png", "map.png"] {

@@ -296,16 +296,16 @@ fn what_can_be_mended_is_mended_and_said() {
     let user = User::new();
     white(&user);
     user.write("bare.obj", format!("{TRIANGLES}f 1 2 3\nf 1 2 4\n"));
-    let ran = user.ok("render white.exr -o a.png --mesh bare.obj --size 32 --samples 1");
+    let ran = user.ok("render white.exr -o a.exr --mesh bare.obj --size 32 --samples 1");
     assert_eq!(
         ran.stderr,
         "bare.obj: 2 of 2 triangles have corners without normals; they were computed, smooth across edges of up to 45 degrees\n"
     );
     user.write("flat.obj", format!("{TRIANGLES}f 1//1 2//1 3//1\nf 1//1 2//1 2//1\nf 1//1 1//1 1//1\n"));
-    let ran = user.ok("render white.exr -o a.png --mesh flat.obj --size 32 --samples 1");
+    let ran = user.ok("render white.exr -o a.exr --mesh flat.obj --size 32 --samples 1");
     assert_eq!(ran.stderr, "flat.obj: 2 triangles have no area; they were left out\n");
     environment(&user, "odd.exr", [4, 2], |x, _| [[1.0, -1.0, f32::NAN, f32::INFINITY][x], 1.0, 1.0]);
-    let ran = user.ok("render white.exr -o a.png --env odd.exr --size 32 --samples 1");
+    let ran = user.ok("render white.exr -o a.exr --env odd.exr --size 32 --samples 1");
     assert_eq!(
         ran.stderr,
         "odd.exr: components of the environment: 2 negative, now 0; 2 not numbers, now 0; 2 infinite, now 65504\n"
@@ -314,9 +314,9 @@ fn what_can_be_mended_is_mended_and_said() {
         "wide.hdr",
         [b"#?RGBE\nPRIMARIES=0.7 0.3 0.2 0.7 0.1 0.05 0.3 0.3\n\n-Y 1 +X 2\n".as_slice(), &[99; 8]].concat(),
     );
-    let ran = user.ok("render white.exr -o a.png --env wide.hdr --size 32 --samples 1");
+    let ran = user.ok("render white.exr -o a.exr --env wide.hdr --size 32 --samples 1");
     assert_eq!(ran.stderr, "wide.hdr: its colours are converted from its own primaries to those of Rec. 709 (sRGB)\n");
-    let ran = user.ok("render white.exr -o a.png --size 32 --distance 5 --mesh plane --samples 1 --elevation 0");
+    let ran = user.ok("render white.exr -o a.exr --size 32 --distance 5 --mesh plane --samples 1 --elevation 0");
     assert!(ran.stderr.contains("the body is not in the picture"), "{}", ran.stderr);
 }
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::OnceLock;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, FromArgMatches as _, Parser, Subcommand, ValueEnum};
 use goniochrome::colour::{Illuminant, RgbSpace};
 use goniochrome::interface::Model;
 use goniochrome::lanes::simd_level;
@@ -57,7 +57,7 @@ pub enum Command {
     Estimate(EstimateArgs),
     /// Where a polygon cell sends the light of one direction
     Scatter(ScatterArgs),
-    /// Diffraction orders of a polygon cell
+    /// Diffraction orders of a polygon cell by physical optics; says how far efficiencies may be off
     Orders(OrdersArgs),
     /// Ray tracing against the closed form (the paper's figure 7)
     Compare(CompareArgs),
@@ -227,6 +227,16 @@ pub struct EstimateArgs {
     pub computing: Computing,
 }
 
+impl EstimateArgs {
+    /// What holds where the user says nothing; the scene and the output are no files.
+    #[must_use]
+    pub fn defaults() -> Self {
+        let command = Self::augment_args(clap::Command::new("estimate").no_binary_name(true));
+        let matches = command.get_matches_from(["scene", "--output", "table.exr"]);
+        Self::from_arg_matches(&matches).expect("the command line accepts its own defaults")
+    }
+}
+
 /// How `estimate` samples a cell of tilted facets; planar scenes refuse these options.
 #[derive(Debug, Clone, Args)]
 pub struct CellSampling {
@@ -251,6 +261,9 @@ pub struct CellSampling {
     /// Cells: double the rays of each incident direction until its albedo has this standard error, up to 4194304 rays
     #[arg(long, value_name = "ERROR")]
     pub target_error: Option<f64>,
+    /// Cells: discard what an interrupted run has finished and begin anew; without it the same command resumes
+    #[arg(long)]
+    pub restart: bool,
 }
 
 /// Arguments of `scatter`.

@@ -9,7 +9,8 @@ use crate::grid::Angles;
 /// Arguments of `plot`.
 #[derive(Debug, Args)]
 pub struct PlotArgs {
-    /// A table made by `estimate`
+    /// A table made by `estimate`, or a scene file or preset, of which one is made in memory
+    #[arg(value_name = "TABLE|SCENE")]
     pub table: PathBuf,
     /// The picture (.png or .svg)
     #[arg(long, short, value_name = "FILE")]
@@ -30,6 +31,9 @@ pub struct PlotArgs {
     /// Spectra of cells: its azimuth [default: opposite to the light, where a mirror reflects to]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub phi_out: Option<f64>,
+    /// No progress and no remarks on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// What `plot` draws.

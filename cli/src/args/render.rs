@@ -13,7 +13,8 @@ use crate::render::tone::ToneMap;
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// A table made by `estimate`
+    /// A table made by `estimate`, or a scene file or preset, of which one is made in memory
+    #[arg(value_name = "TABLE|SCENE")]
     pub table: PathBuf,
     /// The picture: .exr, scene-linear R, G, B, A, or .png
     #[arg(long, short, value_name = "FILE")]

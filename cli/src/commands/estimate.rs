@@ -1,6 +1,7 @@
 //! `goniochrome estimate`.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use goniochrome::bins::DirectionBins;
 use goniochrome::colour::{Quadrature, RgbSpace};
@@ -11,7 +12,7 @@ use crate::bumpy::Bumpy;
 use crate::checkpoint::Checkpoint;
 use crate::colours::{colours, visible_weights};
 use crate::commands::plot::disc_of;
-use crate::commands::{compute, named, remark_on_media};
+use crate::commands::{compute, named, remark_on_media, save};
 use crate::error::{Error, Result};
 use crate::estimate::{Method, Sample, Spectra};
 use crate::grid::Wavelengths;
@@ -28,6 +29,9 @@ use crate::table_file::{self, Table};
 /// Starting rays of an incident direction unless the user says otherwise.
 const RAYS: u32 = 4096;
 
+/// Starting rays of a table that is only drawn: the presets then take seconds.
+const RAYS_IN_MEMORY: u32 = 512;
+
 pub fn run(args: &EstimateArgs) -> Result<()> {
     if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("exr")) {
         return Err(Error::usage(format_args!("{}: a table is written as .exr; name it so", args.output.display())));
@@ -40,18 +44,33 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         Format::of(plot)?;
         output::refuse_same_output(&args.output, plot)?;
     }
-    let (table, said, checkpoint) = match &scene.shape {
-        Shape::Mesh(_) => scattering(args, &scene)?,
-        Shape::Stack { .. } | Shape::Planes(_) => mirror_like(args, &scene).map(|(table, said)| (table, said, None))?,
-    };
+    let (table, said, checkpoint) = table_of(args, &scene, Some(&args.output))?;
     table_file::write(&args.output, &table, args.computing.request().threads)?;
     if let Some(path) = &args.plot {
-        disc_of(&table, None, 0.0)?.save(path)?;
+        save(&disc_of(&table, None, 0.0)?, path, args.computing.running.quiet)?;
     }
     // Not before all is written: on a full disk, say, the work is kept.
     checkpoint.map_or(Ok(()), Checkpoint::remove)?;
     remark(args.computing.running.quiet, format_args!("{}: {said}", args.output.display()));
     Ok(())
+}
+
+/// The table of a scene, what to say of it, and the checkpoint that holds its parts if it is kept beside an output.
+fn table_of(args: &EstimateArgs, scene: &Scene, output: Option<&Path>) -> Result<(Table, String, Option<Checkpoint>)> {
+    match &scene.shape {
+        Shape::Mesh(_) => scattering(args, scene, output),
+        Shape::Stack { .. } | Shape::Planes(_) => mirror_like(args, scene).map(|(table, said)| (table, said, None)),
+    }
+}
+
+/// The table of a scene by the defaults of `estimate`, cells with fewer rays, and what to say of it. Nothing is written.
+pub(super) fn in_memory(scene: &Scene, quiet: bool) -> Result<(Table, String)> {
+    let mut args = EstimateArgs::defaults();
+    args.computing.running.quiet = quiet;
+    if matches!(scene.shape, Shape::Mesh(_)) {
+        args.cell.rays = Some(RAYS_IN_MEMORY);
+    }
+    table_of(&args, scene, None).map(|(table, said, _)| (table, said))
 }
 
 /// The 2D table of planes.
@@ -104,7 +123,11 @@ fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
 }
 
 /// The 4D table of tilted facets.
-fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String, Option<Checkpoint>)> {
+fn scattering(
+    args: &EstimateArgs,
+    scene: &Scene,
+    output: Option<&Path>,
+) -> Result<(Table, String, Option<Checkpoint>)> {
     let refuse =
         |option: &str, why: &str| Error::usage(format_args!("{option}: {} has tilted facets; {why}", scene.name));
     if args.angles.is_some() {
@@ -141,7 +164,13 @@ fn scattering(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String, Opti
     let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
     let bumpy = Bumpy::new(scene)?;
     remark_on_media(scene, wavelength_nm, args.computing.running.quiet);
-    let checkpoint = Checkpoint::open(&args.output, &request.identity(scene, wavelength_nm))?;
+    let checkpoint = match output {
+        Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), cell.restart)?,
+        None => None,
+    };
+    if let Some(checkpoint) = &checkpoint {
+        remark(args.computing.running.quiet, checkpoint.says());
+    }
     let progress = bar(&scene.name, layout.incident_count(), args.computing.running.quiet);
     let mut table = estimate(&bumpy, wavelength_nm, &request, checkpoint.as_ref(), &|| progress.inc(1))?;
     progress.finish_and_clear();

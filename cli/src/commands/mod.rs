@@ -13,6 +13,7 @@ mod presets;
 mod render;
 mod sampling;
 mod scatter;
+mod source;
 mod spectrum;
 mod teapots;
 mod view;
@@ -104,6 +105,15 @@ fn remark_on_media(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
             remark(quiet, format_args!("{}: material {name}: {said}", scene.name));
         }
     }
+}
+
+/// Writes a picture, and says how many of its colours had to be changed.
+fn save(picture: &picture::Picture, path: &Path, quiet: bool) -> Result<()> {
+    picture.save(path)?;
+    if let Some(said) = picture.out_of_gamut().says() {
+        remark(quiet, format_args!("{}: {said}", path.display()));
+    }
+    Ok(())
 }
 
 /// Refuses, before long work, a CSV and a picture that cannot be written at its end.

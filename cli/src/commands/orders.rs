@@ -3,8 +3,9 @@
 use crate::args::OrdersArgs;
 use crate::bumpy::Bumpy;
 use crate::commands::{direction, named, remark_on_media, write_csv};
-use crate::diffraction::{Diffraction, Request, default_hits, groups, orders, unreliable};
+use crate::diffraction::{Diffraction, Request, default_hits, groups, orders};
 use crate::error::Result;
+use crate::order_error;
 use crate::output;
 use crate::progress::{bar, remark};
 use crate::scatter::BATCHES;
@@ -26,9 +27,11 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     let quiet = args.running.quiet;
     remark_on_media(&scene, wavelengths, quiet);
     let progress = bar(&scene.name, BATCHES as usize * groups(wavelengths.len(), request.precision), quiet);
-    let found = orders(&bumpy, direction(args.theta, args.phi)?, wavelengths, &request, &|| progress.inc(1))?;
+    let wi = direction(args.theta, args.phi)?;
+    let found = orders(&bumpy, wi, wavelengths, &request, &|| progress.inc(1))?;
     progress.finish_and_clear();
-    for warning in [unreliable(&bumpy, wavelengths), found.single_scattering(request.hits)].into_iter().flatten() {
+    let off = order_error::warning(&bumpy, wi, wavelengths)?;
+    for warning in [off, found.single_scattering(request.hits)].into_iter().flatten() {
         remark(quiet, format_args!("{}: {warning}", scene.name));
     }
     write(args, wavelengths, &found)

@@ -1,19 +1,18 @@
 //! `goniochrome plot`.
 
-use std::slice;
-
 use goniochrome::colour::{Quadrature, xyz};
 
 use crate::args::{PlotArgs, PlotKind};
 use crate::colours::{illuminant_of, visible_weights};
-use crate::commands::{cell_plots, lobes};
+use crate::commands::source::Source;
+use crate::commands::{cell_plots, lobes, save};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::picture::{
     ColourAt, Disc, Format, HeatAxis, LineOptions, PALETTE, Picture, Series, chromaticity, disc, heat_map, line_chart,
 };
 use crate::table::MirrorTable;
-use crate::table_file::{self, Table};
+use crate::table_file::Table;
 
 /// Angles marked on the path of the colour.
 const MARKED: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
@@ -23,11 +22,12 @@ const LIGHTS: [f64; 3] = [15.0, 45.0, 75.0];
 
 pub fn run(args: &PlotArgs) -> Result<()> {
     Format::of(&args.output)?;
-    output::check_destination(&args.output, slice::from_ref(&args.table))?;
+    let source = Source::find(&args.table)?;
+    output::check_destination(&args.output, &source.files())?;
     if !args.phi.is_finite() {
         return Err(Error::usage(format_args!("--phi {}: the azimuth must be finite", args.phi)));
     }
-    let table = table_file::read(&args.table)?;
+    let table = source.table(args.quiet)?;
     let name = table.name();
     let theta = args.theta.as_ref().map(|angles| angles.0.as_slice());
     let of_cells = args.theta_out.is_some() || args.phi_out.is_some();
@@ -58,7 +58,7 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             PlotKind::Chromaticity => cell_plots::path(scatter, name, theta.unwrap_or(&MARKED), args.phi)?,
         },
     };
-    picture.save(&args.output)
+    save(&picture, &args.output, args.quiet)
 }
 
 /// Every direction of the table's hemisphere: figures 3 and 4; of a cell, where the light of one direction goes.

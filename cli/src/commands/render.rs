@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::args::RenderArgs;
+use crate::commands::source::Source;
 use crate::error::{Error, Result};
 use crate::obj;
 use crate::output;
@@ -15,15 +16,15 @@ use crate::render::environment::{Environment, Light, decode};
 use crate::render::mesh::{Axes, Mesh};
 use crate::render::surface::Surface;
 use crate::render::{Quality, Stage, render};
-use crate::table_file;
 
 /// A bigger file is no mesh or environment that this program could hold: 1 GiB.
 const MAX_BYTES: u64 = 1 << 30;
 
 pub fn run(args: &RenderArgs) -> Result<()> {
     let format = Format::of(&args.output)?;
-    let inputs: Vec<PathBuf> =
-        [Some(args.table.clone()), file_of(&args.env), file_of(&args.mesh)].into_iter().flatten().collect();
+    let source = Source::find(&args.table)?;
+    let mut inputs = source.files();
+    inputs.extend([file_of(&args.env), file_of(&args.mesh)].into_iter().flatten());
     output::check_destination(&args.output, &inputs)?;
     for (option, value) in [("--env-turn", args.env_turn), ("--exposure", args.exposure)] {
         if !value.is_finite() || value.abs() > 1e4 {
@@ -38,7 +39,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // Bad options are told before files are read.
     Camera::new(&view, glam::DVec3::ZERO, 1.0)?;
 
-    let table = table_file::read(&args.table)?;
+    let table = source.table(args.quiet)?;
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
     let surface = Surface::new(&table, args.spectral).map_err(name)?;
     surface.check_not_black().map_err(name)?;
@@ -65,7 +66,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         remark(args.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
     }
     let bytes = match format {
-        Format::Png => film.png(args.exposure, args.tonemap),
+        Format::Png => {
+            let (png, out_of_gamut) = film.png(args.exposure, args.tonemap);
+            if let Some(said) = out_of_gamut.says() {
+                remark(args.quiet, format_args!("{}: {said}", args.output.display()));
+            }
+            png
+        }
         Format::Exr => film.exr(&format!("{} on {} in {} light", table.name(), args.mesh, args.env))?,
     };
     output::write_file(&args.output, &bytes)

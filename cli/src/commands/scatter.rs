@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use crate::args::{ScatterArgs, spelled};
 use crate::bumpy::Bumpy;
 use crate::commands::{direction, named, remark_on_media};
-use crate::diffraction::unreliable;
 use crate::error::{Error, Result};
+use crate::order_error;
 use crate::output;
 use crate::progress::{bar, remark};
 use crate::scatter::{Coherence, Estimate, Request, Scattered, scatter, steps, unbalanced};
@@ -49,9 +49,12 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
     }
     let mut reports = Vec::with_capacity(found.len());
     for (found, &nm) in found.iter().zip(wavelengths) {
-        let narrow = || unreliable(&bumpy, &[nm]).filter(|_| request.coherence == Coherence::Cell);
+        let off = match request.coherence {
+            Coherence::Cell => order_error::warning(&bumpy, wi, &[nm])?,
+            _ => None,
+        };
         let warnings: Vec<String> =
-            [unbalanced(request.coherence, found.imbalance), narrow()].into_iter().flatten().collect();
+            [unbalanced(request.coherence, found.imbalance), off].into_iter().flatten().collect();
         for warning in &warnings {
             remark(args.running.quiet, format_args!("{}: {nm} nm: {warning}", scene.name));
         }

@@ -61,7 +61,7 @@ pub(super) fn draw(
             let stage =
                 Stage { body: &body, surface: &surface, environment: &environment, camera: &camera, background };
             let film = render(&stage, &quality, &|| ())?;
-            output::write_file(&folder.join(file), &film.png(0.0, ToneMap::None))?;
+            output::write_file(&folder.join(file), &film.png(0.0, ToneMap::None).0)?;
             Ok(file.to_owned())
         })
         .collect()

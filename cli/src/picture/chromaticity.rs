@@ -1,12 +1,14 @@
 //! The CIE 1931 xy diagram: a colour's path, once in the whole diagram and once enlarged, and swatches along it.
 
+use std::ops::Add;
+
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM, xyz_weights};
 
-use super::Picture;
 use super::axis::{Kind, Scale, draw_axes};
 use super::encode::hex;
 use super::raster::Raster;
 use super::svg::{AXIS, Anchor, Canvas, INK, Place, SOFT_INK, Style, text_width};
+use super::{OutOfGamut, Picture};
 
 /// Corners of sRGB: red, green, blue.
 const SRGB_PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
@@ -61,7 +63,8 @@ pub fn chromaticity(title: &str, light: Illuminant, path: &[ColourAt], marked: &
     near.draw(&mut canvas, white, path);
     near.mark(&mut canvas, marked);
     let bottom = draw_swatches(&mut canvas, whole.place.x, width - 28.0, whole.place.bottom() + 74.0, marked);
-    Picture::new(width.ceil(), (bottom + 12.0).ceil(), canvas)
+    let out_of_gamut = marked.iter().map(|place| OutOfGamut::of(srgb(place.xyz))).fold(OutOfGamut::default(), Add::add);
+    Picture::new(width.ceil(), (bottom + 12.0).ceil(), canvas).showing(out_of_gamut)
 }
 
 /// Chromaticity of what reflects everything.

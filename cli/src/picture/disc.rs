@@ -3,10 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use super::Picture;
 use super::encode::srgb8;
 use super::raster::Raster;
 use super::svg::{AXIS, Anchor, Canvas, Place, SOFT_INK, Style, text_width};
+use super::{OutOfGamut, Picture};
 
 /// Samples per pixel and axis: the rim and sharp fringes stay smooth.
 const OVERSAMPLING: u32 = 2;
@@ -54,7 +54,7 @@ pub fn marked_disc(disc: &Disc, marks: &[Mark], notes: &[String]) -> Picture {
     let centre = (0.5 * width, RADIUS + if disc.azimuthal { 70.0 } else { 50.0 });
     let mut canvas = Canvas::default();
     canvas.text(centre.0, 28.0, Anchor::Middle, Style::title(), disc.label);
-    draw_disc(&mut canvas, centre, RADIUS, disc);
+    let out_of_gamut = draw_disc(&mut canvas, centre, RADIUS, disc);
     for mark in marks {
         draw_mark(&mut canvas, centre, RADIUS, *mark);
     }
@@ -77,7 +77,8 @@ pub fn marked_disc(disc: &Disc, marks: &[Mark], notes: &[String]) -> Picture {
         canvas.text(centre.0, below + 44.0 + 17.0 * f64::from(line), Anchor::Middle, Style::tick(), note);
     }
     let lines = notes.len() as f64;
-    Picture::new(width, below + 34.0 + if notes.is_empty() { 0.0 } else { 8.0 + 17.0 * lines }, canvas)
+    let height = below + 34.0 + if notes.is_empty() { 0.0 } else { 8.0 + 17.0 * lines };
+    Picture::new(width, height, canvas).showing(out_of_gamut)
 }
 
 fn draw_mark(canvas: &mut Canvas, centre: (f64, f64), radius: f64, mark: Mark) {
@@ -116,6 +117,7 @@ pub fn disc_grid(title: &str, row_labels: &[String], column_labels: &[String], d
     let top = if column_labels.iter().any(|label| !label.is_empty()) { 84.0 } else { 56.0 };
 
     let mut canvas = Canvas::default();
+    let mut out_of_gamut = OutOfGamut::default();
     canvas.text(MARGIN, 32.0, Anchor::Start, Style::title(), title);
     for (column, label) in column_labels.iter().enumerate() {
         canvas.text(left + (column as f64 + 0.5) * pitch, top - 14.0, Anchor::Middle, style, label);
@@ -126,7 +128,7 @@ pub fn disc_grid(title: &str, row_labels: &[String], column_labels: &[String], d
         for column in 0..column_labels.len() {
             let disc = &discs[row * column_labels.len() + column];
             let x = left + (column as f64 + 0.5) * pitch;
-            draw_disc(&mut canvas, (x, y), RADIUS, disc);
+            out_of_gamut += draw_disc(&mut canvas, (x, y), RADIUS, disc);
             canvas.text(x, y + RADIUS + 18.0, Anchor::Middle, Style::tick(), disc.label);
         }
     }
@@ -136,25 +138,28 @@ pub fn disc_grid(title: &str, row_labels: &[String], column_labels: &[String], d
     let width = (left + column_labels.len() as f64 * pitch)
         .max(MARGIN + text_width(note, Style::tick().size))
         .max(MARGIN + text_width(title, Style::title().size));
-    Picture::new((width + MARGIN).ceil(), (bottom + 32.0).ceil(), canvas)
+    Picture::new((width + MARGIN).ceil(), (bottom + 32.0).ceil(), canvas).showing(out_of_gamut)
 }
 
-fn draw_disc(canvas: &mut Canvas, centre: (f64, f64), radius: f64, disc: &Disc) {
+fn draw_disc(canvas: &mut Canvas, centre: (f64, f64), radius: f64, disc: &Disc) -> OutOfGamut {
     let place = Place { x: centre.0 - radius, y: centre.1 - radius, width: 2.0 * radius, height: 2.0 * radius };
-    canvas.image(place, &sampled(disc, (4.0 * radius).ceil() as u32));
+    let (raster, out_of_gamut) = sampled(disc, (4.0 * radius).ceil() as u32);
+    canvas.image(place, &raster);
     for theta in [30.0, 60.0] {
         // Dark under light: one of the two shows on every colour.
         canvas.ring(centre, radius * theta / 90.0, "#000", 1.5, 0.22);
         canvas.ring(centre, radius * theta / 90.0, "#fff", 0.75, 0.75);
     }
     canvas.ring(centre, radius, AXIS, 1.0, 1.0);
+    out_of_gamut
 }
 
 /// The disc as `side` × `side` pixels, averaged in linear light; coverage fades out at the rim.
-fn sampled(disc: &Disc, side: u32) -> Raster {
+fn sampled(disc: &Disc, side: u32) -> (Raster, OutOfGamut) {
     let samples = side * OVERSAMPLING;
     let coordinate = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(samples) - 1.0;
-    Raster::new(side, side, |column, row| {
+    let mut out_of_gamut = OutOfGamut::default();
+    let raster = Raster::new(side, side, |column, row| {
         let (mut sum, mut inside) = ([0.0_f32; 3], 0_u32);
         for j in 0..OVERSAMPLING {
             for i in 0..OVERSAMPLING {
@@ -172,10 +177,15 @@ fn sampled(disc: &Disc, side: u32) -> Raster {
                 sum = std::array::from_fn(|c| sum[c] + rgb[c]);
             }
         }
-        let [r, g, b] = srgb8(sum.map(|c| c / inside.max(1) as f32));
+        let mean = sum.map(|c| c / inside.max(1) as f32);
+        if inside > 0 {
+            out_of_gamut += OutOfGamut::of(mean);
+        }
+        let [r, g, b] = srgb8(mean);
         let coverage = 255 * inside / (OVERSAMPLING * OVERSAMPLING);
         [r, g, b, coverage as u8]
-    })
+    });
+    (raster, out_of_gamut)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod chromaticity;
 mod compare;
 mod disc;
 mod encode;
+mod gamut;
 mod heat_map;
 mod layout;
 mod line_chart;
@@ -25,6 +26,7 @@ pub use chromaticity::{ColourAt, chromaticity, xy};
 pub use compare::{Profile, side_by_side};
 pub use disc::{Disc, Mark, disc, disc_grid, marked_disc};
 pub use encode::{grey, hex, in_gamut, srgb8, wavelength_colour};
+pub use gamut::OutOfGamut;
 pub use heat_map::{HeatAxis, heat_map};
 pub use layout::rows;
 pub use line_chart::{LineOptions, PALETTE, Series, line_chart};
@@ -45,6 +47,7 @@ pub struct Picture {
     body: std::ops::Range<usize>,
     width: f64,
     height: f64,
+    out_of_gamut: OutOfGamut,
 }
 
 impl Picture {
@@ -59,7 +62,18 @@ impl Picture {
         svg.push_str(&canvas.finish());
         let body = start..svg.len();
         svg.push_str("</svg>\n");
-        Self { svg, body, width, height }
+        Self { svg, body, width, height, out_of_gamut: OutOfGamut::default() }
+    }
+
+    /// The same picture, which shows such colours.
+    fn showing(self, out_of_gamut: OutOfGamut) -> Self {
+        Self { out_of_gamut, ..self }
+    }
+
+    /// How many of the pixels that show measured colours had to be changed.
+    #[must_use]
+    pub fn out_of_gamut(&self) -> OutOfGamut {
+        self.out_of_gamut
     }
 
     /// The SVG document.

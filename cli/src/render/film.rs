@@ -6,7 +6,7 @@ use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Te
 
 use super::tone::{ToneMap, exposure};
 use crate::error::{Error, Result};
-use crate::picture::Raster;
+use crate::picture::{OutOfGamut, Raster};
 
 /// Linear RGB, multiplied by coverage, and coverage; row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,16 +46,23 @@ impl Film {
         Ok(bytes.into_inner())
     }
 
-    /// The bytes of a PNG file: `stops` brighter, through a tone map, then 8-bit sRGB under the gamut policy of pictures.
+    /// The bytes of a PNG file: `stops` brighter, through a tone map, then 8-bit sRGB under the gamut policy of pictures. With
+    /// them, how many of the pixels that are not wholly transparent this policy has changed.
     #[must_use]
-    pub fn png(&self, stops: f64, tone: ToneMap) -> Vec<u8> {
+    pub fn png(&self, stops: f64, tone: ToneMap) -> (Vec<u8>, OutOfGamut) {
         let [width, height] = self.size;
         let factor = exposure(stops);
+        let mut out_of_gamut = OutOfGamut::default();
         let pixel = |x: u32, y: u32| {
             let [r, g, b, a] = self.pixels[y as usize * width as usize + x as usize];
             let scale = if a > 0.0 { factor / a } else { 0.0 };
-            (tone.apply([r, g, b].map(|c| c * scale)), a)
+            let shown = tone.apply([r, g, b].map(|c| c * scale));
+            if a > 0.0 {
+                out_of_gamut += OutOfGamut::of(shown);
+            }
+            (shown, a)
         };
-        Raster::from_linear_with_coverage(width, height, pixel).png()
+        let png = Raster::from_linear_with_coverage(width, height, pixel).png();
+        (png, out_of_gamut)
     }
 }

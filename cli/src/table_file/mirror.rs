@@ -6,7 +6,8 @@
 //! | `T.550,000000nm` | unpolarised reflectance at a wavelength |
 //! | `s.T.550,000000nm`, `p.T.550,000000nm` | its polarised parts |
 //!
-//! `goniochrome.theta_deg` holds the angles in degrees at full precision. ZIP compression line by line.
+//! `goniochrome.theta_deg` holds the angles in degrees at full precision, `goniochrome.wavelength_nm` the wavelengths: decimal,
+//! parted by spaces. `tests/python/read_table.py` reads them in NumPy. ZIP compression line by line.
 
 use exr::prelude::Compression;
 

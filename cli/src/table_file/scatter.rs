@@ -17,12 +17,18 @@
 //! | `kind` | `scatter` |
 //! | `incident` | T and P |
 //! | `bins` | N and M |
+//! | `incident_theta_deg` | the T angles θ_i, in the order of the rows of tiles |
+//! | `incident_phi_deg` | the P azimuths φ_i, in the order of the columns of tiles |
+//! | `bin_cos_edges` | the N + 1 edges of the bins in cos θ_o, from the horizon |
+//! | `bin_phi_edges_deg` | the M + 1 edges of the bins in the relative azimuth φ_o − φ_i; bin 0 lies around 0° |
 //! | `wavelength_nm` | the wavelengths at full precision |
 //! | `reflected`, `reflected_error`, `transmitted`, `absorbed`, `truncated` | for each incident direction, row by row: fractions of the incident light, weighted by luminance, and the standard error of the first |
 //! | `imbalance`, `imbalance_error` | for each incident direction, what is missing from 1, and its standard error; release 0.1.0 wrote neither |
 //! | `rays` | starting rays of each incident direction |
 //!
-//! Numbers in attributes are decimal, parted by spaces. ZIP compression of 16 lines at a time.
+//! Numbers in attributes are decimal, parted by spaces. ZIP compression of 16 lines at a time. With P = 1 the table is a mean
+//! over azimuths, and φ_i is that of its first. `tests/python/read_table.py` reads all of it in a few lines of NumPy. The four
+//! lists of angles follow from T, P, N and M; older files lack them.
 
 use exr::prelude::Compression;
 use goniochrome::bins::DirectionBins;
@@ -39,6 +45,7 @@ pub(super) const SCATTER: &str = "scatter";
 const INCIDENT: &str = "incident";
 const BINS: &str = "bins";
 const RAYS: &str = "rays";
+const AXES: [&str; 4] = ["incident_theta_deg", "incident_phi_deg", "bin_cos_edges", "bin_phi_edges_deg"];
 const ERROR: &str = "error.Y";
 const ENERGIES: [&str; 5] = ["reflected", "reflected_error", "transmitted", "absorbed", "truncated"];
 const IMBALANCE: [&str; 2] = ["imbalance", "imbalance_error"];
@@ -69,6 +76,20 @@ fn pair_of(layout: &ScatterLayout, pixel: usize) -> usize {
     let (x, y) = (pixel % width, pixel / width);
     let incident = (y / rows) * tiles + x / columns;
     (incident * rows + y % rows) * columns + x % columns
+}
+
+/// Directions of incidence and edges of bins, as [`AXES`] names them.
+fn axes(layout: &ScatterLayout) -> [(&'static str, String); 4] {
+    let (theta, phi, bins) = (layout.theta(), layout.phi(), layout.bins());
+    // Angles of 90/N and 360/M degrees: fractions of whole numbers, without the rounding of radians.
+    let columns = |p: u32| 360.0 * (layout.first_bin(p as usize) as f64 + 0.5) / f64::from(bins.phi);
+    let lists = [
+        format_numbers((0..theta).map(|t| 90.0 * (f64::from(t) + 0.5) / f64::from(theta))),
+        format_numbers((0..phi).map(columns)),
+        format_numbers((0..=bins.cos).map(|n| f64::from(n) / f64::from(bins.cos))),
+        format_numbers((0..=bins.phi).map(|m| 360.0 * (f64::from(m) - 0.5) / f64::from(bins.phi))),
+    ];
+    std::array::from_fn(|i| (AXES[i], lists[i].clone()))
 }
 
 /// The bytes of the EXR file.
@@ -110,7 +131,7 @@ pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
         (imbalance_error, energies(&|energy| energy.imbalance.std_error)),
         (RAYS, format_numbers(table.energy.iter().map(|energy| energy.rays))),
     ];
-    let attributes = attributes.map(|(key, value)| (key.to_owned(), value)).into();
+    let attributes = attributes.into_iter().chain(axes(layout)).map(|(key, value)| (key.to_owned(), value)).collect();
     let mut contents = Contents { size: atlas(layout), compression: Compression::ZIP16, channels, attributes };
     contents.add_metadata(&table.metadata)?;
     contents.encode(threads)
@@ -126,6 +147,14 @@ fn pair(file: &mut Opened<'_>, key: &str) -> Result<[u32; 2]> {
 pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
     let ([theta, phi], [cos, around]) = (pair(&mut file, INCIDENT)?, pair(&mut file, BINS)?);
     let layout = ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around }).map_err(Error::failed)?;
+    for (key, expected) in axes(&layout) {
+        if file.attributes.remove(key).is_some_and(|found| found != expected) {
+            let (tiles, bins) = (format_args!("{theta} × {phi}"), format_args!("{cos} × {around}"));
+            return Err(Error::failed(format_args!(
+                "{PREFIX}{key} is not that of {tiles} incident directions and {bins} bins in this version"
+            )));
+        }
+    }
     let wavelength_nm: Vec<f64> = file.take_numbers(WAVELENGTH)?;
     check_scatter_size(&layout, wavelength_nm.len())?;
     let names = channel_names(&wavelength_nm)?;
@@ -231,9 +260,47 @@ mod tests {
         assert!(patched("4096 8192", "409628192").contains("goniochrome.rays holds 3 numbers where 4 belong"));
         assert!(patched(" 700", " 701").contains("T.701,000000nm is missing"));
         assert!(patched("error.Y", "error.X").contains("channel error.Y is missing"));
+        assert!(
+            patched("22.5 67.5", "22.5 76.5")
+                .contains("goniochrome.incident_theta_deg is not that of 2 × 2 incident directions")
+        );
         let mut table = sample();
         table.metadata.insert("bins".into(), "x".into());
         assert!(encode(&table.into(), 1).unwrap_err().to_string().contains("is reserved"));
+    }
+
+    #[test]
+    fn the_header_names_every_direction_and_edge_of_the_layout() {
+        let table = sample();
+        let layout = table.layout;
+        let [theta, phi, cos, around] = super::axes(&layout)
+            .map(|(_, text)| text.split(' ').map(|word| word.parse::<f64>().unwrap()).collect::<Vec<_>>());
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        for incident in 0..layout.incident_count() {
+            let [t, p] = layout.incident(incident).map(f64::to_degrees);
+            let columns = layout.phi() as usize;
+            assert!(close(theta[incident / columns], t) && close(phi[incident % columns], p));
+        }
+        for bin in 0..layout.bins().count() {
+            let ([c, p], columns) = (layout.outgoing(bin), layout.bins().phi as usize);
+            let (row, column) = (bin / columns, bin % columns);
+            assert!(close(0.5 * (cos[row] + cos[row + 1]), c));
+            assert!(close(0.5 * (around[column] + around[column + 1]), p.to_degrees()));
+        }
+        assert_eq!((cos.len(), around.len()), (3, 5));
+    }
+
+    #[test]
+    fn files_from_before_the_header_named_directions_are_read() {
+        let bytes = encode(&sample().into(), 1).unwrap();
+        // Names of equal length, under another prefix: attributes of someone else.
+        let older = super::AXES.iter().fold(bytes, |mut bytes, key| {
+            let name = format!("goniochrome.{key}");
+            let at = bytes.windows(name.len()).position(|window| window == name.as_bytes()).expect(key);
+            bytes[at..at + 11].copy_from_slice(b"someoneelse");
+            bytes
+        });
+        assert_eq!(decode(&older).unwrap(), Table::Scatter(sample()));
     }
 
     #[test]

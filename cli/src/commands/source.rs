@@ -1,0 +1,67 @@
+//! A table to draw: read from a file, or made in memory from a scene.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::commands::estimate;
+use crate::error::Result;
+use crate::progress::remark;
+use crate::scene::{Scene, load};
+use crate::table_file::{self, Table};
+
+/// Where a table comes from.
+pub(super) enum Source {
+    /// A file that `estimate` wrote.
+    File(PathBuf),
+    /// A scene file or a preset.
+    Scene(Box<Scene>),
+}
+
+impl Source {
+    /// What the first argument of `plot`, `render` and `view` names. Names that end in .exr and files that begin as OpenEXR are
+    /// tables; everything else is a scene.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn find(name: &Path) -> Result<Self> {
+        let named = name.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+        match name.to_str() {
+            Some(scene) if !named && !begins_as_exr(name) => Ok(Self::Scene(Box::new(load(scene)?))),
+            _ => Ok(Self::File(name.to_owned())),
+        }
+    }
+
+    /// The files that are read, which no output may overwrite.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::File(path) => vec![path.clone()],
+            Self::Scene(scene) => scene.files.clone(),
+        }
+    }
+
+    /// The table. That of a scene is made by the defaults of `estimate`, for cells with fewer rays.
+    ///
+    /// # Errors
+    /// A file that is no table; a scene that cannot be computed.
+    pub fn table(&self, quiet: bool) -> Result<Table> {
+        match self {
+            Self::File(path) => table_file::read(path),
+            Self::Scene(scene) => {
+                let (table, said) = estimate::in_memory(scene, quiet)?;
+                remark(
+                    quiet,
+                    format_args!("{}: {said}; `goniochrome estimate` keeps a table and has options", scene.name),
+                );
+                Ok(table)
+            }
+        }
+    }
+}
+
+/// Whether a file has OpenEXR's magic number.
+fn begins_as_exr(path: &Path) -> bool {
+    const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+    let mut found = [0; 4];
+    path.is_file() && File::open(path).is_ok_and(|mut file| file.read_exact(&mut found).is_ok()) && found == MAGIC
+}

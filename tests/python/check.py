@@ -1,0 +1,60 @@
+"""Tables as read_table.py reads them, against other commands of the program. Arguments: the program, a folder to work in."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+from read_table import read
+
+PROGRAM, WORK = sys.argv[1], Path(sys.argv[2])
+
+
+def run(*words):
+    subprocess.run([PROGRAM, *map(str, words)], check=True)
+
+
+def mirror():
+    """A 2D table holds what `spectrum` prints."""
+    run("estimate", "soap-bubble", "-o", WORK / "mirror.exr", "--angles", 6, "--wavelengths", "450:650:50", "-q")
+    run("spectrum", "soap-bubble", "--theta", "0,15,30,45,60,75", "--wavelengths", "450:650:50", "--csv", WORK / "s.csv", "-q")
+    rho, theta_deg, wavelength_nm = read(str(WORK / "mirror.exr"))
+    rows = list(csv.DictReader(open(WORK / "s.csv")))
+    expected = {(float(r["theta_deg"]), float(r["wavelength_nm"])): 0.5 * (float(r["R_s"]) + float(r["R_p"])) for r in rows}
+    worst = max(abs(rho[a, w] - expected[t, nm]) for a, t in enumerate(theta_deg) for w, nm in enumerate(wavelength_nm))
+    assert worst < 1e-6 and rho.shape == (6, 5), worst
+    print(f"2D table: {rho.size} reflectances within {worst:.1e}")
+
+
+def scatter():
+    """A 4D table sends light of the header's directions where `scatter` sends it, by the header's edges."""
+    bins, wavelength = (8, 16), 550
+    table = WORK / "scatter.exr"
+    # Grooves along y: nothing hides a turned or mirrored azimuth.
+    run("estimate", "dvd", "-o", table, "--incident", "3x4", "--bins", "8x16", "--rays", 8192, "--wavelengths", wavelength,
+        "--coherence", "none", "-q")  # fmt: skip
+    f, theta_deg, phi_deg, cos_edges, phi_edges_deg, wavelength_nm = read(str(table))
+    assert f.shape == (3, 4, 8, 16, 1) and list(wavelength_nm) == [wavelength]
+    projected = np.diff(cos_edges**2)[:, None] / 2 * np.radians(np.diff(phi_edges_deg))[None, :]
+    for t, theta in enumerate(theta_deg):
+        for p, phi in enumerate(phi_deg):
+            run("scatter", "dvd", "--theta", theta, "--phi", phi, "--wavelength", wavelength, "--bins", "8x16", "--rays", 8192,
+                "--coherence", "none", "--json", WORK / "s.json", "-q")  # fmt: skip
+            said = json.loads((WORK / "s.json").read_text())
+            power, error = np.zeros(bins), np.zeros(bins)
+            for one in said["bins"]:
+                middle = 0.5 * (one["phi_min_deg"] + one["phi_max_deg"]) - phi
+                row = np.searchsorted(cos_edges, 0.5 * (one["cos_min"] + one["cos_max"])) - 1
+                column = np.searchsorted(phi_edges_deg, (middle - phi_edges_deg[0]) % 360 + phi_edges_deg[0]) - 1
+                power[row, column] += one["power"]
+                error[row, column] = one["std_error"]
+            difference = abs(f[t, p, :, :, 0] * projected - power)
+            assert (difference < 1e-3 + 6 * error).all(), (theta, phi, difference.max())
+            assert power.max() > 0.1
+    print(f"4D table: {f.size} bins as `scatter` finds them")
+
+
+mirror()
+scatter()
