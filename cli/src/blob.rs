@@ -36,8 +36,8 @@ pub fn run(args: &ExportArgs) -> Result<()> {
 pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
     match table {
         Table::Mirror(mirror) => {
-            let values = mirror.rgb.as_flattened();
-            let table = Mirror::new(values, 3, largest_angle(mirror)?).map_err(Error::failed)?;
+            let largest = largest_angle(mirror)?;
+            let table = Mirror::new(mirror.colours()?.as_flattened(), 3, largest).map_err(Error::failed)?;
             write(space(&mirror.metadata), Contents::Mirror(table), precision)
         }
         Table::Scatter(scatter) => {

@@ -83,15 +83,23 @@ pub fn space_of(metadata: &BTreeMap<String, String>) -> RgbSpace {
     SpaceArg::from_str(named, true).map_or(RgbSpace::Srgb, RgbSpace::from)
 }
 
+/// Whether increasing wavelengths reach into the visible range, so that they have a colour.
+#[must_use]
+pub fn visible(wavelength_nm: &[f64]) -> bool {
+    let [first, last] = VISIBLE_NM.map(f64::from);
+    wavelength_nm.first().is_some_and(|&shortest| shortest <= last)
+        && wavelength_nm.last().is_some_and(|&longest| longest >= first)
+}
+
 /// Weights of XYZ for each wavelength.
 ///
 /// # Errors
 /// If none of the wavelengths is visible.
 pub fn visible_weights(wavelength_nm: &[f64], illuminant: Illuminant, quadrature: Quadrature) -> Result<Vec<[f64; 3]>> {
-    let [first, last] = VISIBLE_NM.map(f64::from);
     if let (Some(&shortest), Some(&longest)) = (wavelength_nm.first(), wavelength_nm.last())
-        && (longest < first || shortest > last)
+        && !visible(wavelength_nm)
     {
+        let [first, last] = VISIBLE_NM;
         return Err(Error::usage(format_args!(
             "--wavelengths: {shortest} to {longest} nm are invisible; a colour needs some from {first} to {last} nm"
         )));

@@ -44,23 +44,44 @@ impl Comparison {
     /// Reflectance against angle, side by side, and the difference.
     #[must_use]
     pub fn picture(&self, title: &str) -> Picture {
-        let curves: Vec<[Vec<f64>; 2]> = (0..self.closed.wavelength_nm.len())
-            .map(|wavelength| {
-                [0, 1].map(|which| {
-                    (0..self.closed.theta_deg.len()).map(|angle| self.pair(angle, wavelength)[which]).collect()
-                })
+        // Commands keep the order in which angles and wavelengths were given; a picture has axes.
+        let angles = increasing(&self.closed.theta_deg);
+        let wavelengths = increasing(&self.closed.wavelength_nm);
+        let theta_deg: Vec<f64> = angles.iter().map(|&angle| self.closed.theta_deg[angle]).collect();
+        let curves: Vec<[Vec<f64>; 2]> = wavelengths
+            .iter()
+            .map(|&wavelength| {
+                [0, 1].map(|which| angles.iter().map(|&angle| self.pair(angle, wavelength)[which]).collect())
             })
             .collect();
         let profiles: Vec<Profile<'_>> = curves
             .iter()
-            .zip(&self.closed.wavelength_nm)
-            .map(|([left, right], &wavelength_nm)| Profile {
-                wavelength_nm,
-                theta_deg: &self.closed.theta_deg,
+            .zip(&wavelengths)
+            .map(|([left, right], &wavelength)| Profile {
+                wavelength_nm: self.closed.wavelength_nm[wavelength],
+                theta_deg: &theta_deg,
                 left,
                 right,
             })
             .collect();
         side_by_side(title, "Closed form", "Ray tracing", &profiles)
+    }
+}
+
+/// The places of some numbers in increasing order, equal ones once.
+fn increasing(numbers: &[f64]) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..numbers.len()).collect();
+    places.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));
+    places.dedup_by(|a, b| numbers[*a].total_cmp(&numbers[*b]).is_eq());
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_have_their_axes_in_order() {
+        assert_eq!(increasing(&[60.0, 0.0, 30.0, 0.0]), [1, 2, 0]);
     }
 }

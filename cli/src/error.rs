@@ -38,12 +38,6 @@ impl Error {
         Self { no_data: true, ..Self::failed(message) }
     }
 
-    /// Whether a medium has no data at a wavelength.
-    #[must_use]
-    pub fn lacks_data(&self) -> bool {
-        self.no_data
-    }
-
     /// The same error, with what can be done where a medium has no data. `asks` says whether the command lets its user choose
     /// the wavelengths.
     #[must_use]

@@ -1,10 +1,10 @@
 //! Spectra of planar scenes over angles and wavelengths: owns allocation and threads, and is the only caller of the tracer.
 
 use goniochrome::complex::{ComplexLanes, Polarised};
-use goniochrome::interface::{Model, Wave};
+use goniochrome::interface::{Below, Model, Wave};
 use goniochrome::lanes::{F32, F64, Lanes};
 use goniochrome::layers::{LayerSlot, Summation, Totals, TraceMemory, free_slot, trace_layers};
-use goniochrome::medium::MediaLanes;
+use goniochrome::medium::{MediaLanes, MediumIndex};
 use goniochrome::stack::{Optics, OpticsMemory, Stack};
 use goniochrome::trace::Limits;
 
@@ -166,12 +166,37 @@ fn run<V: Lanes>(
         |worker, (row, theta)| {
             let sin_theta = theta.to_radians().sin();
             for (out, (group, _)) in row.chunks_mut(V::WIDTH).zip(&groups) {
+                if *theta >= GRAZING_DEG {
+                    fill_grazing(out, stack, group);
+                    continue;
+                }
                 worker.fill(out, stack, group, sin_theta, request, limits);
             }
             progress();
         },
     );
     Ok(Spectra { theta_deg: theta_deg.to_vec(), wavelength_nm: wavelength_nm.to_vec(), samples, fell_back: 0 })
+}
+
+/// Light along the surface.
+const GRAZING_DEG: f64 = 90.0;
+
+/// The limit of grazing incidence: all light returns, unless there is nothing but the ambient medium.
+fn fill_grazing<V: Lanes>(out: &mut [Sample], stack: Stack<'_>, group: &MediaLanes<'_, V>) {
+    let eta = |medium: MediumIndex, lane: usize| {
+        let eta = group.eta()[usize::from(medium)];
+        [eta.re.lane(lane), eta.im.lane(lane)]
+    };
+    for (lane, sample) in out.iter_mut().enumerate() {
+        let ambient = eta(stack.ambient(), lane);
+        let nothing = (0..stack.planes()).all(|j| match stack.interface(j).below {
+            Below::Medium(below) => eta(below, lane) == ambient,
+            Below::Mirror => false,
+        });
+        let (reflected, transmitted) = if nothing { (0.0, 1.0) } else { (1.0, 0.0) };
+        let (reflectance, transmittance) = (Polarised::both(reflected), Polarised::both(transmitted));
+        *sample = Sample { reflectance, transmittance, truncated: 0.0, imbalance: 0.0 };
+    }
 }
 
 /// A thread's memory.

@@ -2,26 +2,28 @@
 
 use std::str::FromStr;
 
-use goniochrome::colour::VISIBLE_NM;
+use goniochrome::colour::{Illuminant, VISIBLE_NM};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::estimate::Request;
 use crate::planar::Planar;
+use crate::refine::{Choice, choose};
 use crate::table::{MAX_ANGLES, MAX_WAVELENGTHS};
 
 /// `380,436,546`, `380:780:5`, `auto` or `420:700:auto`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Wavelengths {
-    /// These.
+    /// These, in the order in which they were given.
     List(Vec<f64>),
-    /// Evenly from the first to the last, as many as the scene's longest optical path needs.
+    /// From the first to the last, as many as the scene's colours need.
     Auto([f64; 2]),
 }
 
-/// `0,30,60` or `0:85:5`, degrees in [0, 90).
+/// `0,30,60` or `0:85:5`, degrees in [0, 90], in the order in which they were given.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Angles(pub Vec<f64>);
 
-/// A list, or a range with a step, that increases.
+/// A list, or a range with a step.
 fn numbers(text: &str, what: &str, most: usize) -> std::result::Result<Vec<f64>, String> {
     let number = |field: &str| {
         let value = field.trim().parse::<f64>().ok().filter(|x| x.is_finite());
@@ -46,19 +48,15 @@ fn numbers(text: &str, what: &str, most: usize) -> std::result::Result<Vec<f64>,
     if values.len() > most {
         return Err(format!("{} {what} are more than the {most} allowed", values.len()));
     }
-    match values.windows(2).find(|pair| pair[0] >= pair[1]) {
-        Some(pair) => Err(format!("{what} must increase: {} does not come after {}", pair[1], pair[0])),
-        None => Ok(values),
-    }
+    Ok(values)
 }
 
 impl FromStr for Wavelengths {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let [first, last] = VISIBLE_NM.map(f64::from);
         if text == "auto" {
-            return Ok(Self::Auto([first, last]));
+            return Ok(Self::VISIBLE);
         }
         let positive = |values: Vec<f64>| match values.iter().find(|nm| **nm <= 0.0) {
             Some(nm) => Err(format!("wavelength {nm} nm must be positive")),
@@ -66,8 +64,8 @@ impl FromStr for Wavelengths {
         };
         if let Some(range) = text.strip_suffix(":auto") {
             return match positive(numbers(&range.replace(':', ","), "wavelengths", 2)?)?[..] {
-                [first, last] => Ok(Self::Auto([first, last])),
-                _ => Err("expected start:end:auto".into()),
+                [first, last] if first < last => Ok(Self::Auto([first, last])),
+                _ => Err("expected start:end:auto with end > start".into()),
             };
         }
         positive(numbers(text, "wavelengths", MAX_WAVELENGTHS)?).map(Self::List)
@@ -79,20 +77,17 @@ impl FromStr for Angles {
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let values = numbers(text, "angles", MAX_ANGLES)?;
-        match values.iter().find(|theta| !(0.0..90.0).contains(*theta)) {
-            Some(theta) => Err(format!("angle {theta} lies outside [0, 90) degrees")),
+        match values.iter().find(|theta| !(0.0..=90.0).contains(*theta)) {
+            Some(theta) => Err(format!("angle {theta} lies outside [0, 90] degrees")),
             None => Ok(Self(values)),
         }
     }
 }
 
-/// Samples per interference fringe at the shortest wavelength. Four keep cubic interpolation of a sine within 2 %, and colour
-/// sums over many fringes, which average that out, within 2e-3 (`tests/colour.rs`).
-const SAMPLES_PER_FRINGE: f64 = 4.0;
-/// The observer and the dispersion of materials are smooth over this step.
-const COARSEST_STEP_NM: f64 = 10.0;
-
 impl Wavelengths {
+    /// As many as the scene's colours need.
+    pub const VISIBLE: Self = Self::Auto([VISIBLE_NM[0] as f64, VISIBLE_NM[1] as f64]);
+
     /// The visible range in even steps.
     #[must_use]
     pub fn every(step_nm: f64) -> Self {
@@ -100,29 +95,32 @@ impl Wavelengths {
         Self::List((0..=((last - first) / step_nm) as u32).map(|i| first + f64::from(i) * step_nm).collect())
     }
 
-    /// The wavelengths to compute for a scene.
+    /// The same in increasing order, each once, as colours and tables need them.
+    #[must_use]
+    pub fn increasing(&self) -> Self {
+        let mut sorted = self.clone();
+        if let Self::List(list) = &mut sorted {
+            list.sort_by(f64::total_cmp);
+            list.dedup();
+        }
+        sorted
+    }
+
+    /// The wavelengths to compute for a scene at some angles. Those that the user named come without colours.
     ///
     /// # Errors
-    /// If `auto` needs more than a table can hold, or a medium has no data in the range.
-    pub fn resolve(&self, planar: &Planar<'_>) -> Result<Vec<f64>> {
-        let [first, last] = match self {
-            Self::List(list) => return Ok(list.clone()),
-            Self::Auto(range) => *range,
-        };
-        // Light crosses the stack and returns: fringes are λ²/path apart, closest at the short end.
-        let path = 2.0 * planar.longest_optical_path_nm([first, last])?;
-        let step = (first * first / (path * SAMPLES_PER_FRINGE)).min(COARSEST_STEP_NM);
-        let intervals = ((last - first) / step).ceil().max(1.0);
-        if intervals >= MAX_WAVELENGTHS as f64 {
-            return Err(Error::failed(format_args!(
-                "{}: an optical path of {:.0} nm needs {intervals:.0} wavelengths, more than the {MAX_WAVELENGTHS} allowed; \
-                 give a narrower range start:end:auto or name the wavelengths",
-                planar.scene().name,
-                path / 2.0
-            )));
+    /// As [`choose`].
+    pub fn resolve(
+        &self,
+        planar: &Planar<'_>,
+        theta_deg: &[f64],
+        illuminant: Illuminant,
+        request: &Request,
+    ) -> Result<Choice> {
+        match self {
+            Self::List(list) => Ok(Choice { wavelength_nm: list.clone(), xyz: Vec::new() }),
+            Self::Auto(range) => choose(planar, theta_deg, *range, illuminant, request),
         }
-        let step = (last - first) / intervals;
-        Ok((0..=intervals as usize).map(|i| (first + i as f64 * step).min(last)).collect())
     }
 }
 
@@ -136,21 +134,30 @@ mod tests {
         assert_eq!("450, 550.5".parse(), Ok(Wavelengths::List(vec![450.0, 550.5])));
         assert_eq!("auto".parse(), Ok(Wavelengths::Auto([380.0, 780.0])));
         assert_eq!("420:700:auto".parse(), Ok(Wavelengths::Auto([420.0, 700.0])));
+        assert_eq!("500,400,500".parse(), Ok(Wavelengths::List(vec![500.0, 400.0, 500.0])));
         assert_eq!("0:85:5".parse::<Angles>().map(|a| a.0.len()), Ok(18));
+        assert_eq!("60,30,90".parse(), Ok(Angles(vec![60.0, 30.0, 90.0])));
         assert_eq!("0:0.3:0.1".parse::<Angles>().map(|a| a.0.len()), Ok(4));
+    }
+
+    #[test]
+    fn tables_take_each_wavelength_once_in_order() {
+        let given = Wavelengths::List(vec![500.0, 400.0, 500.0]);
+        assert_eq!(given.increasing(), Wavelengths::List(vec![400.0, 500.0]));
+        assert_eq!(Wavelengths::Auto([400.0, 500.0]).increasing(), Wavelengths::Auto([400.0, 500.0]));
     }
 
     #[test]
     fn what_is_wrong_is_said() {
         let wrong = |text: &str| text.parse::<Wavelengths>().unwrap_err();
-        assert!(wrong("500,400").contains("must increase"));
+        assert!(wrong("500:400:auto").contains("end > start"));
         assert!(wrong("0,400").contains("must be positive"));
         assert!(wrong("-5").contains("must be positive"));
         assert!(wrong("400:500:-1").contains("start:end:step"));
         assert!(wrong("400:500:1e-9").contains("more than the 8192 allowed"));
         assert!(wrong("nan").contains("not a number"));
         assert!(wrong("").contains("not a number"));
-        assert!("90".parse::<Angles>().unwrap_err().contains("[0, 90)"));
-        assert!("-1".parse::<Angles>().unwrap_err().contains("[0, 90)"));
+        assert!("90.1".parse::<Angles>().unwrap_err().contains("[0, 90]"));
+        assert!("-1".parse::<Angles>().unwrap_err().contains("[0, 90]"));
     }
 }

@@ -122,6 +122,12 @@ impl<'s> Planar<'s> {
         Ok((0..stack.planes() - 1).map(path).sum())
     }
 
+    /// Layers between the outer media.
+    #[must_use]
+    pub fn layers(&self) -> usize {
+        self.facets.len() - 1
+    }
+
     /// The scene.
     #[must_use]
     pub fn scene(&self) -> &'s Scene {

@@ -5,6 +5,7 @@ use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM};
 use crate::colours::{Colour, colours};
 use crate::error::Result;
 use crate::estimate::{Request, Spectra, spectra};
+use crate::integral::Integral;
 use crate::picture::{LineOptions, PALETTE, Picture, Series, line_chart};
 use crate::planar::Planar;
 
@@ -42,49 +43,44 @@ pub fn midpoints(count: u16) -> Vec<f64> {
 /// # Errors
 /// As [`spectra`].
 pub fn sampled(planar: &Planar<'_>, count: u16, setting: &Setting<'_>) -> Result<Vec<Colour>> {
-    setting.colours(&setting.spectra(planar, &midpoints(count))?, Quadrature::Sampled)
+    setting.colours(&setting.spectra(planar, count)?)
 }
 
-/// Colours at every angle from sums over 1 nm.
+/// Colours at every angle by the integral over the wavelength.
 ///
 /// # Errors
-/// As [`spectra`].
+/// As [`Integral::new`].
 pub fn converged(planar: &Planar<'_>, setting: &Setting<'_>) -> Result<Vec<Colour>> {
-    setting.colours(&setting.spectra(planar, &every_nm())?, Quadrature::Interpolated)
-}
-
-fn every_nm() -> Vec<f64> {
-    (VISIBLE_NM[0]..=VISIBLE_NM[1]).map(f64::from).collect()
+    let integral = Integral::new(planar, VISIBLE_NM.map(f64::from), setting.illuminant, &setting.request)?;
+    let colours = integral.colours(setting.theta_deg)?;
+    Ok(colours.into_iter().map(|xyz| Colour { xyz, rgb: setting.space.from_xyz(xyz) }).collect())
 }
 
 impl Setting<'_> {
-    fn spectra(&self, planar: &Planar<'_>, wavelength_nm: &[f64]) -> Result<Spectra> {
-        spectra(planar, self.theta_deg, wavelength_nm, &self.request, &|| ())
+    fn spectra(&self, planar: &Planar<'_>, count: u16) -> Result<Spectra> {
+        spectra(planar, self.theta_deg, &midpoints(count), &self.request, &|| ())
     }
 
-    fn colours(&self, spectra: &Spectra, quadrature: Quadrature) -> Result<Vec<Colour>> {
-        colours(spectra, self.illuminant, self.space, quadrature)
+    fn colours(&self, spectra: &Spectra) -> Result<Vec<Colour>> {
+        colours(spectra, self.illuminant, self.space, Quadrature::Sampled)
     }
 }
 
-/// The error curve: `progress` is given the spectra behind the exact colours, and then those of each count.
+/// The error curve: `progress` is given the spectra of each count.
 ///
 /// # Errors
-/// As [`spectra`].
+/// As [`spectra`] and [`Integral::new`].
 pub fn error_curve(
     planar: &Planar<'_>,
     counts: &[u16],
     setting: &Setting<'_>,
     progress: &dyn Fn(&Spectra),
 ) -> Result<Vec<Point>> {
-    let colours = |wavelength_nm: &[f64], quadrature| {
-        let spectra = setting.spectra(planar, wavelength_nm)?;
-        progress(&spectra);
-        setting.colours(&spectra, quadrature)
-    };
-    let exact = colours(&every_nm(), Quadrature::Interpolated)?;
+    let exact = converged(planar, setting)?;
     let point = |&samples: &u16| {
-        let got = colours(&midpoints(samples), Quadrature::Sampled)?;
+        let spectra = setting.spectra(planar, samples)?;
+        progress(&spectra);
+        let got = setting.colours(&spectra)?;
         let differences = got.iter().zip(&exact).flat_map(|(a, b)| (0..3).map(|c| (a.rgb[c] - b.rgb[c]).abs()));
         Ok(Point { samples, error: differences.fold(0.0, f64::max) })
     };

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::colours::visible;
 use crate::error::{Error, Result};
 
 /// Directions that one table may hold; 0.01° steps need 9001.
@@ -24,7 +25,7 @@ pub struct MirrorTable {
     pub reflectance_s: Vec<f32>,
     /// Power reflectance of p light, `[theta][wavelength]`, row-major.
     pub reflectance_p: Vec<f32>,
-    /// Linear RGB per angle; components may be negative or above 1.
+    /// Linear RGB per angle; components may be negative or above 1. Empty where no wavelength is visible.
     pub rgb: Vec<[f32; 3]>,
     /// What made the table: scene, model, colour space.
     pub metadata: BTreeMap<String, String>,
@@ -36,17 +37,11 @@ impl MirrorTable {
         let (angles, wavelengths) = (self.theta_deg.len(), self.wavelength_nm.len());
         check_size(angles, wavelengths)?;
         let samples = angles * wavelengths;
-        for (name, found, expected) in [
-            ("s reflectances", self.reflectance_s.len(), samples),
-            ("p reflectances", self.reflectance_p.len(), samples),
-            ("RGB colours", self.rgb.len(), angles),
-        ] {
-            if found != expected {
-                return Err(Error::failed(format_args!("the table has {found} {name} where {expected} belong")));
-            }
-        }
+        check_count("s reflectances", self.reflectance_s.len(), samples)?;
+        check_count("p reflectances", self.reflectance_p.len(), samples)?;
         check_axis("theta_deg", &self.theta_deg, |theta| (0.0..=90.0).contains(&theta))?;
         check_wavelengths(&self.wavelength_nm)?;
+        check_count("RGB colours", self.rgb.len(), if visible(&self.wavelength_nm) { angles } else { 0 })?;
         for (name, values) in [("s", &self.reflectance_s), ("p", &self.reflectance_p)] {
             // The paper's flux is an amplitude sum and may exceed 1, so only sign and finiteness are checked.
             if let Some(i) = values.iter().position(|r| !r.is_finite() || *r < 0.0) {
@@ -59,6 +54,19 @@ impl MirrorTable {
             Some(i) => Err(Error::failed(format_args!("the colour at {}° is not finite", self.theta_deg[i]))),
             None => Ok(()),
         }
+    }
+
+    /// The colours of a table that has any.
+    ///
+    /// # Errors
+    /// If none of its wavelengths is visible.
+    pub fn colours(&self) -> Result<&[[f32; 3]]> {
+        if self.rgb.is_empty() {
+            return Err(Error::failed(
+                "the table has no colour, as its wavelengths are invisible; its spectra can be drawn by --kind spectrum or map",
+            ));
+        }
+        Ok(&self.rgb)
     }
 
     /// Linear RGB at any angle, interpolated between its neighbours and constant beyond the ends.
@@ -75,6 +83,13 @@ impl MirrorTable {
         let weight = ((theta_deg - t0) / (t1 - t0)) as f32;
         std::array::from_fn(|i| self.rgb[above - 1][i] + weight * (self.rgb[above][i] - self.rgb[above - 1][i]))
     }
+}
+
+fn check_count(name: &str, found: usize, expected: usize) -> Result<()> {
+    if found != expected {
+        return Err(Error::failed(format_args!("the table has {found} {name} where {expected} belong")));
+    }
+    Ok(())
 }
 
 /// Refuses empty tables, and sizes that only a damaged file would ask memory for.

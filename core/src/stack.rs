@@ -301,8 +301,8 @@ impl<'m, V: Lanes> Optics<'m, V> {
             .expect("as many media and as much memory as the stack has")
     }
 
-    /// Prepares `stack` for light that arrives at `sin_theta` = sin θ in the ambient medium, in [0, 1); at 1, the limit,
-    /// reflection holds and transmission does not.
+    /// Prepares `stack` for light that arrives at `sin_theta` = sin θ in the ambient medium, in [0, 1]; at 1, the limit of grazing
+    /// incidence, all is reflected and nothing passes.
     ///
     /// # Errors
     /// [`TooSmall`].
@@ -473,9 +473,10 @@ impl<'m, V: Lanes> Optics<'m, V> {
             (Below::Mirror, _) => Polarised::both(V::zero()),
             (_, Model::Paper) => a.map(ComplexLanes::norm),
             (Below::Medium(substrate), Model::Physical) => {
-                let ratio = self
-                    .admittance(substrate)
-                    .zip(self.admittance(self.stack.ambient()), |below, above| below.re / above.re);
+                let ratio = self.admittance(substrate).zip(self.admittance(self.stack.ambient()), |below, above| {
+                    // Grazing light brings no power that could pass.
+                    V::zero().select_lt(above.re, below.re / above.re, V::zero())
+                });
                 a.zip(ratio, |a, ratio| a.norm_sqr() * ratio)
             }
         }

@@ -35,18 +35,16 @@ fn wavelengths_and_angles_are_checked_before_anything_is_read() {
         ("--wavelengths", "0,400", "0 nm must be positive"),
         ("--wavelengths", "-5", "-5 nm must be positive"),
         ("--wavelengths", "-5:400:5", "-5 nm must be positive"),
-        ("--wavelengths", "500,400", "must increase: 400 does not come after 500"),
-        ("--wavelengths", "500,500", "must increase"),
         ("--wavelengths", "nan", "\"nan\" is not a number"),
         ("--wavelengths", "400,inf", "\"inf\" is not a number"),
         ("--wavelengths", "''", "\"\" is not a number"),
         ("--wavelengths", "400:500", "start:end:step"),
         ("--wavelengths", "400:500:0", "step > 0"),
         ("--wavelengths", "400:500:1e-9", "more than the 8192 allowed"),
-        ("--theta", "90", "angle 90 lies outside [0, 90)"),
-        ("--theta", "-1", "angle -1 lies outside [0, 90)"),
+        ("--wavelengths", "500:400:auto", "end > start"),
+        ("--theta", "90.1", "angle 90.1 lies outside [0, 90]"),
+        ("--theta", "-1", "angle -1 lies outside [0, 90]"),
         ("--theta", "0,nan", "\"nan\" is not a number"),
-        ("--theta", "30,20", "must increase"),
         ("--theta", "0:80:1e-9", "more than the 16384 allowed"),
     ];
     for (option, value, says) in cases {
@@ -61,11 +59,13 @@ fn wavelengths_and_angles_are_checked_before_anything_is_read() {
 fn grids_that_no_table_holds_are_refused() {
     let user = User::with(&[(
         "thick.toml",
-        "[stack]\nambient = 1.0\nlayers = [{ material = 1.5, thickness_nm = 1e6 }]\nsubstrate = 1.0\n",
+        "[stack]\nambient = 1.0\nlayers = [{ material = 1.5, thickness_nm = 1e8 }]\nsubstrate = 1.0\n",
     )]);
     user.refused("spectrum thick.toml --wavelengths 400:500:0.02 --theta 0:89:0.01", 1, &["samples are more than"]);
-    let says = ["thick", "optical path of 1500000 nm", "more than the 8192 allowed", "narrower range"];
+    let says =
+        ["thick", "optical path of 150000000 nm", "more fringes than can be summed", "make the layer the substrate"];
     user.refused("spectrum thick.toml --wavelengths auto", 1, &says);
+    user.refused("colour thick.toml", 1, &says);
     user.refused("colour thick.toml --wavelengths 900:1000:10", 2, &["--wavelengths", "invisible", "380 to 780 nm"]);
 }
 

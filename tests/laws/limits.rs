@@ -40,6 +40,13 @@ fn everything_reflects_at_grazing_incidence() {
                 departures += u32::from(near > 0.01 || (near * 10.0 - far).abs() > SECOND_ORDER * far + 1e-9);
             }
         }
+        // The limit itself.
+        case.theta_deg = 90.0;
+        let along = case.power();
+        for lane in 0..F64::WIDTH {
+            let (r, t) = (lanes(along.r, lane), lanes(along.t, lane));
+            assert!(r.iter().all(|r| (r - 1.0).abs() <= 1e-12) && t == [0.0; 2], "{:?}: {r:?} {t:?}", case.stack.eta);
+        }
     });
     println!("grazing incidence: 1 - R up to {most:.1e}; {departures} of {seen} not linear in cos");
     assert!(f64::from(departures) < 1e-3 * f64::from(seen));

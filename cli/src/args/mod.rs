@@ -52,6 +52,7 @@ pub enum Command {
     /// Reflectance and transmittance at angles and wavelengths
     Spectrum(SpectrumArgs),
     /// Colour at angles
+    #[command(visible_alias = "color")]
     Colour(ColourArgs),
     /// The BRDF table: spectral and RGB, as multi-channel EXR
     Estimate(EstimateArgs),
@@ -186,7 +187,7 @@ pub struct ColourArgs {
     #[arg(long, allow_hyphen_values = true, default_value = "0,15,30,45,60,75")]
     pub theta: Angles,
     /// Wavelengths in nm: 450,550 or 380:780:5 or auto
-    #[arg(long, allow_hyphen_values = true, default_value = "380:780:5")]
+    #[arg(long, allow_hyphen_values = true, default_value = "auto")]
     pub wavelengths: Wavelengths,
     /// Where the CSV goes; - is standard output [default: a table with swatches on the terminal]
     #[arg(long, value_name = "FILE")]
@@ -213,7 +214,7 @@ pub struct EstimateArgs {
     /// Planar scenes: number of angles, evenly from 0 up to but not including 90 degrees [default: 90]
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=9000))]
     pub angles: Option<u16>,
-    /// Wavelengths in nm: 450,550 or 380:780:5 or auto [default: 380:780:5, of cells 380:780:10]
+    /// Wavelengths in nm: 450,550 or 380:780:5 or auto [default: auto, of cells 380:780:10]
     #[arg(long, allow_hyphen_values = true)]
     pub wavelengths: Option<Wavelengths>,
     /// How a cell of tilted facets is sampled
@@ -387,7 +388,7 @@ pub struct CompareArgs {
     pub computing: Computing,
 }
 
-/// A sample each 0.1 nm; beyond, the reference of 1 nm is the coarser.
+/// A sample each 0.1 nm.
 const MOST_SAMPLES: i64 = 4000;
 
 /// Arguments of `sampling`.

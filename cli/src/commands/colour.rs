@@ -7,11 +7,12 @@ use goniochrome::colour::{Quadrature, RgbSpace};
 
 use crate::args::ColourArgs;
 use crate::colours::{Colour, colours};
-use crate::commands::{compute, write_csv};
+use crate::commands::{compute, remark_on_colours, write_csv};
 use crate::error::Result;
 use crate::output;
-use crate::picture::{hex, srgb8};
+use crate::picture::{hex, leaves_gamut, srgb8};
 use crate::planar::Planar;
+use crate::progress::remark;
 use crate::scene::load;
 
 pub fn run(args: &ColourArgs) -> Result<()> {
@@ -20,9 +21,21 @@ pub fn run(args: &ColourArgs) -> Result<()> {
         output::check_destination(csv, &scene.files)?;
     }
     let planar = Planar::new(&scene)?;
-    let spectra = compute(&planar, &args.theta.0, &args.wavelengths, &args.computing)?;
+    let (wavelengths, illuminant) = (args.wavelengths.increasing(), args.colouring.illuminant.into());
+    let spectra = compute(&planar, &args.theta.0, &wavelengths, illuminant, &args.computing)?;
     let space = RgbSpace::from(args.colouring.space);
-    let colours = colours(&spectra, args.colouring.illuminant.into(), space, Quadrature::Interpolated)?;
+    let colours = colours(&spectra, illuminant, space, Quadrature::Interpolated)?;
+    remark_on_colours(&planar, &spectra, &wavelengths, illuminant, &args.computing)?;
+    let outside = colours.iter().filter(|colour| leaves_gamut(colour.display(space))).count();
+    if outside > 0 {
+        let all = colours.len();
+        remark(
+            args.computing.running.quiet,
+            format_args!(
+                "{outside} of {all} colours lie outside the gamut of sRGB; their hex is the nearest of their hue"
+            ),
+        );
+    }
     match &args.csv {
         Some(path) => {
             let rows = colours.iter().zip(&spectra.theta_deg).map(|(colour, theta)| {
@@ -46,7 +59,8 @@ fn table(theta_deg: &[f64], colours: &[Colour], space: RgbSpace) -> String {
         let [r, g, b] = srgb8(display);
         let swatch = if coloured { format!("\x1b[48;2;{r};{g};{b}m        \x1b[0m ") } else { String::new() };
         let [red, green, blue] = colour.rgb;
-        text += &format!("{theta:5.1}° {red:7.3} {green:7.3} {blue:7.3}  {swatch}{}\n", hex(display));
+        let mark = if leaves_gamut(display) { " out of gamut" } else { "" };
+        text += &format!("{theta:5.1}° {red:7.3} {green:7.3} {blue:7.3}  {swatch}{}{mark}\n", hex(display));
     }
     text
 }

@@ -1,20 +1,32 @@
 //! `goniochrome compare`.
 
+use goniochrome::colour::Illuminant;
+
 use crate::args::CompareArgs;
 use crate::commands::{check_outputs, number, remark_fall_backs, write_csv};
 use crate::comparison::Comparison;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::output;
 use crate::planar::Planar;
 use crate::progress::remark;
 use crate::scene::load;
 
+/// Each wavelength is a curve and a disc; more of them make no picture that can be read.
+const MAX_CURVES: usize = 24;
+
 pub fn run(args: &CompareArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     check_outputs(&args.csv, args.output.as_deref(), &scene)?;
     let planar = Planar::new(&scene)?;
-    let wavelengths = args.wavelengths.resolve(&planar)?;
-    let comparison = Comparison::new(&planar, &args.theta.0, &wavelengths, &args.computing.request())?;
+    let request = args.computing.request();
+    let wavelengths = args.wavelengths.resolve(&planar, &args.theta.0, Illuminant::D65, &request)?.wavelength_nm;
+    if args.output.is_some() && wavelengths.len() > MAX_CURVES {
+        return Err(Error::usage(format_args!(
+            "--output: a picture shows at most {MAX_CURVES} wavelengths, and these are {}; name fewer, or leave it out for the CSV",
+            wavelengths.len()
+        )));
+    }
+    let comparison = Comparison::new(&planar, &args.theta.0, &wavelengths, &request)?;
     let rows = args.theta.0.iter().enumerate().flat_map(|(angle, theta)| {
         let comparison = &comparison;
         wavelengths.iter().enumerate().map(move |(wavelength, nm)| {

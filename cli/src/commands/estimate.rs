@@ -10,9 +10,9 @@ use goniochrome::table::ScatterLayout;
 use crate::args::{EstimateArgs, ModelArg, spelled};
 use crate::bumpy::Bumpy;
 use crate::checkpoint::Checkpoint;
-use crate::colours::{colours, visible_weights};
+use crate::colours::{colours, visible, visible_weights};
 use crate::commands::plot::disc_of;
-use crate::commands::{compute, named, remark_on_media, save};
+use crate::commands::{compute, named, remark_on_colours, remark_on_media, save};
 use crate::error::{Error, Result};
 use crate::estimate::{Method, Sample, Spectra};
 use crate::grid::Wavelengths;
@@ -55,6 +55,11 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
     Ok(())
 }
 
+/// A 2D table holds unpolarised reflectance and both of its parts, four bytes each.
+const BYTES_PER_SAMPLE: usize = 12;
+/// The size of a table is said from here on.
+const LARGE_BYTES: usize = 1_000_000;
+
 /// The table of a scene, what to say of it, and the checkpoint that holds its parts if it is kept beside an output.
 fn table_of(args: &EstimateArgs, scene: &Scene, output: Option<&Path>) -> Result<(Table, String, Option<Checkpoint>)> {
     match &scene.shape {
@@ -95,25 +100,35 @@ fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
     let planar = Planar::new(scene)?;
     let angles = args.angles.unwrap_or(90);
     let theta_deg: Vec<f64> = (0..angles).map(|i| 90.0 * f64::from(i) / f64::from(angles)).collect();
-    let wavelengths = args.wavelengths.clone().unwrap_or_else(|| Wavelengths::every(5.0));
-    let spectra = compute(&planar, &theta_deg, &wavelengths, &args.computing)?;
-    let colours = colours(
-        &spectra,
-        args.colouring.illuminant.into(),
-        RgbSpace::from(args.colouring.space),
-        Quadrature::Interpolated,
-    )?;
+    let wavelengths = args.wavelengths.as_ref().map_or(Wavelengths::VISIBLE, Wavelengths::increasing);
+    let illuminant = args.colouring.illuminant.into();
+    let spectra = compute(&planar, &theta_deg, &wavelengths, illuminant, &args.computing)?;
+    let mut rgb = Vec::new();
+    if visible(&spectra.wavelength_nm) {
+        let colours = colours(&spectra, illuminant, RgbSpace::from(args.colouring.space), Quadrature::Interpolated)?;
+        rgb.extend(colours.iter().map(|colour| colour.rgb.map(|c| c as f32)));
+        remark_on_colours(&planar, &spectra, &wavelengths, illuminant, &args.computing)?;
+    } else if args.plot.is_some() {
+        return Err(Error::usage(
+            "--plot draws colours, and no wavelength is visible; leave it out and use `goniochrome plot`",
+        ));
+    } else {
+        remark(args.computing.running.quiet, "no wavelength is visible: the table has spectra and no R, G, B");
+    }
     let reflectance = |of: fn(&Sample) -> f64| spectra.samples.iter().map(|s| of(s) as f32).collect();
     let table = MirrorTable {
         reflectance_s: reflectance(|sample| sample.reflectance.s),
         reflectance_p: reflectance(|sample| sample.reflectance.p),
-        rgb: colours.iter().map(|colour| colour.rgb.map(|c| c as f32)).collect(),
+        rgb,
         metadata: metadata(args, scene, &spectra),
         theta_deg,
         wavelength_nm: spectra.wavelength_nm.clone(),
     };
+    let bytes = spectra.samples.len() * BYTES_PER_SAMPLE;
+    let size =
+        if bytes < LARGE_BYTES { String::new() } else { format!(" ({} MB before compression)", bytes / 1_000_000) };
     let said = format!(
-        "{} angles × {} wavelengths; truncated ≤ {:.1e}, imbalance ≤ {:.1e}",
+        "{} angles × {} wavelengths{size}; truncated ≤ {:.1e}, imbalance ≤ {:.1e}",
         table.theta_deg.len(),
         table.wavelength_nm.len(),
         spectra.worst(|sample| sample.truncated),
@@ -139,7 +154,7 @@ fn scattering(
     if args.computing.method != Method::Trace {
         return Err(refuse("--method", "they can only be traced"));
     }
-    let wavelengths = args.wavelengths.clone().unwrap_or_else(|| Wavelengths::every(10.0));
+    let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
     let wavelength_nm = named(&wavelengths, scene)?;
     let cell = &args.cell;
     if cell.target_error.is_some_and(|error| error.is_nan() || error <= 0.0) {

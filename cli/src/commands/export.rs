@@ -124,7 +124,8 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         }
         match table_file::read(path)? {
             Table::Mirror(table) => {
-                let mut lut = Lut::of_table(&table, width);
+                let named = |error: Error| Error::failed(format_args!("{}: {error}", args.source));
+                let mut lut = Lut::of_table(&table, width).map_err(named)?;
                 if to_png {
                     // Its chunks say sRGB, whatever the table's space.
                     lut.texels = screen_rgb(&table.metadata, &lut.texels);

@@ -21,15 +21,18 @@ mod view;
 use std::path::Path;
 
 use glam::DVec3;
+use goniochrome::colour::Illuminant;
 
 use crate::args::{Command, Computing};
 use crate::error::{Error, Result};
 use crate::estimate::{Precision, Spectra, spectra};
+use crate::fidelity;
 use crate::grid::Wavelengths;
 use crate::output;
 use crate::picture;
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
+use crate::refine::{Choice, most};
 use crate::scene::{NamedMedium, Scene};
 
 /// Does what the command line asks for.
@@ -59,29 +62,35 @@ fn dispatch(command: &Command) -> Result<()> {
     }
 }
 
-/// Spectra over a grid with a progress bar; says how many wavelengths `auto` has chosen.
+/// Spectra over a grid with a progress bar; says how many wavelengths `auto` has chosen, and how true their colours are.
 fn compute(
     planar: &Planar<'_>,
     theta_deg: &[f64],
     wavelengths: &Wavelengths,
+    illuminant: Illuminant,
     computing: &Computing,
 ) -> Result<Spectra> {
-    let wavelength_nm = wavelengths.resolve(planar)?;
-    if let Wavelengths::Auto([first, last]) = wavelengths {
-        let path = planar.longest_optical_path_nm([*first, *last])?;
-        remark(
-            computing.running.quiet,
-            format_args!(
-                "{} wavelengths from {first} to {last} nm for a longest optical path of {path:.0} nm",
-                wavelength_nm.len()
-            ),
-        );
-    }
+    let request = computing.request();
+    let Choice { wavelength_nm, xyz } = wavelengths.resolve(planar, theta_deg, illuminant, &request)?;
     remark_on_media(planar.scene(), &wavelength_nm, computing.running.quiet);
     let progress = bar(&planar.scene().name, theta_deg.len(), computing.running.quiet);
-    let spectra = spectra(planar, theta_deg, &wavelength_nm, &computing.request(), &|| progress.inc(1))?;
+    let spectra = spectra(planar, theta_deg, &wavelength_nm, &request, &|| progress.inc(1))?;
     progress.finish_and_clear();
     remark_fall_backs(spectra.fell_back, spectra.samples.len(), computing.running.quiet);
+    if let (Wavelengths::Auto(_), [first, .., last]) = (wavelengths, wavelength_nm.as_slice()) {
+        let mut said = format!("{} wavelengths from {first} to {last} nm", wavelength_nm.len());
+        if wavelength_nm.len() == most(theta_deg.len()) {
+            said += ", the most that a table holds";
+        }
+        /// Errors below the last digit are not shown as 0.
+        const SHOWN: f64 = 0.01;
+        // Invisible wavelengths have no colour.
+        if let Ok((error, theta)) = fidelity::largest_error(&spectra, &xyz, illuminant) {
+            said +=
+                &format!("; their colours are within ΔE2000 {:.2} of the integral's (at {theta}°)", error.max(SHOWN));
+        }
+        remark(computing.running.quiet, said);
+    }
     Ok(spectra)
 }
 
@@ -112,6 +121,28 @@ fn save(picture: &picture::Picture, path: &Path, quiet: bool) -> Result<()> {
     picture.save(path)?;
     if let Some(said) = picture.out_of_gamut().says() {
         remark(quiet, format_args!("{}: {said}", path.display()));
+    }
+    Ok(())
+}
+
+/// Says what is amiss with the wavelengths from which colours are made.
+fn remark_on_colours(
+    planar: &Planar<'_>,
+    spectra: &Spectra,
+    wavelengths: &Wavelengths,
+    illuminant: Illuminant,
+    computing: &Computing,
+) -> Result<()> {
+    if computing.running.quiet {
+        return Ok(());
+    }
+    let left_out = fidelity::left_out(&spectra.wavelength_nm, illuminant)?;
+    left_out.into_iter().for_each(|said| remark(false, said));
+    if matches!(wavelengths, Wavelengths::List(_)) {
+        match fidelity::too_few(planar, spectra, illuminant, &computing.request()) {
+            Ok(too_few) => too_few.into_iter().for_each(|said| remark(false, said)),
+            Err(error) => remark(false, format_args!("whether the wavelengths are enough is not known: {error}")),
+        }
     }
     Ok(())
 }

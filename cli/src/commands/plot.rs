@@ -37,6 +37,9 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             args.table.display()
         )));
     }
+    if let (Table::Mirror(mirror), PlotKind::Disc | PlotKind::Chromaticity) = (&table, args.kind) {
+        mirror.colours().map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
+    }
     let picture = match &table {
         Table::Mirror(mirror) => match args.kind {
             PlotKind::Disc => disc_of(&table, theta, args.phi)?,
@@ -67,6 +70,7 @@ pub fn disc_of(table: &Table, theta_deg: Option<&[f64]>, phi_deg: f64) -> Result
         Table::Mirror(mirror) => mirror,
         Table::Scatter(scatter) => return lobes::outgoing(scatter, table.name(), theta_deg, phi_deg),
     };
+    mirror.colours()?;
     let rgb = |theta_deg: f64, _phi_deg: f64| mirror.rgb_at(theta_deg);
     Ok(disc(&Disc { label: table.name(), rgb: &rgb, theta_max_deg: 90.0, azimuthal: false }))
 }

@@ -21,7 +21,7 @@ pub fn run(args: &SamplingArgs) -> Result<()> {
         space: args.space.into(),
         request: args.computing.request(),
     };
-    let progress = bar(&scene.name, args.samples.len() + 1, args.computing.running.quiet);
+    let progress = bar(&scene.name, args.samples.len(), args.computing.running.quiet);
     let (fell_back, all) = (Cell::new(0), Cell::new(0));
     let points = error_curve(&planar, &args.samples, &setting, &|spectra| {
         fell_back.set(fell_back.get() + spectra.fell_back);

@@ -1,5 +1,7 @@
 //! `goniochrome spectrum`.
 
+use goniochrome::colour::Illuminant;
+
 use crate::args::SpectrumArgs;
 use crate::commands::{compute, number, write_csv};
 use crate::error::Result;
@@ -11,7 +13,7 @@ pub fn run(args: &SpectrumArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.csv, &scene.files)?;
     let planar = Planar::new(&scene)?;
-    let spectra = compute(&planar, &args.theta.0, &args.wavelengths, &args.computing)?;
+    let spectra = compute(&planar, &args.theta.0, &args.wavelengths, Illuminant::D65, &args.computing)?;
     let rows = (0..spectra.theta_deg.len()).flat_map(|angle| {
         let spectra = &spectra;
         spectra.row(angle).iter().zip(&spectra.wavelength_nm).map(move |(sample, nm)| {

@@ -11,24 +11,21 @@ use std::io::Cursor;
 use clap::ValueEnum;
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Vec2, WritableImage, f16};
-use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
+use goniochrome::colour::{Illuminant, RgbSpace, VISIBLE_NM};
 use goniochrome::interface::Model;
 
 use crate::args::export::Vary;
 use crate::args::{SpaceArg, spelled};
-use crate::colours::{colours, illuminant_of, space_of};
+use crate::colours::{illuminant_of, space_of};
 use crate::error::{Error, Result};
-use crate::estimate::{Method, Precision, Request, spectra};
-use crate::grid::Wavelengths;
+use crate::estimate::{Method, Precision, Request};
+use crate::integral::Integral;
 use crate::parallel;
 use crate::planar::Planar;
 use crate::scene::{Scene, Shape};
 use crate::table::MirrorTable;
 use crate::table_file::{PREFIX, sort_attributes};
 use crate::text;
-
-/// Grazing light, as near as a stack's equations go.
-const GRAZING_COS: f64 = 1e-6;
 
 /// The texture.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -47,21 +44,24 @@ pub struct Lut {
 
 /// θ in degrees of each column.
 fn angles(width: usize) -> impl Iterator<Item = f64> {
-    (0..width).map(move |x| (x as f64 / (width - 1) as f64).max(GRAZING_COS).acos().to_degrees())
+    (0..width).map(move |x| (x as f64 / (width - 1) as f64).acos().to_degrees())
 }
 
 impl Lut {
     /// One row from a table, in the table's colour space; held beyond its last angle.
-    #[must_use]
-    pub fn of_table(table: &MirrorTable, width: usize) -> Self {
+    ///
+    /// # Errors
+    /// A table without colours.
+    pub fn of_table(table: &MirrorTable, width: usize) -> Result<Self> {
+        table.colours()?;
         let name = table.metadata.get("scene").map_or("table", String::as_str);
-        Self {
+        Ok(Self {
             width,
             texels: angles(width).map(|theta| table.rgb_at(theta)).collect(),
             space: space_of(&table.metadata),
             facts: facts(name, illuminant_of(&table.metadata)),
             rows_nm: None,
-        }
+        })
     }
 
     /// From a planar scene, exact at every texel: closed form, D65, linear sRGB.
@@ -189,23 +189,21 @@ fn chromaticities(space: RgbSpace) -> Option<Chromaticities> {
 
 fn row(scene: &Scene, width: usize) -> Result<Vec<[f32; 3]>> {
     let planar = Planar::new(scene)?;
-    let wavelengths = Wavelengths::every(5.0).resolve(&planar)?;
     let theta_deg: Vec<f64> = angles(width).collect();
-    let colours = exact_rgb(&planar, &theta_deg, &wavelengths)?;
+    let colours = exact_rgb(&planar, &theta_deg)?;
     Ok(colours.into_iter().map(|rgb| rgb.map(|c| c as f32)).collect())
 }
 
-/// Linear sRGB in D65 by the closed form, unclipped.
-pub(super) fn exact_rgb(planar: &Planar<'_>, theta_deg: &[f64], wavelengths: &[f64]) -> Result<Vec<[f64; 3]>> {
+/// Linear sRGB in D65 by the closed form, integrated over the wavelength, unclipped.
+pub(super) fn exact_rgb(planar: &Planar<'_>, theta_deg: &[f64]) -> Result<Vec<[f64; 3]>> {
     let request = Request {
         model: Model::Physical,
         method: Method::Stack,
         precision: Precision::F64,
         threads: parallel::available(),
     };
-    let spectra = spectra(planar, theta_deg, wavelengths, &request, &|| ())?;
-    let colours = colours(&spectra, Illuminant::D65, RgbSpace::Srgb, Quadrature::Interpolated)?;
-    Ok(colours.into_iter().map(|colour| colour.rgb).collect())
+    let integral = Integral::new(planar, VISIBLE_NM.map(f64::from), Illuminant::D65, &request)?;
+    Ok(integral.colours(theta_deg)?.into_iter().map(|xyz| RgbSpace::Srgb.from_xyz(xyz)).collect())
 }
 
 #[cfg(test)]

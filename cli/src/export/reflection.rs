@@ -41,6 +41,9 @@ impl Reflection {
         };
         let channels = |wavelengths: &[f64]| if rgb { 3 } else { wavelengths.len() };
         let wavelengths = |wavelengths: &[f64]| if rgb { Vec::new() } else { wavelengths.to_vec() };
+        if let (Table::Mirror(table), true) = (table, rgb) {
+            table.colours()?;
+        }
         match (table, roughness) {
             (Table::Mirror(_), None) => Err(Error::usage(
                 "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \

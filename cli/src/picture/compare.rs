@@ -19,8 +19,9 @@ pub struct Profile<'a> {
     pub right: &'a [f64],
 }
 
-/// Curves of both calculations and of their difference, and below them a disc for each wavelength whose halves show
-/// the two: where they agree, no seam is seen. White is the larger of 1 and the largest reflectance.
+/// Curves of both calculations and of their difference, and below them a grey disc for each wavelength whose halves show
+/// the two: where they agree, no seam is seen. Three wavelengths, in increasing order, also make a coloured disc of each
+/// calculation, in which they are blue, green and red, as in the paper. White is the larger of 1 and the largest reflectance.
 ///
 /// # Panics
 /// If a profile has not as many reflectances as angles, or no angle.
@@ -72,7 +73,31 @@ pub fn side_by_side(title: &str, left_label: &str, right_label: &str, profiles: 
         .collect();
     let names: Vec<_> = profiles.iter().map(|p| format!("{} nm", p.wavelength_nm)).collect();
     let heading = format!("Left half: {left_label}, right half: {right_label}");
-    rows(title, &[curves, vec![disc_grid(&heading, &[String::new()], &names, &discs)]])
+    let grey_discs = disc_grid(&heading, &[String::new()], &names, &discs);
+    match profiles {
+        [blue, green, red] => {
+            let coloured = composed([left_label, right_label], [red, green, blue], white);
+            rows(title, &[curves, vec![coloured, grey_discs]])
+        }
+        _ => rows(title, &[curves, vec![grey_discs]]),
+    }
+}
+
+/// A disc of each calculation, whose red, green and blue are three wavelengths.
+fn composed(labels: [&str; 2], profiles: [&Profile; 3], white: f64) -> Picture {
+    let of = |values: for<'p> fn(&'p Profile) -> &'p [f64]| {
+        move |theta: f64, _: f64| profiles.map(|p| (interpolated(p.theta_deg, values(p), theta) / white) as f32)
+    };
+    let (left, right) = (of(|p| p.left), of(|p| p.right));
+    let theta_max_deg = profiles[0].theta_deg.last().copied().unwrap_or(0.0);
+    let disc = |rgb| Disc { label: "", rgb, theta_max_deg, azimuthal: false };
+    let [red, green, blue] = profiles.map(|p| p.wavelength_nm);
+    disc_grid(
+        &format!("{blue}, {green}, {red} nm as blue, green, red"),
+        &[String::new()],
+        &labels.map(str::to_owned),
+        &[disc(&left), disc(&right)],
+    )
 }
 
 fn interpolated(x: &[f64], y: &[f64], at: f64) -> f64 {
@@ -111,6 +136,24 @@ mod tests {
             pixels.pixel(x as u32, y as u32).unwrap().green()
         };
         assert_eq!([at(0.0, -40.0), at(0.0, 40.0), at(1.0, -40.0), at(1.0, 40.0)], [0, 255, 255, 255]);
+    }
+
+    #[test]
+    fn three_wavelengths_make_the_papers_coloured_discs() {
+        let theta = [0.0, 90.0];
+        let (dark, light) = ([0.0; 2], [1.0; 2]);
+        let profile = |wavelength_nm, left, right| Profile { wavelength_nm, theta_deg: &theta, left, right };
+        let profiles = [profile(436.0, &dark, &light), profile(546.0, &light, &dark), profile(700.0, &dark, &dark)];
+        let picture = composed(["A", "B"], [&profiles[2], &profiles[1], &profiles[0]], 1.0);
+        assert!(picture.svg().contains(">436, 546, 700 nm as blue, green, red<"));
+        let pixels = super::super::tests::pixels(&picture, 1.0);
+        let at = |disc: f64| {
+            let pixel = pixels.pixel((24.0 + (disc + 0.5) * 166.0) as u32, 84 + 60).unwrap();
+            [pixel.red(), pixel.green(), pixel.blue()]
+        };
+        assert_eq!([at(0.0), at(1.0)], [[0, 255, 0], [0, 0, 255]]);
+        let whole = side_by_side("Check", "A", "B", &profiles);
+        assert!(whole.svg().contains("as blue, green, red") && whole.svg().contains("Left half: A, right half: B"));
     }
 
     // Powers of two are exact.

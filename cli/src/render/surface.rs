@@ -1,12 +1,11 @@
 //! A table made ready to shade by.
 
-use clap::ValueEnum;
 use glam::{DMat3, DVec3, Vec3};
-use goniochrome::colour::{Illuminant, RgbSpace};
+use goniochrome::colour::RgbSpace;
 use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 
 use super::channels::Channels;
-use crate::args::{IlluminantArg, SpaceArg};
+use crate::colours::{illuminant_of, screen_space, space_of};
 use crate::error::{Error, Result};
 use crate::memory::filled;
 use crate::table_file::Table;
@@ -46,10 +45,7 @@ impl Surface {
             Table::Mirror(table) => &table.metadata,
             Table::Scatter(table) => &table.metadata,
         };
-        let named = |key: &str| metadata.get(key).map_or("", String::as_str);
-        let illuminant = IlluminantArg::from_str(named("illuminant"), true).map_or(Illuminant::D65, Illuminant::from);
-        let space = SpaceArg::from_str(named("colour_space"), true).map_or(RgbSpace::Srgb, RgbSpace::from);
-        let shown = if space == RgbSpace::Paper { RgbSpace::Paper } else { RgbSpace::Srgb };
+        let (illuminant, space, shown) = (illuminant_of(metadata), space_of(metadata), screen_space(metadata));
         let convert = conversion(space, shown);
         let colour = |rgb: &[f32; 3]| (convert * DVec3::from_array(rgb.map(f64::from))).to_array().map(|c| c as f32);
         let wavelength_nm = match table {
@@ -60,7 +56,8 @@ impl Surface {
         let kind = match table {
             Table::Mirror(table) => {
                 let mean = || table.reflectance_s.iter().zip(&table.reflectance_p).map(|(s, p)| 0.5 * s + 0.5 * p);
-                let values = if spectral { mean().collect() } else { table.rgb.iter().flat_map(colour).collect() };
+                let values =
+                    if spectral { mean().collect() } else { table.colours()?.iter().flat_map(colour).collect() };
                 Kind::Mirror { theta_deg: table.theta_deg.clone(), values }
             }
             Table::Scatter(table) => {

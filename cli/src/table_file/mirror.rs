@@ -2,7 +2,7 @@
 //!
 //! | channel | holds |
 //! |---|---|
-//! | `R`, `G`, `B` | linear RGB |
+//! | `R`, `G`, `B` | linear RGB; left out where no wavelength is visible |
 //! | `T.550,000000nm` | unpolarised reflectance at a wavelength |
 //! | `s.T.550,000000nm`, `p.T.550,000000nm` | its polarised parts |
 //!
@@ -13,6 +13,7 @@ use exr::prelude::Compression;
 
 use super::column::Column;
 use super::container::{Contents, KIND, Opened, WAVELENGTH, channel_names, format_numbers};
+use crate::colours::visible;
 use crate::error::Result;
 use crate::table::{MirrorTable, check_size};
 
@@ -27,7 +28,7 @@ pub fn encode(table: &MirrorTable) -> Result<Vec<u8>> {
     let column = |f: &dyn Fn(usize) -> f32| -> Vec<f32> { (0..table.theta_deg.len()).map(f).collect() };
 
     let mut channels: Vec<(String, Vec<f32>)> = Vec::with_capacity(3 * count + 3);
-    for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+    for (i, name) in ["R", "G", "B"].into_iter().enumerate().filter(|_| !table.rgb.is_empty()) {
         channels.push((name.to_owned(), column(&|x| table.rgb[x][i])));
     }
     for (w, name) in names.iter().enumerate() {
@@ -58,8 +59,11 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<MirrorTable> {
     file.expect((theta_deg.len(), 1), 3 * names.len() + 3)?;
 
     let mut pixels = file.pixels()?;
-    let [r, g, b] = [pixels.take("R")?, pixels.take("G")?, pixels.take("B")?];
-    let rgb = r.into_iter().zip(g).zip(b).map(|((r, g), b)| [r, g, b]).collect();
+    let mut rgb = Vec::new();
+    if visible(&wavelength_nm) {
+        let [r, g, b] = [pixels.take("R")?, pixels.take("G")?, pixels.take("B")?];
+        rgb.extend(r.into_iter().zip(g).zip(b).map(|((r, g), b)| [r, g, b]));
+    }
     let mut reflectance_s = vec![0.0; theta_deg.len() * names.len()];
     let mut reflectance_p = reflectance_s.clone();
     for (w, name) in names.iter().enumerate() {
@@ -95,6 +99,17 @@ mod tests {
         let path = folder.path().join("table.exr");
         write(&path, &sample().into(), 1).unwrap();
         assert_eq!(read(&path).unwrap(), Table::Mirror(sample()));
+    }
+
+    #[test]
+    fn invisible_tables_have_no_colour() {
+        let table = MirrorTable { wavelength_nm: vec![800.0, 1000.0], rgb: Vec::new(), ..sample() };
+        let bytes = encode(&table).unwrap();
+        assert_eq!(decode(&bytes).unwrap(), Table::Mirror(table.clone()));
+        assert!(table.colours().unwrap_err().to_string().contains("no colour"));
+        let mut coloured = table;
+        coloured.rgb = sample().rgb;
+        assert_eq!(encode(&coloured).unwrap_err().to_string(), "the table has 3 RGB colours where 0 belong");
     }
 
     #[test]

@@ -38,7 +38,7 @@ fn facts(table: &Table) -> Value {
 }
 
 fn mirror_like(table: &MirrorTable, facts: &Value) -> Result<Value> {
-    let rgb = screen_rgb(&table.metadata, &table.rgb);
+    let rgb = screen_rgb(&table.metadata, table.colours()?);
     let shown = MirrorTable { theta_deg: table.theta_deg.clone(), rgb, ..MirrorTable::default() };
     let lookup = (0..=STEPS).flat_map(|step| shown.rgb_at(90.0 * f64::from(step) / f64::from(STEPS)));
     Ok(json!({

@@ -6,7 +6,7 @@
 use glam::{DMat3, DVec3};
 use goniochrome::colour::RgbSpace;
 use palette::color_difference::Ciede2000;
-use palette::white_point::D65;
+use palette::white_point::{D65, WhitePoint};
 use palette::{FromColor, Lab, Xyz};
 
 /// A colour in which differences are taken.
@@ -18,6 +18,14 @@ pub fn lab(rgb: [f64; 3]) -> Colour {
     let to_xyz = DMat3::from_cols_array_2d(&RgbSpace::Srgb.matrix()).transpose().inverse();
     let xyz = to_xyz * DVec3::from_array(rgb);
     Colour::from_color(Xyz::<D65, f64>::new(xyz.x, xyz.y, xyz.z))
+}
+
+/// L*a*b* of a colour beside the white of its own light.
+#[must_use]
+pub fn lab_of_xyz(xyz: [f64; 3], white: [f64; 3]) -> Colour {
+    let [x, y, z] = std::array::from_fn(|c| xyz[c] / white[c]);
+    let d65 = <D65 as WhitePoint<f64>>::get_xyz();
+    Colour::from_color(Xyz::<D65, f64>::new(x * d65.x, y * d65.y, z * d65.z))
 }
 
 /// ΔE2000.

@@ -27,13 +27,16 @@ use self::fit::{LAST_DEG, Parameters, angles, fit, round};
 use self::transmission::transmitted;
 use super::lut::exact_rgb;
 use crate::error::{Error, Result};
-use crate::grid::Wavelengths;
 use crate::planar::Planar;
 use crate::scene::Scene;
 use crate::text;
 
 /// Angles at which `extras` and the terminal show both colours.
 const SHOWN_DEG: [u16; 7] = [0, 15, 30, 45, 60, 75, 85];
+
+/// Films of a longer optical path have a thousand fringes and more in the visible range, which no eye and no formula of three
+/// Gaussians tells from their mean.
+const LONGEST_NM: f64 = 4e5;
 
 /// A material, and how far it is from the truth.
 #[derive(Clone, Debug)]
@@ -61,7 +64,13 @@ impl Fitted {
         let planar = Planar::new(scene)
             .map_err(|error| Error::failed(format_args!("glTF's iridescence is a plane film: {error}")))?;
         let film = Film::of(&planar)?;
-        let exact = exact_rgb(&planar, &angles(), &wavelengths(&planar)?)?;
+        if planar.longest_optical_path_nm(VISIBLE_NM.map(f64::from))? > LONGEST_NM {
+            let name = &scene.name;
+            return Err(Error::failed(format_args!(
+                "{name}: the film is too thick to interfere; leave iridescence out"
+            )));
+        }
+        let exact = exact_rgb(&planar, &angles())?;
         let colours: Vec<Colour> = exact.iter().map(|rgb| lab(*rgb)).collect();
         let (parameters, residual) = fit(&film, &colours);
         let unfitted = Summary::of(&Parameters::of(&film).differences(&colours));
@@ -168,18 +177,6 @@ impl Fitted {
         }));
         lines
     }
-}
-
-/// Fine enough for the film's fringes, and never coarser than 1 nm.
-fn wavelengths(planar: &Planar<'_>) -> Result<Vec<f64>> {
-    let name = &planar.scene().name;
-    let too_thick = |error: Error| match error.lacks_data() {
-        true => error,
-        false => Error::failed(format_args!("{name}: the film is too thick to interfere; leave iridescence out")),
-    };
-    let every = Wavelengths::every(1.0).resolve(planar)?;
-    let auto = Wavelengths::Auto(VISIBLE_NM.map(f64::from)).resolve(planar).map_err(too_thick)?;
-    Ok(if auto.len() > every.len() { auto } else { every })
 }
 
 #[cfg(test)]
