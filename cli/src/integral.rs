@@ -1,8 +1,8 @@
 //! A planar scene's reflectance so finely sampled over the wavelength that its colour is that of the integral.
 //!
-//! Samples lie on a tree: [`BASE_STEP_NM`], halved as often as the optical path asks for, and further where the spectrum is
-//! found to be narrower than that. They are taken in closed form and double precision, which costs less than a microsecond
-//! each. [`crate::refine`] chooses from them those that a table keeps.
+//! Samples lie on a tree: [`BASE_STEP_NM`], halved as often as the optical path asks for, and further where the
+//! spectrum is found to be narrower than that. They are taken in closed form and double precision, which costs less
+//! than a microsecond each. [`crate::refine`] chooses from them those that a table keeps.
 
 use std::borrow::Cow;
 
@@ -15,19 +15,20 @@ use crate::planar::Planar;
 /// The coarsest step. Observer, illuminants and the dispersion of materials are smooth over it.
 pub const BASE_STEP_NM: f64 = 5.0;
 
-/// Samples in each fringe of the longest optical path: cubics through eight keep a sine within 1 %, in the mean far better.
+/// Samples in each fringe of the longest optical path: cubics through eight keep a sine within 1 %, in the mean far
+/// better.
 const SAMPLES_PER_FRINGE: f64 = 8.0;
 /// Halvings of [`BASE_STEP_NM`] for a single film, whose lines are as wide as its fringes tell.
 const LEVELS_OF_A_FILM: u32 = 2;
-/// Halvings for several films, whose mirrors may make lines of any width: 0.16 nm. A line of 0.006 nm or more still lifts a
-/// sample enough to be found, and a narrower one is less than 10⁻⁴ of the visible range.
+/// Halvings for several films, whose mirrors may make lines of any width: 0.16 nm. A line of 0.006 nm or more still
+/// lifts a sample enough to be found, and a narrower one is less than 10⁻⁴ of the visible range.
 const LEVELS_OF_FILMS: u32 = 5;
 /// Halvings at most: 0.15 pm, more than the six decimals that name a channel can tell apart.
 const MAX_LEVELS: u32 = 15;
 /// Samples at most, at one angle: 8 in each fringe of an optical path of 48 mm.
 const MAX_FINE: usize = 1 << 20;
-/// An interval is halved while the error of its cubic is more than this part of white: a thousand such lie below a ΔE2000
-/// of 0.1 even where all have one sign.
+/// An interval is halved while the error of its cubic is more than this part of white: a thousand such lie below a
+/// ΔE2000 of 0.1 for a colour half as bright as white, even where all have one sign.
 const INTERVAL_ERROR: f64 = 1e-6;
 /// A cubic through the four neighbours of a sample misses it by seven times what the cubic through it misses half-way.
 const LEFT_OUT: f64 = 7.0;
@@ -123,8 +124,8 @@ impl<'p, 's> Integral<'p, 's> {
         Ok(Self { planar, request, illuminant, base, weights })
     }
 
-    /// Hands over the spectrum at each angle, in their order, with what its samples count. `also` names wavelengths that the
-    /// next spectrum must contain: nodes of the same tree.
+    /// Hands over the spectrum at each angle, in their order, with what its samples count. `also` names wavelengths
+    /// that the next spectrum must contain: nodes of the same tree.
     ///
     /// # Errors
     /// As [`spectra`].

@@ -1,9 +1,9 @@
 //! Which wavelengths a scene's colours need.
 //!
-//! Intervals are halved, the worst first, until the colour at every angle stands still. Two things are asked of the samples
-//! that are kept, both by ΔE2000 against the integral over the wavelength ([`crate::integral`]): the colour that they sum to,
-//! and the error to be expected if those of the intervals had independent signs. The second keeps errors that cancel by luck
-//! from passing for resolution.
+//! Intervals are halved, the worst first, until the colour at every angle stands still. Two things are asked of the
+//! samples that are kept, both by ΔE2000 against the integral over the wavelength ([`crate::integral`]): the colour
+//! that they sum to, and the error to be expected if those of the intervals had independent signs. The second keeps
+//! errors that cancel by luck from passing for resolution.
 
 use goniochrome::colour::{Illuminant, SpectrumCubic, xyz};
 
@@ -165,7 +165,8 @@ impl Errors {
     }
 }
 
-/// The larger of the ΔE2000 of all errors together and of their root sum of squares, with any signs of X and Z beside Y.
+/// The larger of the ΔE2000 of all errors together and of their root sum of squares, with any signs of X and Z beside
+/// Y.
 fn difference(intervals: &[Interval], colour: [f64; 3], white: [f64; 3]) -> f64 {
     let mut sum = [0.0; 3];
     let mut squares = [0.0; 3];

@@ -22,8 +22,8 @@ fn stack(layers: &[(&str, f64)], substrate: &str) -> String {
     format!("[stack]\nambient = 1.0\nlayers = [{}]\nsubstrate = {substrate}\n", layers.join(", "))
 }
 
-/// How many wavelengths are chosen, and the largest ΔE2000 of their colours: as the program tells it, and from a sum over
-/// samples so fine that they need no interpolation.
+/// How many wavelengths are chosen, and the largest ΔE2000 of their colours: as the program tells it, and from a sum
+/// over samples so fine that they need no interpolation.
 fn found(scene: &str, theta_deg: &[f64]) -> (usize, f64, f64) {
     let scene = parse("scene", scene).unwrap();
     let planar = Planar::new(&scene).unwrap();

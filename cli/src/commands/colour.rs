@@ -10,7 +10,7 @@ use crate::colours::{Colour, colours};
 use crate::commands::{compute, remark_on_colours, write_csv};
 use crate::error::Result;
 use crate::output;
-use crate::picture::{hex, leaves_gamut, srgb8};
+use crate::picture::{OutOfGamut, hex, srgb8};
 use crate::planar::Planar;
 use crate::progress::remark;
 use crate::scene::load;
@@ -26,15 +26,9 @@ pub fn run(args: &ColourArgs) -> Result<()> {
     let space = RgbSpace::from(args.colouring.space);
     let colours = colours(&spectra, illuminant, space, Quadrature::Interpolated)?;
     remark_on_colours(&planar, &spectra, &wavelengths, illuminant, &args.computing)?;
-    let outside = colours.iter().filter(|colour| leaves_gamut(colour.display(space))).count();
-    if outside > 0 {
-        let all = colours.len();
-        remark(
-            args.computing.running.quiet,
-            format_args!(
-                "{outside} of {all} colours lie outside the gamut of sRGB; their hex is the nearest of their hue"
-            ),
-        );
+    let of_gamut = |all: OutOfGamut, colour: &Colour| all + OutOfGamut::of(colour.display(space));
+    if let Some(said) = colours.iter().fold(OutOfGamut::default(), of_gamut).says() {
+        remark(args.computing.running.quiet, said);
     }
     match &args.csv {
         Some(path) => {
@@ -59,7 +53,7 @@ fn table(theta_deg: &[f64], colours: &[Colour], space: RgbSpace) -> String {
         let [r, g, b] = srgb8(display);
         let swatch = if coloured { format!("\x1b[48;2;{r};{g};{b}m        \x1b[0m ") } else { String::new() };
         let [red, green, blue] = colour.rgb;
-        let mark = if leaves_gamut(display) { " out of gamut" } else { "" };
+        let mark = OutOfGamut::of(display).says().map_or("", |_| " out of gamut");
         text += &format!("{theta:5.1}° {red:7.3} {green:7.3} {blue:7.3}  {swatch}{}{mark}\n", hex(display));
     }
     text

@@ -62,7 +62,8 @@ fn dispatch(command: &Command) -> Result<()> {
     }
 }
 
-/// Spectra over a grid with a progress bar; says how many wavelengths `auto` has chosen, and how true their colours are.
+/// Spectra over a grid with a progress bar; says how many wavelengths `auto` has chosen, and how true their colours
+/// are.
 fn compute(
     planar: &Planar<'_>,
     theta_deg: &[f64],

@@ -19,9 +19,10 @@ pub struct Profile<'a> {
     pub right: &'a [f64],
 }
 
-/// Curves of both calculations and of their difference, and below them a grey disc for each wavelength whose halves show
-/// the two: where they agree, no seam is seen. Three wavelengths, in increasing order, also make a coloured disc of each
-/// calculation, in which they are blue, green and red, as in the paper. White is the larger of 1 and the largest reflectance.
+/// Curves of both calculations and of their difference, and below them a grey disc for each wavelength whose halves
+/// show the two: where they agree, no seam is seen. Three wavelengths, in increasing order, also make a coloured disc
+/// of each calculation, in which they are blue, green and red, as in the paper. White is the larger of 1 and the
+/// largest reflectance.
 ///
 /// # Panics
 /// If a profile has not as many reflectances as angles, or no angle.

@@ -25,7 +25,7 @@ use svg::Canvas;
 pub use chromaticity::{ColourAt, chromaticity, xy};
 pub use compare::{Profile, side_by_side};
 pub use disc::{Disc, Mark, disc, disc_grid, marked_disc};
-pub use encode::{grey, hex, in_gamut, leaves_gamut, srgb8, wavelength_colour};
+pub use encode::{grey, hex, in_gamut, srgb8, wavelength_colour};
 pub use gamut::OutOfGamut;
 pub use heat_map::{HeatAxis, heat_map};
 pub use layout::rows;

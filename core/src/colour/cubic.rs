@@ -1,13 +1,13 @@
 //! The interpolation between the samples of a spectrum.
 
-/// A neighbour nearer than this share of the interval is passed over for one farther away: a cubic through samples that lie
-/// much closer together than the interval is wide would magnify their differences across it.
+/// A neighbour nearer than this share of the interval is passed over for one farther away: a cubic through samples that
+/// lie much closer together than the interval is wide would magnify their differences across it.
 const NEAREST_NEIGHBOUR: f64 = 0.25;
 
 /// The cubic that stands for a spectrum between two adjacent samples.
 ///
-/// It is the Lagrange polynomial through both and through one neighbour on each side, or two on one side at an end of the
-/// samples. Where fewer than four samples are far enough apart, the degree is lower; one sample is a constant.
+/// It is the Lagrange polynomial through both and through one neighbour on each side, or two on one side at an end of
+/// the samples. Where fewer than four samples are far enough apart, the degree is lower; one sample is a constant.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectrumCubic {
     index: [usize; 4],

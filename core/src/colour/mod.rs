@@ -1,8 +1,8 @@
 //! Spectral reflectance to colour: CIE 1931 2° observer, illuminants E and D65, RGB spaces.
 //!
-//! XYZ = ∫ ρ x̄ȳz̄ S dλ / ∫ ȳ S dλ = Σ w_i ρ(λ_i), where the weights w hold the observer, the illuminant S and the grid of
-//! wavelengths, so that ρ = 1 has Y = 1. Linear RGB follows by a 3×3 matrix and may be negative: a table keeps such values,
-//! only pictures clip.
+//! XYZ = ∫ ρ x̄ȳz̄ S dλ / ∫ ȳ S dλ = Σ w_i ρ(λ_i), where the weights w hold the observer, the illuminant S and the grid
+//! of wavelengths, so that ρ = 1 has Y = 1. Linear RGB follows by a 3×3 matrix and may be negative: a table keeps such
+//! values, only pictures clip.
 
 mod cie;
 mod cubic;
@@ -42,8 +42,9 @@ impl Illuminant {
 /// How the integral over the wavelength becomes a sum over the wavelengths at hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quadrature {
-    /// ρ is interpolated by cubics ([`SpectrumCubic`]) and held beyond the ends; observer and illuminant are linear between
-    /// whole nanometres; their product is integrated exactly. Every sample counts, on any grid, and a flat ρ is exact.
+    /// ρ is interpolated by cubics ([`SpectrumCubic`]) and held beyond the ends; observer and illuminant are linear
+    /// between whole nanometres; their product is integrated exactly. Every sample counts, on any grid, and a flat ρ is
+    /// exact.
     #[default]
     Interpolated,
     /// The observer is sampled at the wavelengths, as the paper does (section 4.4). White depends on the samples.
@@ -187,8 +188,8 @@ fn integrate(samples: &[f64], illuminant: Illuminant, weights: &mut [[f64; 3]]) 
     let (Some(&lowest), Some(&highest)) = (samples.first(), samples.last()) else { return };
     let mut pieces = Pieces::new(illuminant);
     let mut span = |cubic: SpectrumCubic, a: f64, b: f64| {
-        // The CIE's sum over whole nanometres is the trapezoidal rule and half of the two ends. With them a flat spectrum
-        // has the published white.
+        // The CIE's sum over whole nanometres is the trapezoidal rule and half of the two ends. With them a flat
+        // spectrum has the published white.
         for end in VISIBLE_NM.into_iter().filter(|&nm| a < f64::from(nm) && f64::from(nm) <= b) {
             add(
                 weights,
@@ -227,7 +228,8 @@ struct Pieces {
     response: [[f64; 3]; 2],
 }
 
-/// Abscissas in (0, 1) and weights of Gauss's rule of three points. A cubic times a line is of degree 4; it is exact to 5.
+/// Abscissas in (0, 1) and weights of Gauss's rule of three points. A cubic times a line is of degree 4; it is exact to
+/// 5.
 const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 

@@ -1,8 +1,8 @@
 //! Materials of glTF 2.0: single films as `KHR_materials_iridescence`.
 //!
 //! The extension knows one clear film in air on a dielectric or a metal, with Schlick's Fresnel terms, phases of 0 or π
-//! and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics, so those are
-//! written whose colours come nearest, and how near that is stands in the material's `extras` and on the terminal.
+//! and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics, so those
+//! are written whose colours come nearest, and how near that is stands in the material's `extras` and on the terminal.
 //!
 //! Light that a clear film on a clear substrate lets through goes on ([`transmission`]). The file is complete: a sphere
 //! wears the material ([`body`]).
@@ -34,8 +34,8 @@ use crate::text;
 /// Angles at which `extras` and the terminal show both colours.
 const SHOWN_DEG: [u16; 7] = [0, 15, 30, 45, 60, 75, 85];
 
-/// Films of a longer optical path have a thousand fringes and more in the visible range, which no eye and no formula of three
-/// Gaussians tells from their mean.
+/// Films of a longer optical path have a thousand fringes and more in the visible range, which no eye and no formula of
+/// three Gaussians tells from their mean.
 const LONGEST_NM: f64 = 4e5;
 
 /// A material, and how far it is from the truth.
