@@ -130,7 +130,7 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// What to tell the user before the work: what happens to it if it is interrupted.
+    /// What to tell the user as the work begins: what happens to it if it is interrupted.
     #[must_use]
     pub fn says(&self) -> String {
         let path = self.path.display();

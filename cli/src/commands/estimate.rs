@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Once;
 
 use goniochrome::bins::DirectionBins;
 use goniochrome::colour::{Quadrature, RgbSpace};
@@ -189,11 +190,15 @@ fn scattering(
         Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), cell.restart)?,
         None => None,
     };
-    if let Some(checkpoint) = &checkpoint {
-        remark(args.computing.running.quiet, checkpoint.says());
-    }
-    let progress = bar(&scene.name, layout.incident_count(), args.computing.running.quiet);
-    let mut table = estimate(&bumpy, wavelength_nm, &request, checkpoint.as_ref(), &|| progress.inc(1))?;
+    let quiet = args.computing.running.quiet;
+    let progress = bar(&scene.name, layout.incident_count(), quiet);
+    // With the first direction, and not before: what is refused has nothing to resume.
+    let (says, said) = (checkpoint.as_ref().map(Checkpoint::says), Once::new());
+    let finished = || {
+        said.call_once(|| says.iter().for_each(|says| progress.suspend(|| remark(quiet, says))));
+        progress.inc(1);
+    };
+    let mut table = estimate(&bumpy, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
     if let Err(error) = table.check() {
         checkpoint.map_or(Ok(()), Checkpoint::remove)?;
