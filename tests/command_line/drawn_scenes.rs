@@ -19,7 +19,7 @@ fn a_planar_scene_is_drawn_as_its_table_is() {
     user.ok("render t.exr -o a.exr --size 32 --samples 1");
     let said = user.ok("render film.toml -o b.exr --size 32 --samples 1").stderr;
     assert!(user.read("a.exr") == user.read("b.exr"));
-    assert!(said.starts_with("film: 90 angles × 81 wavelengths") && said.contains("`goniochrome estimate`"), "{said}");
+    assert!(said.contains("film: 90 angles × 81 wavelengths") && said.contains("`goniochrome estimate`"), "{said}");
     // A table may have any name.
     std::fs::rename(user.at("t.exr"), user.at("table")).unwrap();
     user.ok("plot table --kind disc -o c.svg");
@@ -32,7 +32,7 @@ fn presets_are_drawn_by_name_and_leave_no_other_file() {
     let user = User::new();
     user.ok("plot soap-bubble -o bubble.png -q");
     let said = user.ok("plot dvd --kind lobes -o dvd.svg").stderr;
-    assert!(said.starts_with("dvd: 8 × 16 incident directions × 16 × 32 bins × 41 wavelengths"), "{said}");
+    assert!(said.contains("dvd: 8 × 16 incident directions × 16 × 32 bins × 41 wavelengths"), "{said}");
     let mut names: Vec<_> = std::fs::read_dir(user.at(".")).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["bubble.png", "dvd.svg"]);
