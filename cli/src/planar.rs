@@ -1,19 +1,20 @@
-//! A scene as a planar cell: what the tracer and the closed form are given.
+//! A scene as a planar multilayer: what the tracer and the closed form are given.
 
 use goniochrome::cell::{Cell, Facet};
 use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::Medium;
+use goniochrome::medium::{Medium, MediumIndex};
 use goniochrome::stack::{Boundary, Film, Stack, StackMemory};
 
 use crate::error::{Error, Result};
-use crate::scene::{Scene, Shape};
+use crate::scene::{Layer, Plane, Scene, Shape};
 
-/// The facets of a planar scene, from the top, and what they divide.
+/// A planar scene as a multilayer: that of its stack, or the planes of its mesh.
 #[derive(Debug, Clone)]
 pub struct Planar<'s> {
     scene: &'s Scene,
-    facets: Vec<Facet>,
-    interfaces: Vec<Interface>,
+    ambient: MediumIndex,
+    layers: Vec<Film>,
+    substrate: Below,
 }
 
 /// Memory that a [`Stack`] borrows.
@@ -24,26 +25,29 @@ pub struct StackBuffer {
     boundaries: Vec<Boundary>,
 }
 
+impl StackBuffer {
+    fn for_planes(planes: usize) -> Self {
+        Self {
+            interfaces: vec![Interface { above: 0, below: Below::Mirror }; planes],
+            films: vec![Film { medium: 0, thickness_nm: 0.0 }; planes],
+            boundaries: vec![Boundary::default(); planes],
+        }
+    }
+}
+
 impl<'s> Planar<'s> {
     /// The planes of a scene: those of a mesh, or those between the layers of a stack.
     ///
     /// # Errors
     /// A mesh of tilted facets.
     pub fn new(scene: &'s Scene) -> Result<Self> {
-        let planes: Vec<(f64, Interface)> = match &scene.shape {
+        let planar = match &scene.shape {
+            // As written: heights, of which a layer would be a difference, round.
             Shape::Stack { ambient, layers, substrate } => {
-                let mut z_nm = 0.0;
-                let mut above = *ambient;
-                let mut planes = Vec::with_capacity(layers.len() + 1);
-                for layer in layers {
-                    planes.push((z_nm, Interface { above, below: Below::Medium(layer.medium) }));
-                    z_nm -= layer.thickness_nm;
-                    above = layer.medium;
-                }
-                planes.push((z_nm, Interface { above, below: *substrate }));
-                planes
+                let film = |layer: &Layer| Film { medium: layer.medium, thickness_nm: layer.thickness_nm };
+                Self { scene, ambient: *ambient, layers: layers.iter().map(film).collect(), substrate: *substrate }
             }
-            Shape::Planes(flat) => flat.planes().iter().map(|plane| (plane.z_nm, plane.interface)).collect(),
+            Shape::Planes(flat) => Self::of_planes(scene, flat.planes())?,
             Shape::Mesh(_) => {
                 return Err(Error::failed(format_args!(
                     "{}: has tilted facets, which scatter light; use estimate for its BRDF table and colours, scatter or orders \
@@ -52,9 +56,14 @@ impl<'s> Planar<'s> {
                 )));
             }
         };
+        planar.stack(&mut planar.buffer())?;
+        Ok(planar)
+    }
+
+    fn of_planes(scene: &'s Scene, planes: &[Plane]) -> Result<Self> {
         let mut interfaces: Vec<Interface> = Vec::new();
         let mut facets = Vec::with_capacity(planes.len());
-        for (z_nm, interface) in planes {
+        for &Plane { z_nm, interface } in planes {
             let place = interfaces.iter().position(|known| *known == interface).unwrap_or_else(|| {
                 interfaces.push(interface);
                 interfaces.len() - 1
@@ -62,26 +71,19 @@ impl<'s> Planar<'s> {
             let place = u16::try_from(place).map_err(|_| Error::failed("the scene has more than 65535 interfaces"))?;
             facets.push(Facet::horizontal(z_nm, place));
         }
-        let planar = Self { scene, facets, interfaces };
-        planar.cell()?;
-        Ok(planar)
-    }
-
-    /// The checked cell.
-    fn cell(&self) -> Result<Cell<'_>> {
-        let named = |error| Error::failed(format_args!("{}: {error}", self.scene.name));
-        Cell::new(&self.facets, &self.interfaces).map_err(named)
+        let named = |error: &dyn std::fmt::Display| Error::failed(format_args!("{}: {error}", scene.name));
+        let cell = Cell::new(&facets, &interfaces).map_err(|error| named(&error))?;
+        let StackBuffer { mut interfaces, mut films, mut boundaries } = StackBuffer::for_planes(facets.len());
+        let memory = StackMemory { interfaces: &mut interfaces, films: &mut films, boundaries: &mut boundaries };
+        let stack = cell.stack(memory).map_err(|error| named(&error))?;
+        let layers = (0..stack.planes() - 1).map(|j| stack.film(j)).collect();
+        Ok(Self { scene, ambient: stack.ambient(), layers, substrate: stack.substrate() })
     }
 
     /// Memory for [`Planar::stack`].
     #[must_use]
     pub fn buffer(&self) -> StackBuffer {
-        let planes = self.facets.len();
-        StackBuffer {
-            interfaces: vec![Interface { above: 0, below: Below::Mirror }; planes],
-            films: vec![Film { medium: 0, thickness_nm: 0.0 }; planes],
-            boundaries: vec![Boundary::default(); planes],
-        }
+        StackBuffer::for_planes(self.layers.len() + 1)
     }
 
     /// The scene as a multilayer.
@@ -91,7 +93,8 @@ impl<'s> Planar<'s> {
     pub fn stack<'b>(&self, buffer: &'b mut StackBuffer) -> Result<Stack<'b>> {
         let StackBuffer { interfaces, films, boundaries } = buffer;
         let memory = StackMemory { interfaces, films, boundaries };
-        self.cell()?.stack(memory).map_err(|error| Error::failed(format_args!("{}: {error}", self.scene.name)))
+        Stack::new(self.ambient, self.layers.iter().copied(), self.substrate, memory)
+            .map_err(|error| Error::failed(format_args!("{}: {error}", self.scene.name)))
     }
 
     /// The media, in the scene's order.
@@ -125,7 +128,7 @@ impl<'s> Planar<'s> {
     /// Layers between the outer media.
     #[must_use]
     pub fn layers(&self) -> usize {
-        self.facets.len() - 1
+        self.layers.len()
     }
 
     /// The scene.
