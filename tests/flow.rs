@@ -5,13 +5,16 @@ use std::path::Path;
 
 const FLOW: &[&str] = &[
     "lanes",
+    "double_double",
     "sampling",
     "complex",
     "vector",
     "turns",
+    "incidence",
     "medium",
     "interface",
     "stack",
+    "rounding",
     "coating",
     "bvh",
     "cell",

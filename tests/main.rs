@@ -7,6 +7,7 @@ mod growth;
 mod laws;
 mod paper;
 mod planar;
+mod precise;
 mod reference;
 mod scalar;
 mod scatter_table;

@@ -1,6 +1,7 @@
 //! Reference results in `data/`, computed by programs that share no code with this one.
 
 use goniochrome::complex::ComplexLanes;
+use goniochrome::incidence::Incidence;
 use goniochrome::interface::{Below, Model};
 use goniochrome::lanes::{F64, Lanes};
 use goniochrome::medium::{MediaLanes, Medium, MediumIndex};
@@ -69,6 +70,17 @@ impl Layered {
         model: Model,
         f: impl FnOnce(&Optics<'_, V>) -> R,
     ) -> R {
+        self.with_optics_at(theta_deg.to_radians().sin().into(), wavelengths_nm, model, f)
+    }
+
+    /// [`Layered::with_optics`] with all digits of the angle.
+    pub fn with_optics_at<V: Lanes, R>(
+        &self,
+        incidence: Incidence<V::Precise>,
+        wavelengths_nm: &[f64],
+        model: Model,
+        f: impl FnOnce(&Optics<'_, V>) -> R,
+    ) -> R {
         let mut media: Vec<Complex64> = Vec::new();
         let index: Vec<MediumIndex> = self
             .eta
@@ -93,7 +105,7 @@ impl Layered {
         let mut arrays = StackArrays::<MOST_PLANES>::new();
         let stack = Stack::new(index[0], layers, substrate, arrays.memory()).expect("the stack fits");
         let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
-        f(&Optics::new(stack, &lanes, theta_deg.to_radians().sin(), model, memory.memory()))
+        f(&Optics::new(stack, &lanes, incidence, model, memory.memory()))
     }
 }
 

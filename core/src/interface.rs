@@ -64,7 +64,13 @@ impl<V: Lanes> Wave<V> {
     /// The wave of tangential wavevector q_t in a medium of index η; q_t·q_t is given.
     #[inline]
     pub fn new(eta: ComplexLanes<V::Precise>, tangential_squared: ComplexLanes<V::Precise>) -> Self {
-        Self::with_normal(eta, (eta.square() - tangential_squared).sqrt_away())
+        Self::of_square(eta, eta.square() - tangential_squared)
+    }
+
+    /// [`Wave::new`] where q_n² is known.
+    #[inline]
+    pub(crate) fn of_square(eta: ComplexLanes<V::Precise>, normal_squared: ComplexLanes<V::Precise>) -> Self {
+        Self::with_normal(eta, normal_squared.sqrt_away())
     }
 
     /// [`Wave::new`] for a film. At a film's critical angle q_n → 0 its two waves grow like 1/q_n and cancel: amplitudes lose
@@ -72,13 +78,23 @@ impl<V: Lanes> Wave<V> {
     /// A substrate needs no such care, and would show it: its R has the slope of √ there.
     #[inline]
     pub fn in_film(eta: ComplexLanes<V::Precise>, tangential_squared: ComplexLanes<V::Precise>) -> Self {
-        let eta_squared = eta.square();
-        let mut normal_squared = eta_squared - tangential_squared;
-        let least = eta_squared.norm() * V::Precise::splat(2.0 * V::UNIT_ROUNDOFF);
+        Self::film_of_square(eta, eta.square() - tangential_squared)
+    }
+
+    /// [`Wave::in_film`] where q_n² is known. Called, it would pass eight vectors through memory.
+    #[inline(always)]
+    pub(crate) fn film_of_square(eta: ComplexLanes<V::Precise>, mut normal_squared: ComplexLanes<V::Precise>) -> Self {
+        let least = Self::least_in_film(eta);
         let size = normal_squared.norm();
         normal_squared.re = size.select_lt(least, least, normal_squared.re);
         normal_squared.im = size.select_lt(least, V::Precise::zero(), normal_squared.im);
         Self::with_normal(eta, normal_squared.sqrt_upper())
+    }
+
+    /// The least |q_n²| of [`Wave::in_film`].
+    #[inline]
+    pub(crate) fn least_in_film(eta: ComplexLanes<V::Precise>) -> V::Precise {
+        eta.norm_sqr() * V::Precise::splat(2.0 * V::UNIT_ROUNDOFF)
     }
 
     /// The wave of normal wavevector q_n in a medium of index η.

@@ -21,12 +21,14 @@
 //!
 //! | module | what | equation |
 //! |---|---|---|
-//! | [`lanes`], [`complex`], [`vector`] | one number per wavelength of a group | |
+//! | [`lanes`], [`double_double`], [`complex`], [`vector`] | one number per wavelength of a group | |
 //! | [`turns`] | phase factors of long paths | exp(2πi q·L/λ), path reduced to ±½ in double precision |
 //! | [`medium`] | n + ik of a wavelength | dispersion formulas 1 to 9, tables |
+//! | [`incidence`] | the angle of the light, to all its digits | q_n² = η² − q_t² |
 //! | [`interface`] | one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η²; models |
 //! | [`coating`] | films on a facet, by the same recursion | |
 //! | [`stack`] | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
+//! | [`rounding`] | how far rounding may have moved R and T | δρ₀ = Σ (wave that meets plane j)² δρ_j |
 //! | [`cell`], [`mesh`] | the facets of a micro-surface | |
 //! | [`bvh`] | the triangle that a ray meets first | u, v, w of one sign |
 //! | [`trace`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
@@ -192,7 +194,9 @@ pub mod coating;
 pub mod coherence;
 pub mod colour;
 pub mod complex;
+pub mod double_double;
 pub mod geometric;
+pub mod incidence;
 pub mod interface;
 pub mod lanes;
 pub mod layers;
@@ -201,6 +205,7 @@ pub mod mesh;
 pub mod orders;
 pub mod paths;
 pub mod polygons;
+pub mod rounding;
 pub mod sampling;
 pub mod stack;
 pub mod table;

@@ -34,9 +34,29 @@ const SIN_TERMS: [f64; 8] = [
     1.0 / 355687428096000.0,
 ];
 
+/// 2π − [`TAU`].
+const TAU_LOW: f64 = 2.449_293_598_294_706_4e-16;
+
 /// How many terms of the series lanes of this precision need.
 const fn series_terms<V: Lanes>() -> usize {
     if V::UNIT_ROUNDOFF > 1e-10 { 4 } else { 8 }
+}
+
+/// 1 − y²/(n (n + 1)) (1 − y²/((n + 2)(n + 3)) (1 − …)): the cosine for n = 1, the sine over y for n = 2. For lanes of
+/// more digits than doubles, to which the constants of [`COS_TERMS`] are rounded; the first omitted term is y²⁴/24! <
+/// 5e-27 and y²⁴/25! < 2e-28.
+fn nested_series<V: Lanes>(y2: V, n: u32) -> V {
+    const TERMS: u32 = 11;
+    (0..TERMS).rev().fold(V::one(), |sum, term| {
+        let k = n + 2 * term;
+        V::one() - sum * y2 / V::splat(f64::from(k * (k + 1)))
+    })
+}
+
+/// 2π as the lanes hold it.
+#[inline]
+fn tau<V: Lanes>() -> V {
+    V::splat(TAU) + V::splat(TAU_LOW)
 }
 
 /// cos 2πx + i sin 2πx for x in [−½, ½]; each part within [`CIS_ERROR`] unit roundoffs.
@@ -44,14 +64,17 @@ const fn series_terms<V: Lanes>() -> usize {
 pub fn cis<V: Lanes>(turn: V) -> ComplexLanes<V> {
     // A quarter turn at most π/4 away, and how many quarters were taken off: −2 … 2.
     let quarters = (turn * V::splat(4.0)).round();
-    let y = quarters.neg_mul_add(V::splat(0.25), turn) * V::splat(TAU);
+    let y = quarters.neg_mul_add(V::splat(0.25), turn) * tau();
     let y2 = y * y;
-    let series = |terms: &[f64; 8]| {
-        let terms = &terms[..series_terms::<V>()];
-        terms.iter().rev().fold(V::zero(), |sum, &term| sum.mul_add(y2, V::splat(term)))
+    let (cos, sin) = if V::UNIT_ROUNDOFF < f64::EPSILON / 2.0 {
+        (nested_series(y2, 1), nested_series(y2, 2) * y)
+    } else {
+        let series = |terms: &[f64; 8]| {
+            let terms = &terms[..series_terms::<V>()];
+            terms.iter().rev().fold(V::zero(), |sum, &term| sum.mul_add(y2, V::splat(term)))
+        };
+        (series(&COS_TERMS).mul_add(y2, V::one()), (series(&SIN_TERMS) * y2).mul_add(y, y))
     };
-    let cos = series(&COS_TERMS).mul_add(y2, V::one());
-    let sin = (series(&SIN_TERMS) * y2).mul_add(y, y);
 
     let half = V::splat(0.5);
     let odd = (quarters.abs() - V::one()).abs(); // 0 where the quarters are odd
@@ -73,12 +96,13 @@ pub fn propagate<V: Lanes>(turns: ComplexLanes<V::Precise>) -> ComplexLanes<V> {
 /// exp(−2π Im z): how much amplitude is left after a complex path z in wavelengths.
 #[inline]
 pub fn attenuation<V: Lanes>(turns: ComplexLanes<V::Precise>) -> V {
-    V::narrow(turns.im * <V::Precise as Lanes>::splat(-TAU)).exp()
+    V::narrow(turns.im * -tau::<V::Precise>()).exp()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::double_double::DoubleDouble;
     use crate::lanes::{F32, F64};
     use num_complex::Complex64;
 
@@ -99,6 +123,23 @@ mod tests {
         {
             assert!(worst <= CIS_ERROR * roundoff, "{name}: {} roundoffs", worst / roundoff);
         }
+    }
+
+    #[test]
+    fn lanes_of_twice_the_digits_keep_theirs() {
+        type V = DoubleDouble;
+        let bound = CIS_ERROR * V::UNIT_ROUNDOFF;
+        for i in -50..=50 {
+            let turn = V::splat(f64::from(i)) / V::splat(200.0);
+            let (once, twice) = (cis(turn), cis(turn + turn));
+            let off = once.square() - twice;
+            assert!(off.re.abs().lane(0) <= 4.0 * bound && off.im.abs().lane(0) <= 4.0 * bound, "{i}: {off:?}");
+            assert!((once.norm_sqr() - V::one()).abs().lane(0) <= 2.0 * bound);
+        }
+        // Twelve twelfths of a turn.
+        let twelfth = cis(V::one() / V::splat(12.0));
+        let full = (0..12).fold(ComplexLanes::one(), |product, _| product * twelfth);
+        assert!((full - ComplexLanes::one()).norm().lane(0) <= 12.0 * bound);
     }
 
     #[test]

@@ -5,8 +5,9 @@ use super::*;
 use goniochrome::coherence::Ledger;
 
 const SOME_STACKS: u32 = 2_000;
-/// Error of closed loops in double precision, at the critical angle of a film too: √ of the unit roundoff.
-const CLOSED_LOOPS: f64 = 1e-7;
+/// Error of closed loops in double precision, and of the twin, at the critical angle of a film or substrate too: R
+/// changes by up to 4 q_n there, of which the square is rounded to some 2e-15 |η|².
+const CLOSED_LOOPS: f64 = 4e-7;
 /// Few, so that many sums end early.
 const FEW_GENERATIONS: u32 = 2_000;
 

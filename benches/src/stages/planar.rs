@@ -1,7 +1,7 @@
 use std::hint::black_box;
 
 use goniochrome::lanes::Lanes;
-use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome::layers::{Summation, Workspace, rounding, trace_layers};
 use goniochrome::trace::Limits;
 
 use super::{Visit, Work};
@@ -25,6 +25,14 @@ pub fn planar<V: Lanes>(visit: Visit<'_>) {
             visit(&Work { stage: "trace planar", name, unit: "wavelength·states", amount }, &mut || {
                 black_box(trace_layers(black_box(optics), summation, workspace.memory()).expect("the stack fits"));
             });
+            if summation == Summation::ClosedLoops {
+                visit(
+                    &Work { stage: "trace planar", name: "rounding", unit: "wavelength·states", amount },
+                    &mut || {
+                        black_box(rounding(black_box(optics), workspace.memory().totals));
+                    },
+                );
+            }
         }
     });
 }

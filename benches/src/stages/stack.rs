@@ -27,5 +27,8 @@ pub fn stack<V: Lanes>(visit: Visit<'_>) {
         visit(&work("response"), &mut || {
             black_box(black_box(optics).response());
         });
+        visit(&work("response and rounding"), &mut || {
+            black_box(black_box(optics).response_and_rounding());
+        });
     });
 }

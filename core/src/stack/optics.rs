@@ -1,215 +1,12 @@
-//! A planar multilayer, and its reflection and transmission in closed form (the paper's section 4.5, "formula for
-//! analysis").
-//!
-//! From the substrate upwards ρ_j = (r_j + ρ_{j+1} e²)/(1 + r_j ρ_{j+1} e²) with e = exp(i k₀ q_n d). |e| ≤ 1, so nothing
-//! overflows for opaque layers. Numerator and denominator are carried apart and divided once at the end.
-//!
-//! What depends on a distinct film or a distinct pair of media is computed once per angle and group of wavelengths
-//! ([`Optics`]), so a repeated layer costs a handful of multiply-adds per wavelength and polarisation.
+//! What a stack does to light of one angle and one group of wavelengths.
 
+use super::{Film, Stack};
 use crate::complex::{ComplexLanes, Polarised};
-use crate::interface::{Below, Interface, Model, Wave, reflection, transmission};
+use crate::incidence::Incidence;
+use crate::interface::{Below, Model, Wave, reflection, transmission};
 use crate::lanes::Lanes;
 use crate::medium::{MediaLanes, MediumIndex};
 use crate::turns::propagate;
-
-/// A layer: its medium and its thickness.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
-    /// The medium.
-    pub medium: MediumIndex,
-    /// Thickness in nanometres, ≥ 0.
-    pub thickness_nm: f64,
-}
-
-/// One plane of a stack, by place in the lists of distinct interfaces and films.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Boundary {
-    pub(crate) interface: u32,
-    /// The film below; of no meaning for the last boundary.
-    pub(crate) film: u32,
-}
-
-/// Memory in which a stack of up to `boundaries.len() − 1` layers is laid out; all three of equal length suffice.
-#[derive(Debug)]
-pub struct StackMemory<'a> {
-    /// Distinct pairs of media.
-    pub interfaces: &'a mut [Interface],
-    /// Distinct films.
-    pub films: &'a mut [Film],
-    /// One for each plane.
-    pub boundaries: &'a mut [Boundary],
-}
-
-/// [`StackMemory`] for up to `N` planes, N − 1 layers.
-#[derive(Clone, Copy, Debug)]
-pub struct StackArrays<const N: usize> {
-    interfaces: [Interface; N],
-    films: [Film; N],
-    boundaries: [Boundary; N],
-}
-
-impl<const N: usize> StackArrays<N> {
-    /// Empty.
-    #[must_use]
-    pub fn new() -> Self {
-        Self {
-            interfaces: [Interface { above: 0, below: Below::Mirror }; N],
-            films: [Film { medium: 0, thickness_nm: 0.0 }; N],
-            boundaries: [Boundary { interface: 0, film: 0 }; N],
-        }
-    }
-
-    /// Lends the arrays.
-    pub fn memory(&mut self) -> StackMemory<'_> {
-        StackMemory { interfaces: &mut self.interfaces, films: &mut self.films, boundaries: &mut self.boundaries }
-    }
-}
-
-impl<const N: usize> Default for StackArrays<N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// Why a stack was refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StackError {
-    /// The memory holds `available` planes; more are needed.
-    Memory {
-        /// Planes for which there is room.
-        available: usize,
-    },
-    /// A thickness that is negative, NaN or infinite.
-    Thickness {
-        /// Layer, from 0 at the top.
-        layer: usize,
-        /// The offending thickness.
-        thickness_nm: f64,
-    },
-}
-
-impl core::fmt::Display for StackError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            Self::Memory { available } => write!(f, "the stack has more than the {available} planes its memory holds"),
-            Self::Thickness { layer, thickness_nm } => {
-                write!(f, "layer {}: thickness {thickness_nm} nm must be finite and not negative", layer + 1)
-            }
-        }
-    }
-}
-
-impl core::error::Error for StackError {}
-
-/// A planar multilayer, checked: at least one plane, finite thicknesses.
-#[derive(Clone, Copy, Debug)]
-pub struct Stack<'a> {
-    interfaces: &'a [Interface],
-    films: &'a [Film],
-    boundaries: &'a [Boundary],
-    ambient: MediumIndex,
-    substrate: Below,
-}
-
-/// Where `wanted` stands in `list`; appended if new.
-fn intern<T: Copy + PartialEq>(list: &mut [T], len: &mut usize, wanted: T) -> Option<u32> {
-    // Stacks repeat within a few layers; an unbounded search would make random stacks quadratic.
-    const RECENT: usize = 64;
-    let from = len.saturating_sub(RECENT);
-    let found = list.iter().take(*len).enumerate().skip(from).find(|(_, x)| **x == wanted);
-    let place = match found {
-        Some((place, _)) => place,
-        None => {
-            *list.get_mut(*len)? = wanted;
-            *len += 1;
-            *len - 1
-        }
-    };
-    u32::try_from(place).ok()
-}
-
-impl<'a> Stack<'a> {
-    /// Lays out a stack in `memory`, from the ambient medium downwards.
-    ///
-    /// # Errors
-    /// [`StackError`].
-    pub fn new(
-        ambient: MediumIndex,
-        layers: impl IntoIterator<Item = Film>,
-        substrate: Below,
-        memory: StackMemory<'a>,
-    ) -> Result<Self, StackError> {
-        let StackMemory { interfaces, films, boundaries } = memory;
-        let (mut interface_count, mut film_count, mut planes) = (0, 0, 0);
-        let full = StackError::Memory { available: boundaries.len().min(interfaces.len()).min(films.len()) };
-        let mut above = ambient;
-        for (layer, film) in layers.into_iter().enumerate() {
-            if !(film.thickness_nm >= 0.0 && film.thickness_nm.is_finite()) {
-                return Err(StackError::Thickness { layer, thickness_nm: film.thickness_nm });
-            }
-            let below = Below::Medium(film.medium);
-            let interface = intern(interfaces, &mut interface_count, Interface { above, below }).ok_or(full)?;
-            let film_index = intern(films, &mut film_count, film).ok_or(full)?;
-            *boundaries.get_mut(planes).ok_or(full)? = Boundary { interface, film: film_index };
-            planes += 1;
-            above = film.medium;
-        }
-        let last = Interface { above, below: substrate };
-        let interface = intern(interfaces, &mut interface_count, last).ok_or(full)?;
-        *boundaries.get_mut(planes).ok_or(full)? = Boundary { interface, film: 0 };
-        let (interfaces, films, boundaries): (&'a [_], &'a [_], &'a [_]) = (interfaces, films, boundaries);
-        Ok(Self {
-            interfaces: interfaces.get(..interface_count).ok_or(full)?,
-            films: films.get(..film_count).ok_or(full)?,
-            boundaries: boundaries.get(..=planes).ok_or(full)?,
-            ambient,
-            substrate,
-        })
-    }
-
-    /// Number of planes: layers + 1.
-    #[must_use]
-    pub fn planes(&self) -> usize {
-        self.boundaries.len()
-    }
-
-    /// The media above and below plane `j`, 0 at the top; those of the whole stack for a plane that it does not have.
-    #[must_use]
-    pub fn interface(&self, j: usize) -> Interface {
-        let known = self.boundaries.get(j).and_then(|boundary| self.interfaces.get(boundary.interface as usize));
-        known.copied().unwrap_or(Interface { above: self.ambient, below: self.substrate })
-    }
-
-    /// The layer below plane `j`, which must not be the last; a layer of no thickness for a plane that the stack does not have.
-    #[must_use]
-    pub fn film(&self, j: usize) -> Film {
-        let known = self.boundaries.get(j).and_then(|boundary| self.films.get(boundary.film as usize));
-        known.copied().unwrap_or(Film { medium: self.ambient, thickness_nm: 0.0 })
-    }
-
-    /// The medium from which the light comes.
-    #[must_use]
-    pub fn ambient(&self) -> MediumIndex {
-        self.ambient
-    }
-
-    /// What lies under the last plane.
-    #[must_use]
-    pub fn substrate(&self) -> Below {
-        self.substrate
-    }
-
-    /// Media that a scene must have for this stack: one more than the largest index in use.
-    #[must_use]
-    pub fn media(&self) -> usize {
-        let each = |i: &Interface| match i.below {
-            Below::Medium(below) => below.max(i.above),
-            Below::Mirror => i.above,
-        };
-        self.interfaces.iter().map(each).max().map_or(0, |largest| usize::from(largest) + 1)
-    }
-}
 
 /// Memory for [`Optics`]: at least as many elements as the stack has media, distinct interfaces and distinct films; the
 /// number of planes suffices for the last two.
@@ -261,6 +58,7 @@ pub struct Optics<'m, V: Lanes> {
     waves: &'m [Wave<V>],
     reflections: &'m [Polarised<ComplexLanes<V>>],
     propagators: &'m [ComplexLanes<V>],
+    media: MediaLanes<'m, V>,
     model: Model,
 }
 
@@ -271,6 +69,38 @@ pub struct Response<V> {
     pub reflection: Polarised<ComplexLanes<V>>,
     /// Amplitude that arrives behind the last plane, referred to it; the magnetic field for p. Of no meaning for a mirror.
     pub transmission: Polarised<ComplexLanes<V>>,
+}
+
+/// Is shown the recursion as it climbs; `()` looks away.
+pub(crate) trait Observer<V: Lanes> {
+    /// r of the last plane, with which the recursion begins.
+    fn last_plane(&mut self, r: Polarised<ComplexLanes<V>>);
+    /// r of the next plane above, e of the film between, and ρ = n/d with that plane.
+    fn plane(
+        &mut self,
+        r: Polarised<ComplexLanes<V>>,
+        e: ComplexLanes<V>,
+        n: Polarised<ComplexLanes<V>>,
+        d: Polarised<ComplexLanes<V>>,
+    );
+    /// n and d were multiplied by this.
+    fn rescale(&mut self, scale: Polarised<V>);
+}
+
+impl<V: Lanes> Observer<V> for () {
+    #[inline]
+    fn last_plane(&mut self, _: Polarised<ComplexLanes<V>>) {}
+    #[inline]
+    fn plane(
+        &mut self,
+        _: Polarised<ComplexLanes<V>>,
+        _: ComplexLanes<V>,
+        _: Polarised<ComplexLanes<V>>,
+        _: Polarised<ComplexLanes<V>>,
+    ) {
+    }
+    #[inline]
+    fn rescale(&mut self, _: Polarised<V>) {}
 }
 
 /// Memory or media are fewer than a stack needs: see [`OpticsMemory`] and [`Stack::media`].
@@ -292,43 +122,47 @@ impl<'m, V: Lanes> Optics<'m, V> {
     /// If `memory` or `media` is smaller than the stack needs ([`Stack::media`], [`Stack::planes`]).
     pub fn new(
         stack: Stack<'m>,
-        media: &MediaLanes<'_, V>,
-        sin_theta: f64,
+        media: &MediaLanes<'m, V>,
+        incidence: impl Into<Incidence<V::Precise>>,
         model: Model,
         memory: OpticsMemory<'m, V>,
     ) -> Self {
-        Self::prepare(stack, media, sin_theta, model, memory)
+        Self::prepare(stack, media, incidence, model, memory)
             .expect("as many media and as much memory as the stack has")
     }
 
-    /// Prepares `stack` for light that arrives at `sin_theta` = sin θ in the ambient medium, in [0, 1]; at 1, the limit of grazing
-    /// incidence, all is reflected and nothing passes.
+    /// Prepares `stack` for light that arrives at an angle θ in the ambient medium, in [0°, 90°]; at 90°, the limit of
+    /// grazing incidence, all is reflected and nothing passes. A number is sin θ.
     ///
     /// # Errors
     /// [`TooSmall`].
     pub fn prepare(
         stack: Stack<'m>,
-        media: &MediaLanes<'_, V>,
-        sin_theta: f64,
+        media: &MediaLanes<'m, V>,
+        incidence: impl Into<Incidence<V::Precise>>,
         model: Model,
         memory: OpticsMemory<'m, V>,
     ) -> Result<Self, TooSmall> {
         let eta = |medium: MediumIndex| media.eta().get(usize::from(medium)).copied().ok_or(TooSmall);
-        let tangential = eta(stack.ambient)?.re * V::Precise::splat(sin_theta);
-        let tangential_squared = ComplexLanes::real(tangential * tangential);
+        let incident = incidence.into().in_medium(eta(stack.ambient)?.re);
         // Only the media of this stack; waves in others are never read.
         let waves = memory.waves.get_mut(..stack.media()).ok_or(TooSmall)?;
         let mut put =
             |medium: MediumIndex, wave| waves.get_mut(usize::from(medium)).map(|place| *place = wave).ok_or(TooSmall);
-        put(stack.ambient, Wave::new(eta(stack.ambient)?, tangential_squared))?;
-        if let Below::Medium(substrate) = stack.substrate {
-            put(substrate, Wave::new(eta(substrate)?, tangential_squared))?;
+        let substrate = match stack.substrate {
+            Below::Medium(substrate) => substrate,
+            Below::Mirror => stack.ambient,
+        };
+        for medium in [stack.ambient, substrate] {
+            let eta = eta(medium)?;
+            put(medium, Wave::of_square(eta, incident.normal_squared(eta)))?;
         }
         for (place, film) in stack.films.iter().enumerate() {
             // Films of one medium that differ in thickness share its wave; a look at the last few finds most.
             let mut earlier = stack.films.iter().take(place).skip(place.saturating_sub(4));
             if !earlier.any(|earlier| earlier.medium == film.medium) {
-                put(film.medium, Wave::in_film(eta(film.medium)?, tangential_squared))?;
+                let eta = eta(film.medium)?;
+                put(film.medium, Wave::film_of_square(eta, incident.normal_squared(eta)))?;
             }
         }
         let waves = &*waves;
@@ -352,7 +186,7 @@ impl<'m, V: Lanes> Optics<'m, V> {
             }
             *e = propagate(turns);
         }
-        Ok(Self { stack, waves, reflections, propagators, model })
+        Ok(Self { stack, waves, reflections, propagators, media: *media, model })
     }
 
     /// The stack this was made for.
@@ -392,6 +226,37 @@ impl<'m, V: Lanes> Optics<'m, V> {
         V::splat(self.model.reversal())
     }
 
+    /// κ below each plane, from the top; 0 for a mirror.
+    pub(crate) fn admittances_below(&self) -> impl Iterator<Item = Polarised<ComplexLanes<V>>> {
+        self.stack.boundaries.iter().map(|boundary| {
+            match self.stack.interfaces.get(boundary.interface as usize).map(|interface| interface.below) {
+                Some(Below::Medium(below)) => self.admittance(below),
+                _ => Polarised::both(ComplexLanes::zero()),
+            }
+        })
+    }
+
+    /// The largest |r|² of the planes.
+    pub(crate) fn strongest(&self) -> Polarised<V> {
+        self.reflections
+            .iter()
+            .fold(Polarised::both(V::zero()), |most, r| most.zip(r.map(ComplexLanes::norm_sqr), Lanes::max))
+    }
+
+    /// Each distinct film, η of its medium, and its wave.
+    pub(crate) fn films(&self) -> impl Iterator<Item = (Film, ComplexLanes<V::Precise>, Wave<V>)> {
+        let with_wave = |&film: &Film| {
+            let wave = self.waves.get(usize::from(film.medium)).copied().unwrap_or_else(Wave::none);
+            (film, self.media.of(film.medium), wave)
+        };
+        self.stack.films.iter().map(with_wave)
+    }
+
+    /// Vacuum wavelengths.
+    pub(crate) fn wavelength_nm(&self) -> V::Precise {
+        self.media.wavelength_nm()
+    }
+
     /// Which model this was prepared for.
     #[must_use]
     pub fn model(&self) -> Model {
@@ -401,18 +266,18 @@ impl<'m, V: Lanes> Optics<'m, V> {
     /// Reflection alone, in closed form.
     #[must_use]
     pub fn reflection(&self) -> Polarised<ComplexLanes<V>> {
-        self.recursion::<false>().reflection
+        self.recursion::<false, _>(&mut ()).reflection
     }
 
     /// Reflection and transmission in closed form.
     #[must_use]
     pub fn response(&self) -> Response<V> {
-        self.recursion::<true>()
+        self.recursion::<true, _>(&mut ())
     }
 
     /// ρ_j = [r + ρ e² (1 − (1 + σ) r)] / (1 − σ r ρ e²), which for σ = −1 is the formula at the head of this module.
     #[inline]
-    fn recursion<const TRANSMISSION: bool>(&self) -> Response<V> {
+    pub(crate) fn recursion<const TRANSMISSION: bool, O: Observer<V>>(&self, observer: &mut O) -> Response<V> {
         // Every factor of the denominator lies between 1 − |r| and 2: this many keep far from single precision's limits.
         const RESCALE_EVERY: usize = 8;
         let sigma = self.reversal();
@@ -423,6 +288,7 @@ impl<'m, V: Lanes> Optics<'m, V> {
         let mut numerator = self.reflection_at(last);
         let mut denominator = Polarised::both(ComplexLanes::one());
         let mut passed = numerator.map(|r| transmission(r, sigma));
+        observer.last_plane(numerator);
         for j in (0..last).rev() {
             let r = self.reflection_at(j);
             let e = self.propagator_below(j);
@@ -437,6 +303,7 @@ impl<'m, V: Lanes> Optics<'m, V> {
             };
             step(r.s, &mut numerator.s, &mut denominator.s);
             step(r.p, &mut numerator.p, &mut denominator.p);
+            observer.plane(r, e, numerator, denominator);
             if TRANSMISSION {
                 passed = passed.zip(r, |passed, r| passed * e * transmission(r, sigma));
             }
@@ -448,6 +315,7 @@ impl<'m, V: Lanes> Optics<'m, V> {
                 numerator = numerator.zip(scale, ComplexLanes::scale);
                 denominator = denominator.zip(scale, ComplexLanes::scale);
                 passed = passed.zip(scale, ComplexLanes::scale);
+                observer.rescale(scale);
             }
         }
         Response {
