@@ -11,8 +11,9 @@ use goniochrome::coherence::Side;
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use goniochrome::complex::ComplexLanes;
 use goniochrome::geometric::{self, Geometric};
+use goniochrome::incidence::Incidence;
 use goniochrome::interface::{Below, Interface, Model};
-use goniochrome::lanes::{F32, Lanes, simd_level};
+use goniochrome::lanes::{F32, F64, Lanes, simd_level};
 use goniochrome::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
 use goniochrome::mesh::MeshCell;
 use goniochrome::paths::{Spill, follow_paths, trace_spilling};
@@ -51,15 +52,15 @@ fn films() {
     let mut arrays = StackArrays::<4>::new();
     let stack = Stack::new(0, layers, Below::Medium(2), arrays.memory()).unwrap();
     let reflectance = |cos_theta: f64, nm: &[f64]| {
-        let sin_theta = libm::sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
+        let incidence = Incidence::from_cosine(cos_theta);
         let mut found = Vec::new();
-        for nm in nm.chunks(F32::WIDTH) {
+        for nm in nm.chunks(F64::WIDTH) {
             let mut eta = [ComplexLanes::zero(); 3];
-            let lanes = MediaLanes::<F32>::evaluate(&media, nm, &mut eta).unwrap();
-            let mut memory = OpticsArrays::<F32, 4>::new();
-            let optics = Optics::new(stack, &lanes, sin_theta, Model::Physical, memory.memory());
+            let lanes = MediaLanes::<F64>::evaluate(&media, nm, &mut eta).unwrap();
+            let mut memory = OpticsArrays::<F64, 4>::new();
+            let optics = Optics::new(stack, &lanes, incidence, Model::Physical, memory.memory());
             let r = optics.reflectance(optics.reflection());
-            found.extend((0..nm.len()).map(|lane| [r.s.lane(lane), r.p.lane(lane)]));
+            found.extend((0..nm.len()).map(|lane| [Lanes::lane(r.s, lane), Lanes::lane(r.p, lane)]));
         }
         found
     };
@@ -69,8 +70,8 @@ fn films() {
     xyz_weights(&visible, Illuminant::D65, Quadrature::Interpolated, &mut weights).unwrap();
     for cos_theta in [1.0, 0.8, 0.31, 1e-3, 0.0] {
         for [s, p] in reflectance(cos_theta, &nm) {
-            print("R_s", s);
-            print("R_p", p);
+            print("R_s", f64::from(s as f32));
+            print("R_p", f64::from(p as f32));
         }
         let mean = reflectance(cos_theta, &visible).into_iter().map(|[s, p]| 0.5 * (s + p));
         for c in RgbSpace::Rec2020.from_xyz(xyz(&weights, mean)) {
