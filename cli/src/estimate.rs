@@ -1,9 +1,12 @@
 //! Spectra of planar scenes over angles and wavelengths: owns allocation and threads, and is the only caller of the tracer.
 
+use goniochrome::coherence::Ledger;
 use goniochrome::complex::{ComplexLanes, Polarised};
+use goniochrome::double_double::DoubleDouble;
+use goniochrome::incidence::Incidence;
 use goniochrome::interface::{Below, Model, Wave};
 use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::layers::{LayerSlot, Summation, Totals, TraceMemory, free_slot, trace_layers};
+use goniochrome::layers::{LayerSlot, Summation, Totals, TraceMemory, free_slot, rounding, trace_layers};
 use goniochrome::medium::{MediaLanes, MediumIndex};
 use goniochrome::stack::{Optics, OpticsMemory, Stack};
 use goniochrome::trace::Limits;
@@ -31,12 +34,26 @@ pub enum Method {
 /// Width of the numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Precision {
-    /// Single: errors up to 1e-5; beyond 80° up to 1e-3 where layers resonate.
+    /// Single precision. R and T of planes to 1e-5: samples that it cannot hold are computed again with more digits.
     #[default]
     F32,
-    /// Double: errors up to 1e-11 in closed form.
+    /// Double precision. R and T of planes to 1e-11, likewise.
     F64,
 }
+
+impl Precision {
+    /// Most by which rounding may move R or T of planes in closed form and with closed loops.
+    #[must_use]
+    pub fn tolerance(self) -> f64 {
+        match self {
+            Self::F32 => 1e-5,
+            Self::F64 => 1e-11,
+        }
+    }
+}
+
+/// The share of [`Precision::tolerance`] beyond which an estimated error is not accepted: the estimate may be too small by this.
+const ACCEPTED: f64 = 0.5;
 
 /// How to compute.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +101,8 @@ pub struct Spectra {
     pub samples: Vec<Sample>,
     /// How many of them [`Method::Hits`] could not sum, so that their loops were closed instead.
     pub fell_back: usize,
+    /// Samples that were computed again with more digits than asked for: see [`Precision::tolerance`].
+    pub recomputed: usize,
 }
 
 impl Spectra {
@@ -121,26 +140,12 @@ pub fn spectra(
     Ok(hits::settled(found, &closed, request.precision))
 }
 
-/// What the method itself gives.
+/// What the method itself gives, in lanes of as many digits as each sample needs.
 fn computed(
     planar: &Planar<'_>,
     theta_deg: &[f64],
     wavelength_nm: &[f64],
     request: &Request,
-    progress: &(dyn Fn() + Sync),
-) -> Result<Spectra> {
-    match request.precision {
-        Precision::F32 => run::<F32>(planar, theta_deg, wavelength_nm, request, Limits::SINGLE, progress),
-        Precision::F64 => run::<F64>(planar, theta_deg, wavelength_nm, request, Limits::DOUBLE, progress),
-    }
-}
-
-fn run<V: Lanes>(
-    planar: &Planar<'_>,
-    theta_deg: &[f64],
-    wavelength_nm: &[f64],
-    request: &Request,
-    limits: Limits,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Spectra> {
     let count = theta_deg.len().saturating_mul(wavelength_nm.len());
@@ -150,44 +155,85 @@ fn run<V: Lanes>(
         )));
     }
     let mut buffer = planar.buffer();
-    let stack = planar.stack(&mut buffer)?;
-    let media = planar.media();
-    let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups = groups
-        .evaluate(&media, stack.ambient(), wavelength_nm)
-        .map_err(|(index, error)| planar.scene().medium_error(index, &error))?;
+    let grid = Grid { planar, stack: planar.stack(&mut buffer)?, theta_deg, wavelength_nm, request };
+    let mut entries = vec![Entry { sample: Sample::default(), open: true }; count];
+    let open = |entries: &[Entry]| entries.iter().filter(|entry| entry.open).count();
+    match request.precision {
+        Precision::F32 => grid.pass::<F32>(&mut entries, Limits::SINGLE, progress)?,
+        Precision::F64 => grid.pass::<F64>(&mut entries, Limits::DOUBLE, progress)?,
+    }
+    let recomputed = open(&entries);
+    if recomputed > 0 && request.precision == Precision::F32 {
+        grid.pass::<F64>(&mut entries, Limits::DOUBLE, &|| ())?;
+    }
+    if open(&entries) > 0 {
+        grid.pass::<DoubleDouble>(&mut entries, Limits::DOUBLE, &|| ())?;
+    }
+    let samples = entries.into_iter().map(|entry| entry.sample).collect();
+    Ok(Spectra {
+        theta_deg: theta_deg.to_vec(),
+        wavelength_nm: wavelength_nm.to_vec(),
+        samples,
+        fell_back: 0,
+        recomputed,
+    })
+}
 
-    let mut samples = vec![Sample::default(); count];
-    let rows = samples.chunks_mut(wavelength_nm.len().max(1)).zip(theta_deg);
-    parallel::for_each(
-        request.threads,
-        rows,
-        || Worker::<V>::new(stack),
-        |worker, (row, theta)| {
-            let sin_theta = theta.to_radians().sin();
-            for (out, (group, _)) in row.chunks_mut(V::WIDTH).zip(&groups) {
-                if *theta >= GRAZING_DEG {
-                    fill_grazing(out, stack, group);
-                    continue;
+/// What is to be computed.
+struct Grid<'g> {
+    planar: &'g Planar<'g>,
+    stack: Stack<'g>,
+    theta_deg: &'g [f64],
+    wavelength_nm: &'g [f64],
+    request: &'g Request,
+}
+
+/// A sample, and whether it is still to be computed, or computed again.
+#[derive(Clone, Copy)]
+struct Entry {
+    sample: Sample,
+    open: bool,
+}
+
+impl Grid<'_> {
+    /// Computes the open entries in lanes of `V`; those whose rounding is beyond what was asked for stay open.
+    fn pass<V: Lanes>(&self, entries: &mut [Entry], limits: Limits, progress: &(dyn Fn() + Sync)) -> Result<()> {
+        let Self { planar, stack, theta_deg, wavelength_nm, request } = *self;
+        let media = planar.media();
+        let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
+        let groups = groups
+            .evaluate(&media, stack.ambient(), wavelength_nm)
+            .map_err(|(index, error)| planar.scene().medium_error(index, &error))?;
+        parallel::for_each(
+            request.threads,
+            entries.chunks_mut(wavelength_nm.len().max(1)).zip(theta_deg),
+            || Worker::<V>::new(stack),
+            |worker, (row, theta)| {
+                let incidence = Incidence::from_degrees(*theta);
+                for (out, (group, _)) in row.chunks_mut(V::WIDTH).zip(&groups) {
+                    if *theta >= GRAZING_DEG {
+                        fill_grazing(out, stack, group);
+                    } else if out.iter().any(|entry| entry.open) {
+                        worker.fill(out, stack, group, incidence, request, limits);
+                    }
                 }
-                worker.fill(out, stack, group, sin_theta, request, limits);
-            }
-            progress();
-        },
-    );
-    Ok(Spectra { theta_deg: theta_deg.to_vec(), wavelength_nm: wavelength_nm.to_vec(), samples, fell_back: 0 })
+                progress();
+            },
+        );
+        Ok(())
+    }
 }
 
 /// Light along the surface.
 const GRAZING_DEG: f64 = 90.0;
 
 /// The limit of grazing incidence: all light returns, unless there is nothing but the ambient medium.
-fn fill_grazing<V: Lanes>(out: &mut [Sample], stack: Stack<'_>, group: &MediaLanes<'_, V>) {
+fn fill_grazing<V: Lanes>(out: &mut [Entry], stack: Stack<'_>, group: &MediaLanes<'_, V>) {
     let eta = |medium: MediumIndex, lane: usize| {
         let eta = group.eta()[usize::from(medium)];
         [eta.re.lane(lane), eta.im.lane(lane)]
     };
-    for (lane, sample) in out.iter_mut().enumerate() {
+    for (lane, entry) in out.iter_mut().enumerate() {
         let ambient = eta(stack.ambient(), lane);
         let nothing = (0..stack.planes()).all(|j| match stack.interface(j).below {
             Below::Medium(below) => eta(below, lane) == ambient,
@@ -195,7 +241,8 @@ fn fill_grazing<V: Lanes>(out: &mut [Sample], stack: Stack<'_>, group: &MediaLan
         });
         let (reflected, transmitted) = if nothing { (0.0, 1.0) } else { (1.0, 0.0) };
         let (reflectance, transmittance) = (Polarised::both(reflected), Polarised::both(transmitted));
-        *sample = Sample { reflectance, transmittance, truncated: 0.0, imbalance: 0.0 };
+        let sample = Sample { reflectance, transmittance, truncated: 0.0, imbalance: 0.0 };
+        *entry = Entry { sample, open: false };
     }
 }
 
@@ -222,41 +269,49 @@ impl<V: Lanes> Worker<V> {
 
     fn fill(
         &mut self,
-        out: &mut [Sample],
+        out: &mut [Entry],
         stack: Stack<'_>,
         group: &MediaLanes<'_, V>,
-        sin_theta: f64,
+        incidence: Incidence<V::Precise>,
         request: &Request,
         limits: Limits,
     ) {
         let Self { waves, reflections, propagators, totals, slots } = self;
         let optics =
-            Optics::new(stack, group, sin_theta, request.model, OpticsMemory { waves, reflections, propagators });
-        let summation = match request.method {
-            Method::Stack => {
-                let response = optics.response();
-                let r = optics.reflectance(response.reflection);
-                let t = optics.transmittance(response.transmission);
-                for (lane, sample) in out.iter_mut().enumerate() {
-                    sample.reflectance = r.map(|r| r.lane(lane));
-                    sample.transmittance = t.map(|t| t.lane(lane));
-                }
-                return;
-            }
-            Method::Trace => Summation::ClosedLoops,
-            Method::Hits => Summation::Generations(hits::affordable(limits, stack.planes())),
+            Optics::new(stack, group, incidence, request.model, OpticsMemory { waves, reflections, propagators });
+        let mut traced = |summation| {
+            trace_layers(&optics, summation, TraceMemory { totals: &mut *totals, slots })
+                .expect("the worker's memory was made for this stack")
+                .ledger
         };
-        let ledger = trace_layers(&optics, summation, TraceMemory { totals, slots })
-            .expect("the worker's memory was made for this stack")
-            .ledger;
-        for (lane, sample) in out.iter_mut().enumerate() {
+        let (ledger, error) = match request.method {
+            Method::Stack => {
+                let (response, error) = optics.response_and_rounding();
+                let (r, t) = (optics.reflectance(response.reflection), optics.transmittance(response.transmission));
+                let none = Polarised::both(V::zero());
+                let ledger =
+                    Ledger { reflected: r, transmitted: t, absorbed: none, truncated: V::zero(), imbalance: none };
+                (ledger, error)
+            }
+            Method::Trace => {
+                let ledger = traced(Summation::ClosedLoops);
+                (ledger, rounding(&optics, totals))
+            }
+            // Its error is its distance from closed loops.
+            Method::Hits => (traced(Summation::Generations(hits::affordable(limits, stack.planes()))), V::zero()),
+        };
+        let accepted = ACCEPTED * request.precision.tolerance();
+        for (lane, entry) in out.iter_mut().enumerate().filter(|(_, entry)| entry.open) {
             let Polarised { s, p } = ledger.imbalance.map(|x| x.lane(lane).abs());
-            *sample = Sample {
+            let sample = Sample {
                 reflectance: ledger.reflected.map(|r| r.lane(lane)),
                 transmittance: ledger.transmitted.map(|t| t.lane(lane)),
                 truncated: ledger.truncated.lane(lane),
                 imbalance: s.max(p),
             };
+            // Never of NaN.
+            let holds = error.lane(lane) <= accepted;
+            *entry = Entry { sample, open: !holds };
         }
     }
 }

@@ -127,8 +127,14 @@ fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
     let bytes = spectra.samples.len() * BYTES_PER_SAMPLE;
     let size =
         if bytes < LARGE_BYTES { String::new() } else { format!(" ({} MB before compression)", bytes / 1_000_000) };
+    let again = match spectra.recomputed {
+        0 => String::new(),
+        samples => {
+            format!("; {samples} samples computed again with more digits than {}", spelled(args.computing.precision))
+        }
+    };
     let said = format!(
-        "{} angles × {} wavelengths{size}; truncated ≤ {:.1e}, imbalance ≤ {:.1e}",
+        "{} angles × {} wavelengths{size}; truncated ≤ {:.1e}, imbalance ≤ {:.1e}{again}",
         table.theta_deg.len(),
         table.wavelength_nm.len(),
         spectra.worst(|sample| sample.truncated),
@@ -254,6 +260,7 @@ fn metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spectra) -> BTreeMap<S
         ("colour_space", spelled(args.colouring.space)),
         ("observer", "CIE 1931 2 degree".into()),
         ("truncated_max", format!("{:e}", spectra.worst(|sample| sample.truncated))),
+        ("recomputed", spectra.recomputed.to_string()),
         ("imbalance_max", format!("{:e}", spectra.worst(|sample| sample.imbalance))),
     ]
     .into_iter()
