@@ -482,10 +482,7 @@ size_t gonio_trace_memory_size(const gonio_light *light);
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types and counts say.
  */
-gonio_status gonio_cell_make(gonio_cell *cell,
-                             const gonio_mesh *mesh,
-                             uint8_t *memory,
-                             size_t memory_size);
+gonio_status gonio_cell_make(gonio_cell *cell, const gonio_mesh *mesh, uint8_t *memory, size_t memory_size);
 
 /*
  Follows light through a cell. `power` holds one element for each wavelength; `bins`, unless it is NULL, the reflected power
