@@ -4,7 +4,7 @@ use super::media::Media;
 use super::out::Out;
 use super::program::Program;
 use crate::scalar::Problem;
-use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
+use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz_weights};
 use goniochrome_capi::colour::{
     Colour, GONIO_ILLUMINANT_D65, GONIO_SPACE_ACESCG, GONIO_SPACE_REC2020, GONIO_SPACE_SRGB, gonio_colour_make,
 };
@@ -126,7 +126,11 @@ pub fn rgb(program: &mut Program<'_>, films: Option<&Films>, colours: Option<&Co
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
     if rgb.settle(status) {
         let (films, colours) = (films.expect("a stack"), colours.expect("colours"));
-        assert_eq!(rgb.results(), colours.of(films, cos_theta).map(|c| c as f32));
+        for (&got, [colour, weight]) in rgb.results().iter().zip(colours.of(films, cos_theta)) {
+            // The reflectances are rounded before they are summed here, and after it there.
+            let bound = ROUNDOFF * (weight + colour.abs());
+            assert!((f64::from(got) - colour).abs() <= bound, "{got:e}, not {colour:e} within {bound:e}");
+        }
     }
 }
 
@@ -155,8 +159,9 @@ impl Films {
 }
 
 impl Colours {
-    /// The colour of the reflectances that the interface itself gives.
-    fn of(&self, films: &Films, cos_theta: f64) -> [f64; 3] {
+    /// The colour of the reflectances that the interface itself gives, and the sum of the sizes of its terms, for each of
+    /// R, G, B.
+    fn of(&self, films: &Films, cos_theta: f64) -> [[f64; 2]; 3] {
         let nm: [f64; 81] = std::array::from_fn(|i| 380.0 + 5.0 * i as f64);
         let mut weights = [[0.0; 3]; 81];
         xyz_weights(&nm, self.illuminant, Quadrature::Interpolated, &mut weights).expect("many wavelengths");
@@ -168,6 +173,9 @@ impl Colours {
         assert_eq!(status, Status::Ok);
         let mean =
             s.results().iter().zip(p.results()).map(|(&s, &p): (&f32, &f32)| 0.5 * (f64::from(s) + f64::from(p)));
-        self.space.from_xyz(xyz(&weights, mean))
+        let terms = weights.iter().zip(mean).map(|(weight, mean)| self.space.from_xyz(weight.map(|w| w * mean)));
+        terms.fold([[0.0; 2]; 3], |sums, term| {
+            std::array::from_fn(|c| [sums[c][0] + term[c], sums[c][1] + term[c].abs()])
+        })
     }
 }
