@@ -110,7 +110,8 @@ fn few_samples_of_the_presets_are_computed_again_and_estimate_says_how_many() {
     let user = User::new();
     for scene in SCENES {
         let again = |options: &str| -> f64 {
-            let said = user.ok(&format!("estimate {scene} -o t.exr --angles 9 {options}")).stderr;
+            let line = format!("estimate {scene} -o t.exr --angles 9 --wavelengths 380:780:5 {options}");
+            let said = user.ok(&line).stderr;
             said.split("; ").find_map(|part| part.split_once(" samples computed again")?.0.parse().ok()).unwrap_or(0.0)
         };
         let (single, double) = (again(""), again("--precision f64"));

@@ -126,7 +126,7 @@ pub struct Computing {
     /// Closed form, ray tracing with loops summed exactly, or ray tracing hit by hit
     #[arg(long, value_enum, default_value_t = Method::Trace)]
     pub method: Method,
-    /// How many digits of R and T to keep
+    /// Single or double precision
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
     /// How it runs
