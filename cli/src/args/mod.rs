@@ -126,7 +126,7 @@ pub struct Computing {
     /// Closed form, ray tracing with loops summed exactly, or ray tracing hit by hit
     #[arg(long, value_enum, default_value_t = Method::Trace)]
     pub method: Method,
-    /// How many digits to keep
+    /// Single or double precision
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
     /// How it runs
@@ -293,7 +293,7 @@ pub struct ScatterArgs {
     /// How exits add
     #[arg(long, value_enum, default_value_t = Coherence::Ray)]
     pub coherence: Coherence,
-    /// How many digits to keep
+    /// Single or double precision
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
     /// Seed of the sampling sequence
@@ -330,7 +330,7 @@ pub struct OrdersArgs {
     /// Hits after which a ray is dropped [default: 1, single scattering, for one surface; 64 for several interfaces]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub hits: Option<u32>,
-    /// How many digits to keep
+    /// Single or double precision
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
     /// Seed of the sampling sequence
