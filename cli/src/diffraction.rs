@@ -16,7 +16,7 @@ use crate::estimate::Precision;
 use crate::groups::Groups;
 use crate::memory::expect_list;
 use crate::parallel;
-use crate::scatter::{BATCHES, Estimate, MAX_TRUNCATED, refuse_truncation, states};
+use crate::scatter::{BATCHES, Estimate, MAX_TRUNCATED, refuse_divergence, refuse_truncation, states};
 
 /// What to compute.
 #[derive(Clone, Copy, Debug)]
@@ -159,6 +159,7 @@ fn run<V: Lanes>(
     let worst = found.left_out.iter().copied().fold(LeftOut::default(), |worst, left_out| {
         if left_out.truncated(request.hits) > worst.truncated(request.hits) { left_out } else { worst }
     });
+    refuse_divergence(bumpy, worst.truncated(request.hits))?;
     let remedy = match worst.in_flight > worst.lost {
         true => "orders --hits follows it further",
         false => "its surfaces may cut through one another: correct the mesh",

@@ -252,7 +252,7 @@ fn tallied<V: Lanes>(
         (0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect();
     for Scattered { reflected, transmitted, absorbed, truncated, .. } in &found {
         let totals = [reflected, transmitted, absorbed, truncated].map(|total| total.value);
-        refuse_divergence(bumpy, request.coherence, totals)?;
+        refuse_no_result(bumpy, request.coherence, totals)?;
     }
     Ok(found)
 }
@@ -398,26 +398,36 @@ pub(crate) fn trace_batch<V: Lanes>(
     }
 }
 
-/// The largest share of the light that a result may leave out. It bounds the error of a reflectance Y. CIELAB's L* changes by at most
-/// 903 for each unit of Y, near black: by 0.9 here, less than the smallest difference that is seen.
+/// The largest share of the light that a result may leave out.
+///
+/// Where paths add as powers it bounds the error of a reflectance Y. CIELAB's L* changes by at most 903 for each unit of Y,
+/// near black: by 0.9 here, less than the smallest difference that is seen. Where waves interfere, a power p that is left
+/// out may move a reflectance R by 2√(R p) and more; such waves are given up at [`WAVES`], far below this share.
 pub const MAX_TRUNCATED: f64 = 1e-3;
 
 /// Refuses what was reflected, transmitted, absorbed and truncated if it is no result. Waves in absorbing bodies narrower than a
 /// wavelength may meet loops of gain above 1, whose sum by hits has no end.
-pub(crate) fn refuse_divergence(bumpy: &Bumpy<'_>, coherence: Coherence, totals: [f64; 4]) -> Result<()> {
-    /// Of a sum over wavelengths whose weights add up to 1.
-    const ROUNDING: f64 = 1e-9;
-    if !totals.iter().all(|total| total.is_finite()) || totals[3] > 1.0 + ROUNDING {
-        return Err(Error::failed(format_args!(
-            "{}: interfering waves do not converge in this cell; use --coherence none",
-            bumpy.scene().name
-        )));
-    }
+pub(crate) fn refuse_no_result(bumpy: &Bumpy<'_>, coherence: Coherence, totals: [f64; 4]) -> Result<()> {
+    let truncated = if totals.iter().all(|total| total.is_finite()) { totals[3] } else { f64::INFINITY };
+    refuse_divergence(bumpy, truncated)?;
     let remedy = match coherence.adding() {
         Adding::Powers(Paths::Alone) => "its surfaces may cut through one another: correct the mesh",
         Adding::Powers(Paths::Interfering) | Adding::Fields | Adding::Orders => "use --coherence none",
     };
-    refuse_truncation(bumpy, totals[3], remedy)
+    refuse_truncation(bumpy, truncated, remedy)
+}
+
+/// Refuses waves of which more is left in flight than came.
+pub(crate) fn refuse_divergence(bumpy: &Bumpy<'_>, truncated: f64) -> Result<()> {
+    /// Of a sum over wavelengths whose weights add up to 1.
+    const ROUNDING: f64 = 1e-9;
+    if truncated <= 1.0 + ROUNDING {
+        return Ok(());
+    }
+    Err(Error::failed(format_args!(
+        "{}: interfering waves do not converge in this cell; scatter and estimate add powers with --coherence none",
+        bumpy.scene().name
+    )))
 }
 
 /// Refuses a result that leaves out more light than [`MAX_TRUNCATED`].
@@ -450,6 +460,20 @@ pub fn unbalanced(coherence: Coherence, imbalance: Estimate) -> Option<String> {
         // Of orders only those that are reflected are computed: what is missing is no fault.
         Adding::Powers(_) | Adding::Fields | Adding::Orders => None,
     }
+}
+
+/// A share of starting rays larger than this is told: it may change a reflectance by as much.
+const TOLD_SHARE: f64 = 0.01;
+
+/// A warning where many starting rays were followed without interference.
+#[must_use]
+pub fn without_sum(share: f64) -> Option<String> {
+    (share > TOLD_SHARE).then(|| {
+        format!(
+            "the waves of {:.0} % of the starting rays do not converge to {MAX_TRUNCATED:.0e}; those rays are followed without interference",
+            100.0 * share
+        )
+    })
 }
 
 /// Mean and standard error over batches.

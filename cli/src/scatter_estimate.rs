@@ -19,7 +19,7 @@ use crate::groups::{Group, Groups};
 use crate::memory::filled;
 use crate::parallel;
 use crate::scatter::{
-    Adding, BATCHES, Coherence, Estimate, Paths, Request, Tally, Workspace, refuse_divergence, states, trace_batch,
+    Adding, BATCHES, Coherence, Estimate, Paths, Request, Tally, Workspace, refuse_no_result, states, trace_batch,
 };
 use crate::scatter_table::{Energy, ScatterTable, check_scatter_size};
 use crate::scene::Scene;
@@ -177,7 +177,7 @@ fn run<V: Lanes>(
             let energy = worker.direction(incident, row.brdf, row.error);
             *row.energy = energy;
             let totals = [energy.reflected.value, energy.transmitted, energy.absorbed, energy.truncated];
-            let kept = refuse_divergence(bumpy, request.tracing.coherence, totals)
+            let kept = refuse_no_result(bumpy, request.tracing.coherence, totals)
                 .and_then(|()| checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(incident, &row.write())));
             if let Err(error) = kept {
                 let _ = lost.set(error);
@@ -189,7 +189,7 @@ fn run<V: Lanes>(
 }
 
 /// Numbers of an [`Energy`] besides its rays.
-const ENERGIES: usize = 7;
+const ENERGIES: usize = 8;
 
 /// The part of a table that one incident direction has.
 struct Direction<'t> {
@@ -206,7 +206,8 @@ impl Direction<'_> {
 
     /// Its numbers for a checkpoint, little endian: energy, f, errors.
     fn write(&self) -> Vec<u8> {
-        let Energy { reflected, transmitted, absorbed, truncated, imbalance, rays } = *self.energy;
+        let Energy { reflected, transmitted, absorbed, truncated, imbalance, without_interference, rays } =
+            *self.energy;
         let energy: [f64; ENERGIES] = [
             reflected.value,
             reflected.std_error,
@@ -215,6 +216,7 @@ impl Direction<'_> {
             truncated,
             imbalance.value,
             imbalance.std_error,
+            without_interference,
         ];
         let mut bytes = Vec::with_capacity(Self::bytes(self.error.len(), self.brdf.len() / self.error.len()));
         bytes.extend(energy.map(f64::to_le_bytes).as_flattened());
@@ -234,6 +236,7 @@ impl Direction<'_> {
             absorbed: number(3),
             truncated: number(4),
             imbalance: Estimate { value: number(5), std_error: number(6) },
+            without_interference: number(7),
             rays: u64::from_le_bytes(words[ENERGIES]),
         };
         let (floats, _) = floats.as_chunks();
@@ -259,6 +262,7 @@ struct Luminance {
     transmitted: f64,
     absorbed: f64,
     truncated: f64,
+    without_interference: f64,
     bins: Vec<f64>,
 }
 
@@ -295,6 +299,7 @@ impl Sums {
         luminance.transmitted += weight * tally.transmitted;
         luminance.absorbed += weight * tally.absorbed;
         luminance.truncated += weight * tally.truncated;
+        luminance.without_interference += weight * tally.without_interference;
         let power = &mut self.power[wavelength * count..][..count];
         for (bin, &counted) in tally.bins.iter().enumerate().filter(|(_, counted)| **counted != 0.0) {
             let column = bin % columns;
@@ -360,6 +365,7 @@ impl<V: Lanes> Worker<'_, V> {
             absorbed: mean(&|batch| batch.absorbed).value,
             truncated: mean(&|batch| batch.truncated).value,
             imbalance: mean(&|b| whole - b.reflected - b.transmitted - b.absorbed - b.truncated),
+            without_interference: mean(&|batch| batch.without_interference).value,
             rays: u64::from(to) * u64::from(BATCHES),
         }
     }

@@ -27,6 +27,8 @@ pub struct Energy {
     pub truncated: f64,
     /// 1 less all of these: rounding without interference; where paths interfere, power balances only on average.
     pub imbalance: Estimate,
+    /// Of starting rays that were followed without interference, since their waves have no sum.
+    pub without_interference: f64,
     /// Starting rays.
     pub rays: u64,
 }
@@ -84,7 +86,8 @@ impl ScatterTable {
         }
         let numbers = |e: &Energy| {
             let (reflected, imbalance) = (e.reflected, e.imbalance);
-            let rest = [e.transmitted, e.absorbed, e.truncated, imbalance.value, imbalance.std_error];
+            let rest =
+                [e.transmitted, e.absorbed, e.truncated, imbalance.value, imbalance.std_error, e.without_interference];
             [reflected.value, reflected.std_error].into_iter().chain(rest)
         };
         if self.energy.iter().flat_map(numbers).any(|x| !x.is_finite()) {
@@ -147,6 +150,7 @@ pub(crate) mod tests {
             absorbed: -1e-17,
             truncated: 1.0 / 3.0,
             imbalance: Estimate { value: -1e-3 / 7.0, std_error: 1e-4 / 3.0 },
+            without_interference: 1.0 / 7.0,
             rays: 4096 << i,
         };
         ScatterTable {

@@ -238,7 +238,9 @@ fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
     let ran = user.ok(&format!("estimate morpho-ridges -o ray.exr {options}"));
     assert!(ran.stderr.contains("power balances only to") && ran.stderr.contains("imbalance ≤ "), "{}", ran.stderr);
     let ray = table(&user, "ray.exr");
-    assert!(ray.metadata["warning"].contains("--coherence none keeps power"));
+    let warning = &ray.metadata["warning"];
+    assert!(warning.contains("--coherence none keeps power") && warning.contains("starting rays do not converge"));
+    assert!(ray.energy.iter().any(|energy| energy.without_interference > 0.01));
     assert!(ray.metadata["imbalance_max"].parse::<f64>().unwrap().abs() > 0.05);
     assert!(ray.energy.iter().any(|energy| energy.imbalance.value.abs() > 0.05));
     user.ok(&format!("estimate morpho-ridges -o none.exr {options} --coherence none"));
@@ -254,6 +256,28 @@ fn a_preset_of_shelves_leaves_out_no_light() {
     let report: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
     let of = |key: &str| report[key]["value"].as_f64().expect("a number");
     assert!(of("truncated") <= 1e-3 && of("without_interference") > 0.0, "{}", ran.stdout);
+}
+
+/// Two gaps beyond the critical angle: the gain of the loop between them is above 1, and the sum over hits has no end.
+#[test]
+fn waves_without_a_sum_are_refused_or_told() {
+    let plane = |z: i32| format!("v 0 0 {z}\nv 900 0 {z}\nv 900 900 {z}\nv 0 900 {z}\n");
+    let face = |i: i32| format!("usemtl i{i}\nf {} {} {} {}\n", 4 * i + 1, 4 * i + 2, 4 * i + 3, 4 * i + 4);
+    let mesh = [0, -200, -500, -700].map(plane).concat() + &[0, 1, 2, 3].map(face).concat();
+    let media = ["1.5", "1.0", "1.6", "1.0", "1.5"];
+    let between = |i: usize| format!("[interface.i{i}]\nabove = {}\nbelow = {}\n", media[i], media[i + 1]);
+    let scene =
+        "[cell]\nmesh = \"gaps.obj\"\nperiod_nm = [900, 900]\n".to_owned() + &[0, 1, 2, 3].map(between).concat();
+    let user = User::with(&[("gaps.obj", &mesh), ("gaps.toml", &scene)]);
+    let light = "--theta 43 --wavelengths 550 --rays 64";
+    let says = ["interfering waves do not converge", "--coherence none"];
+    user.refused(&format!("orders gaps.toml {light}"), 1, &says);
+    user.refused(&format!("scatter gaps.toml {light} --coherence cell -q"), 1, &says);
+    user.refused(&format!("scatter gaps.toml {light} --coherence bin"), 1, &says);
+    let ran = user.ok(&format!("scatter gaps.toml {light}"));
+    let report: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    let warning = report["warnings"][0].as_str().expect("a warning");
+    assert!(warning.contains("100 % of the starting rays") && ran.stderr.contains(warning), "{}", ran.stderr);
 }
 
 #[test]

@@ -21,7 +21,7 @@ use crate::output;
 use crate::picture::Format;
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
-use crate::scatter::{Request, unbalanced};
+use crate::scatter::{Request, unbalanced, without_sum};
 use crate::scatter_estimate::{TableRequest, estimate};
 use crate::scene::{Scene, Shape, load};
 use crate::table::MirrorTable;
@@ -205,12 +205,12 @@ fn scattering(
         return Err(error);
     }
     let coherence = request.tracing.coherence;
-    let warning = unbalanced(coherence, table.worst_imbalance(|imbalance| unbalanced(coherence, imbalance).is_some()));
-    if let Some(warning) = &warning {
-        remark(args.computing.running.quiet, format_args!("{}: {warning}", scene.name));
-    }
+    let imbalance = table.worst_imbalance(|imbalance| unbalanced(coherence, imbalance).is_some());
+    let alone = table.energy.iter().map(|energy| energy.without_interference).fold(0.0, f64::max);
+    let warnings: Vec<String> = [unbalanced(coherence, imbalance), without_sum(alone)].into_iter().flatten().collect();
+    warnings.iter().for_each(|warning| remark(quiet, format_args!("{}: {warning}", scene.name)));
     let imbalance = table.worst_imbalance(|_| true).value;
-    table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, warning);
+    table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, &warnings);
     let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);
     let said = format!(
         "{theta} × {phi} incident directions × {cos} × {around} bins × {} wavelengths; standard error of the albedo ≤ {:.1e}, \
@@ -228,9 +228,9 @@ fn scatter_metadata(
     scene: &Scene,
     tracing: &Request,
     imbalance: f64,
-    warning: Option<String>,
+    warnings: &[String],
 ) -> BTreeMap<String, String> {
-    let warning = warning.map(|warning| ("warning", warning));
+    let warning = (!warnings.is_empty()).then(|| ("warning", warnings.join("; ")));
     [
         ("generator", format!("goniochrome {}", env!("CARGO_PKG_VERSION"))),
         ("scene", scene.name.clone()),

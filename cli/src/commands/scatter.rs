@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::order_error;
 use crate::output;
 use crate::progress::{bar, remark};
-use crate::scatter::{Coherence, Estimate, Request, Scattered, scatter, steps, unbalanced};
+use crate::scatter::{Coherence, Estimate, Request, Scattered, scatter, steps, unbalanced, without_sum};
 use crate::scene::load;
 use crate::text;
 
@@ -54,7 +54,10 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
             _ => None,
         };
         let warnings: Vec<String> =
-            [unbalanced(request.coherence, found.imbalance), off].into_iter().flatten().collect();
+            [unbalanced(request.coherence, found.imbalance), without_sum(found.without_interference.value), off]
+                .into_iter()
+                .flatten()
+                .collect();
         for warning in &warnings {
             remark(args.running.quiet, format_args!("{}: {nm} nm: {warning}", scene.name));
         }

@@ -23,12 +23,13 @@
 //! | `bin_phi_edges_deg` | the M + 1 edges of the bins in the relative azimuth φ_o − φ_i; bin 0 lies around 0° |
 //! | `wavelength_nm` | the wavelengths at full precision |
 //! | `reflected`, `reflected_error`, `transmitted`, `absorbed`, `truncated` | for each incident direction, row by row: fractions of the incident light, weighted by luminance, and the standard error of the first |
-//! | `imbalance`, `imbalance_error` | for each incident direction, what is missing from 1, and its standard error; release 0.1.0 wrote neither |
+//! | `imbalance`, `imbalance_error` | for each incident direction, what is missing from 1, and its standard error |
+//! | `without_interference` | for each incident direction, the share of starting rays that were followed without interference |
 //! | `rays` | starting rays of each incident direction |
 //!
 //! Numbers in attributes are decimal, parted by spaces. ZIP compression of 16 lines at a time. With P = 1 the table is a mean
 //! over azimuths, and φ_i is that of its first. `tests/python/read_table.py` reads all of it in a few lines of NumPy. The four
-//! lists of angles follow from T, P, N and M; older files lack them.
+//! lists of angles follow from T, P, N and M. Older files lack them, `imbalance`, `imbalance_error` and `without_interference`.
 
 use exr::prelude::Compression;
 use goniochrome::bins::DirectionBins;
@@ -48,7 +49,8 @@ const RAYS: &str = "rays";
 const AXES: [&str; 4] = ["incident_theta_deg", "incident_phi_deg", "bin_cos_edges", "bin_phi_edges_deg"];
 const ERROR: &str = "error.Y";
 const ENERGIES: [&str; 5] = ["reflected", "reflected_error", "transmitted", "absorbed", "truncated"];
-const IMBALANCE: [&str; 2] = ["imbalance", "imbalance_error"];
+/// Those that older files lack.
+const LATER_ENERGIES: [&str; 3] = ["imbalance", "imbalance_error", "without_interference"];
 
 /// Width and height of the atlas.
 fn atlas(layout: &ScatterLayout) -> (usize, usize) {
@@ -116,7 +118,7 @@ pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
 
     let energies = |of: &dyn Fn(&Energy) -> f64| format_numbers(table.energy.iter().map(of));
     let [reflected, error, transmitted, absorbed, truncated] = ENERGIES;
-    let [imbalance, imbalance_error] = IMBALANCE;
+    let [imbalance, imbalance_error, without_interference] = LATER_ENERGIES;
     let attributes = [
         (KIND, SCATTER.to_owned()),
         (INCIDENT, format!("{} {}", layout.theta(), layout.phi())),
@@ -129,6 +131,7 @@ pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
         (truncated, energies(&|energy| energy.truncated)),
         (imbalance, energies(&|energy| energy.imbalance.value)),
         (imbalance_error, energies(&|energy| energy.imbalance.std_error)),
+        (without_interference, energies(&|energy| energy.without_interference)),
         (RAYS, format_numbers(table.energy.iter().map(|energy| energy.rays))),
     ];
     let attributes = attributes.into_iter().chain(axes(layout)).map(|(key, value)| (key.to_owned(), value)).collect();
@@ -177,15 +180,15 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
             *[reflected, std_error, transmitted, absorbed, truncated][quantity] = value;
         }
     }
-    for (quantity, key) in IMBALANCE.into_iter().enumerate() {
+    for (quantity, key) in LATER_ENERGIES.into_iter().enumerate() {
         if !file.attributes.contains_key(key) {
             continue;
         }
         let values: Vec<f64> = file.take_numbers(key)?;
         length(key, values.len())?;
         for (energy, value) in energy.iter_mut().zip(values) {
-            let Estimate { value: imbalance, std_error } = &mut energy.imbalance;
-            *[imbalance, std_error][quantity] = value;
+            let Energy { imbalance: Estimate { value: imbalance, std_error }, without_interference, .. } = energy;
+            *[imbalance, std_error, without_interference][quantity] = value;
         }
     }
     let rays: Vec<u64> = file.take_numbers(RAYS)?;
