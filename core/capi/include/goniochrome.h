@@ -543,10 +543,17 @@ gonio_status gonio_stack_reflectance(const gonio_stack *stack,
  Linear RGB of the light that is reflected at `cos_theta`, unpolarised; components may be negative. Angles as for
  gonio_stack_reflectance.
 
+ It sums 81 wavelengths, 5 nm apart: for films in air up to n d = 6 micrometres it is within 5e-4 of the integral. Thicker
+ stacks and narrow filters have fringes between those wavelengths, which tint them; sum finer ones by
+ gonio_stack_reflectance.
+
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say; `rgb` to three floats.
  */
-gonio_status gonio_stack_rgb(const gonio_stack *stack, const gonio_colour *colour, double cos_theta, float *rgb);
+gonio_status gonio_stack_rgb(const gonio_stack *stack,
+                             const gonio_colour *colour,
+                             double cos_theta,
+                             float *rgb);
 
 /*
  One line of English for a status; for any other number too.
