@@ -3,15 +3,14 @@
 pub mod export;
 mod plot;
 mod render;
+mod values;
 mod view;
 
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::OnceLock;
 
-use clap::{Args, FromArgMatches as _, Parser, Subcommand, ValueEnum};
-use goniochrome::colour::{Illuminant, RgbSpace};
-use goniochrome::interface::Model;
+use clap::{Args, FromArgMatches as _, Parser, Subcommand};
 use goniochrome::lanes::simd_level;
 
 use crate::estimate::{Method, Precision, Request};
@@ -21,6 +20,7 @@ use crate::scatter::Coherence;
 
 pub use plot::{PlotArgs, PlotKind};
 pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
+pub use values::{IlluminantArg, ModelArg, SpaceArg, spelled};
 pub use view::PageArgs;
 
 /// How layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
@@ -429,74 +429,6 @@ pub struct FiguresArgs {
     /// How it runs
     #[command(flatten)]
     pub running: Running,
-}
-
-/// `--model`.
-#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
-pub enum ModelArg {
-    /// Complex amplitudes of s and p, power |Σ|²
-    Physical,
-    /// Fresnel power ratios as weights, flux |Σ|
-    Paper,
-}
-
-impl From<ModelArg> for Model {
-    fn from(model: ModelArg) -> Self {
-        match model {
-            ModelArg::Physical => Self::Physical,
-            ModelArg::Paper => Self::Paper,
-        }
-    }
-}
-
-/// `--illuminant`.
-#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
-pub enum IlluminantArg {
-    /// Daylight, 6504 K
-    #[value(name = "D65")]
-    D65,
-    /// Equal energy
-    #[value(name = "E")]
-    E,
-}
-
-impl From<IlluminantArg> for Illuminant {
-    fn from(illuminant: IlluminantArg) -> Self {
-        match illuminant {
-            IlluminantArg::D65 => Self::D65,
-            IlluminantArg::E => Self::E,
-        }
-    }
-}
-
-/// `--space`.
-#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
-pub enum SpaceArg {
-    /// Linear sRGB (Rec. 709 primaries), white D65
-    Srgb,
-    /// The matrix printed in the paper
-    Paper,
-    /// Linear Rec. 2020, white D65
-    Rec2020,
-    /// ACEScg (AP1 primaries), white D60
-    Acescg,
-}
-
-impl From<SpaceArg> for RgbSpace {
-    fn from(space: SpaceArg) -> Self {
-        match space {
-            SpaceArg::Srgb => Self::Srgb,
-            SpaceArg::Paper => Self::Paper,
-            SpaceArg::Rec2020 => Self::Rec2020,
-            SpaceArg::Acescg => Self::AcesCg,
-        }
-    }
-}
-
-/// The name of a value as the command line spells it.
-#[must_use]
-pub fn spelled(value: impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 #[cfg(test)]
