@@ -99,7 +99,8 @@ impl<'s> Bumpy<'s> {
         self.scene.media.iter().map(|named| named.medium.borrow()).collect()
     }
 
-    /// Every triangle that has an area: its corners, the interface that it belongs to, and whether a coating lies on it.
+    /// Every triangle that has an area: its corners, the interface that it belongs to, and whether a coating lies on
+    /// it.
     pub fn triangles(&self) -> impl Iterator<Item = ([DVec3; 3], Interface, bool)> + '_ {
         self.triangles.iter().zip(&self.facet_of).map(|(triangle, &facet)| {
             let kind = usize::from(self.facets[facet as usize].interface);

@@ -81,8 +81,8 @@ struct Log {
 }
 
 impl Checkpoint {
-    /// Opens the checkpoint of an output, or starts one, and locks it. `restart` discards what an earlier run has finished,
-    /// whatever it computed. `None` where the output is a device or a pipe, which has no folder for it.
+    /// Opens the checkpoint of an output, or starts one, and locks it. `restart` discards what an earlier run has
+    /// finished, whatever it computed. `None` where the output is a device or a pipe, which has no folder for it.
     ///
     /// # Errors
     /// Another run has it locked, it belongs to other work, or it cannot be written.

@@ -52,12 +52,13 @@ impl<'c> BinLight<'c> {
         expect_list::<Field<V>>(&[fields, BATCHES as usize], "the fields of all --bins")
     }
 
-    /// One tally for each batch and each of the `wavelengths` that `media` hold. The mean over batches is the estimate, and their
-    /// spread tells its standard error.
+    /// One tally for each batch and each of the `wavelengths` that `media` hold. The mean over batches is the estimate,
+    /// and their spread tells its standard error.
     ///
-    /// The power of a bin is |F|² of the mean field F over all batches, so no batch has a power of its own. A batch gets the jackknife's
-    /// pseudo-value instead, with F₋ the mean field of the other batches: K |F|² − (K − 1) |F₋|² for K batches. Their mean is free of
-    /// the noise that |F|² adds (Efron, "The Jackknife, the Bootstrap and Other Resampling Plans", 1982, chapter 2).
+    /// The power of a bin is |F|² of the mean field F over all batches, so no batch has a power of its own. A batch
+    /// gets the jackknife's pseudo-value instead, with F₋ the mean field of the other batches: K |F|² − (K − 1) |F₋|²
+    /// for K batches. Their mean is free of the noise that |F|² adds (Efron, "The Jackknife, the Bootstrap and Other
+    /// Resampling Plans", 1982, chapter 2).
     pub fn tallies<V: Lanes>(
         &self,
         media: MediaLanes<'_, V>,
@@ -140,8 +141,8 @@ fn components<V: Lanes>(field: &Field<V>, lane: usize) -> Components {
     [a, b, c, d, e, f, g, h, i, j, k, l]
 }
 
-/// The jackknife's values of the unpolarised power of a sum of fields, one for each batch's own sum; in units of the rays of a
-/// batch, squared.
+/// The jackknife's values of the unpolarised power of a sum of fields, one for each batch's own sum; in units of the
+/// rays of a batch, squared.
 fn pseudo_values(sums: impl Iterator<Item = Components> + Clone) -> impl Iterator<Item = f64> {
     let whole = sums.clone().fold([0.0; 12], |whole: Components, sum| std::array::from_fn(|i| whole[i] + sum[i]));
     let power = |field: Components| 0.5 * field.iter().map(|x| x * x).sum::<f64>();
@@ -150,8 +151,8 @@ fn pseudo_values(sums: impl Iterator<Item = Components> + Clone) -> impl Iterato
     sums.map(move |sum| all - power(std::array::from_fn(|i| whole[i] - sum[i])) / (count - 1.0))
 }
 
-/// Light from `wi` with coherence `cell`: reflected orders, each in the bin of its direction. Transmitted orders are not computed:
-/// what is not reflected is left as imbalance.
+/// Light from `wi` with coherence `cell`: reflected orders, each in the bin of its direction. Transmitted orders are
+/// not computed: what is not reflected is left as imbalance.
 pub(crate) fn orders_in_bins(
     bumpy: &Bumpy<'_>,
     wi: DVec3,

@@ -108,12 +108,12 @@ const MOST_ORDERS: usize = 16_384;
 /// Waves in flight below this power are dropped.
 const IN_FLIGHT: f64 = 1e-10;
 
-/// The reflected orders that travel, of light from the unit direction `wi`. `progress` is told of each of the batches of each
-/// [`groups`] wavelengths.
+/// The reflected orders that travel, of light from the unit direction `wi`. `progress` is told of each of the batches
+/// of each [`groups`] wavelengths.
 ///
 /// # Errors
-/// A mesh that the core refuses, a medium without data at a wavelength, more orders than are computed or memory holds, more
-/// light left out than [`MAX_TRUNCATED`].
+/// A mesh that the core refuses, a medium without data at a wavelength, more orders than are computed or memory holds,
+/// more light left out than [`MAX_TRUNCATED`].
 pub fn orders(
     bumpy: &Bumpy<'_>,
     wi: DVec3,

@@ -38,8 +38,8 @@ impl Error {
         Self { no_data: true, ..Self::failed(message) }
     }
 
-    /// The same error, with what can be done where a medium has no data. `asks` says whether the command lets its user choose
-    /// the wavelengths.
+    /// The same error, with what can be done where a medium has no data. `asks` says whether the command lets its user
+    /// choose the wavelengths.
     #[must_use]
     pub fn with_remedy(self, asks: bool) -> Self {
         let remedy = match (self.no_data, asks) {

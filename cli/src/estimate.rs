@@ -52,7 +52,8 @@ impl Precision {
     }
 }
 
-/// The share of [`Precision::tolerance`] beyond which an estimated error is not accepted: the estimate may be too small by this.
+/// The share of [`Precision::tolerance`] beyond which an estimated error is not accepted: the estimate may be too small
+/// by this.
 const ACCEPTED: f64 = 0.5;
 
 /// How to compute.

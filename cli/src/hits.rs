@@ -1,8 +1,8 @@
 //! `--method hits`: what bounds the work of a sum of rays hit by hit, and what stands in for a sum that does not converge.
 //!
-//! A sum hit by hit diverges where a loop of absorbing or evanescent waves gains, and takes millions of generations where one
-//! hardly loses. Closed loops are its limit, and the solution of the same equations where it has none. So its error is known,
-//! and where it is too large the sample falls back to closed loops.
+//! A sum hit by hit diverges where a loop of absorbing or evanescent waves gains, and takes millions of generations
+//! where one hardly loses. Closed loops are its limit, and the solution of the same equations where it has none. So its
+//! error is known, and where it is too large the sample falls back to closed loops.
 
 use goniochrome::trace::Limits;
 
@@ -25,8 +25,8 @@ pub(crate) fn affordable(limits: Limits, planes: usize) -> Limits {
     Limits { generations: generations.min(limits.generations), ..limits }
 }
 
-/// Sums hit by hit with their error bars; those further than the tolerance from `closed`, the same with loops closed, fall
-/// back to that.
+/// Sums hit by hit with their error bars; those further than the tolerance from `closed`, the same with loops closed,
+/// fall back to that.
 pub(crate) fn settled(mut summed: Spectra, closed: &Spectra, precision: Precision) -> Spectra {
     let tolerance = tolerance(precision);
     for (sample, closed) in summed.samples.iter_mut().zip(&closed.samples) {

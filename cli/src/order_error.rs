@@ -1,8 +1,8 @@
 //! The error bound of diffraction orders: how far physical optics may be off.
 //!
-//! [`crate::diffraction::orders`] lets every point of a facet reflect as an infinite plane would, once. The truth differs at the
-//! bends between facets, whose influence reaches about a wavelength, and by light that meets a second facet, which is dropped.
-//! For an efficiency, in s or p,
+//! [`crate::diffraction::orders`] lets every point of a facet reflect as an infinite plane would, once. The truth
+//! differs at the bends between facets, whose influence reaches about a wavelength, and by light that meets a second
+//! facet, which is dropped. For an efficiency, in s or p,
 //!
 //! |error| ≤ 0.005 + R (0.3 B (λ + D) + 2 M), and never more than 1.
 //!
@@ -16,9 +16,10 @@
 //!
 //! Surfaces with overhangs have no bound but 1. Coated and layered cells were not compared with rigorous solvers.
 //!
-//! The form is physical optics' own criterion (a radius of curvature must be many wavelengths); the factors are fitted. Largest
-//! errors of 462 random gratings, in s and in p: lamellar, with walls of 75°, blazed, triangular and sinusoidal; depths 0.02 to
-//! 1 λ; θ_i of 0, 30, 45, 60, 75°, three in four classical or along the grooves, the others at any azimuth:
+//! The form is physical optics' own criterion (a radius of curvature must be many wavelengths); the factors are fitted.
+//! Largest errors of 462 random gratings, in s and in p: lamellar, with walls of 75°, blazed, triangular and
+//! sinusoidal; depths 0.02 to 1 λ; θ_i of 0, 30, 45, 60, 75°, three in four classical or along the grooves, the others
+//! at any azimuth:
 //!
 //! | below | θ_i | period 0.8 to 2 λ | 2 to 5 λ | 5 to 10 λ | 10 to 20 λ |
 //! |---|---|---|---|---|---|
@@ -29,8 +30,9 @@
 //! | silver, aluminium, gold | ≤ 45° | 0.506, 0.539 | 0.211, 0.528 | 0.342, 0.070 | 0.079, 0.053 |
 //! | | 60°, 75° | 0.522, 0.572 | 0.520, 0.408 | 0.278, 0.318 | 0.119, 0.205 |
 //!
-//! No error exceeds 0.85 of its bound, also not those of 60 lamellar gratings of 1 to 8 λ depth. 40 of the gratings were
-//! computed after the fit: the largest reaches 0.30 of its bound. `tests/data/orders.json` holds 34 and 12 of both kinds.
+//! No error exceeds 0.85 of its bound, also not those of 60 lamellar gratings of 1 to 8 λ depth. 40 of the gratings
+//! were computed after the fit: the largest reaches 0.30 of its bound. `tests/data/orders.json` holds 34 and 12 of both
+//! kinds.
 
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -78,7 +80,8 @@ struct Lit {
     below: Option<Below>,
 }
 
-/// Bounds |computed − true| of every efficiency of reflected orders, in s and in p, for light from `wi` at each wavelength.
+/// Bounds |computed − true| of every efficiency of reflected orders, in s and in p, for light from `wi` at each
+/// wavelength.
 ///
 /// # Errors
 /// A mesh that the core refuses.

@@ -177,12 +177,12 @@ const PATHS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
 /// Waves in flight below this power are dropped: amplitudes of 3e-7, of which a loop of gain g would make 3e-7/|1 − g|.
 pub(crate) const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 
-/// Light from the unit direction `wi`, at each wavelength, by the coherence asked for. `progress` is told of each of so many
-/// [`steps`].
+/// Light from the unit direction `wi`, at each wavelength, by the coherence asked for. `progress` is told of each of so
+/// many [`steps`].
 ///
 /// # Errors
-/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs too much, more memory than there is,
-/// waves without a sum, more light left out than [`MAX_TRUNCATED`].
+/// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs too much, more
+/// memory than there is, waves without a sum, more light left out than [`MAX_TRUNCATED`].
 pub fn scatter(
     bumpy: &Bumpy<'_>,
     wi: DVec3,
@@ -370,7 +370,8 @@ pub(crate) fn trace_batch<V: Lanes>(
             let spill = Spill::new(&mut geometric, paths, PATHS, &mut random);
             let done = trace_spilling(&mut polygons, state, field, waves, WAVES, spill, &mut exits);
             if done.truncated.any_above(MAX_TRUNCATED) {
-                // The waves of this starting ray have no sum, or too little of one: it is followed again without interference.
+                // The waves of this starting ray have no sum, or too little of one: it is followed again without
+                // interference.
                 (polygons, geometric) = before;
                 exits.begin(path.at().point_nm);
                 without_interference += 1;
@@ -400,13 +401,14 @@ pub(crate) fn trace_batch<V: Lanes>(
 
 /// The largest share of the light that a result may leave out.
 ///
-/// Where paths add as powers it bounds the error of a reflectance Y. CIELAB's L* changes by at most 903 for each unit of Y,
-/// near black: by 0.9 here, less than the smallest difference that is seen. Where waves interfere, a power p that is left
-/// out may move a reflectance R by 2√(R p) and more; such waves are given up at a power of 1e-13, far below this share.
+/// Where paths add as powers it bounds the error of a reflectance Y. CIELAB's L* changes by at most 903 for each unit
+/// of Y, near black: by 0.9 here, less than the smallest difference that is seen. Where waves interfere, a power p that
+/// is left out may move a reflectance R by 2√(R p) and more; such waves are given up at a power of 1e-13, far below
+/// this share.
 pub const MAX_TRUNCATED: f64 = 1e-3;
 
-/// Refuses what was reflected, transmitted, absorbed and truncated if it is no result. Waves in absorbing bodies narrower than a
-/// wavelength may meet loops of gain above 1, whose sum by hits has no end.
+/// Refuses what was reflected, transmitted, absorbed and truncated if it is no result. Waves in absorbing bodies
+/// narrower than a wavelength may meet loops of gain above 1, whose sum by hits has no end.
 pub(crate) fn refuse_no_result(bumpy: &Bumpy<'_>, coherence: Coherence, totals: [f64; 4]) -> Result<()> {
     let truncated = if totals.iter().all(|total| total.is_finite()) { totals[3] } else { f64::INFINITY };
     refuse_divergence(bumpy, truncated)?;
@@ -442,7 +444,8 @@ pub(crate) fn refuse_truncation(bumpy: &Bumpy<'_>, truncated: f64, remedy: &str)
     )))
 }
 
-/// A power balance that is worse than this, and than [`FAR`] standard errors, is told. Bumpy films keep their power to a hundredth.
+/// A power balance that is worse than this, and than [`FAR`] standard errors, is told. Bumpy films keep their power to
+/// a hundredth.
 const TOLD_IMBALANCE: f64 = 0.01;
 /// Standard errors.
 const FAR: f64 = 4.0;

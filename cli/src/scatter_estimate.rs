@@ -74,8 +74,8 @@ impl TableRequest<'_> {
 /// between them; where starting rays interfere, each azimuth has 32 batches of its own.
 ///
 /// # Errors
-/// Coherence `cell`, a table that is too large, more light left out than [`crate::scatter::MAX_TRUNCATED`], a mesh that the core refuses, a medium without data at a wavelength, a checkpoint that cannot be
-/// read or written.
+/// Coherence `cell`, a table that is too large, more light left out than [`crate::scatter::MAX_TRUNCATED`], a mesh that
+/// the core refuses, a medium without data at a wavelength, a checkpoint that cannot be read or written.
 pub fn estimate(
     bumpy: &Bumpy<'_>,
     wavelength_nm: &[f64],
@@ -408,8 +408,8 @@ impl<V: Lanes> Worker<'_, V> {
         }
     }
 
-    /// Adds `rays` starting rays of each batch, which interfere. Returns how many they were: each azimuth of an isotropic table needs
-    /// one in each of its own batches.
+    /// Adds `rays` starting rays of each batch, which interfere. Returns how many they were: each azimuth of an
+    /// isotropic table needs one in each of its own batches.
     fn fields(&self, tracing: &Request, incident: usize, rays: u32, sums: &mut Sums) -> u32 {
         let Self { cell, states, .. } = *self;
         let isotropic = self.request.layout.phi() == 1;

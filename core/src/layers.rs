@@ -177,8 +177,8 @@ fn distance<V: Lanes>(optics: &Optics<'_, V>, a: &Response<V>, b: &Response<V>) 
     reflected.max(apart(optics.transmittance(a.transmission), optics.transmittance(b.transmission)))
 }
 
-/// How far rounding may have moved R or T of the worse polarisation in each lane ([`crate::rounding`]), from the totals that
-/// [`Summation::ClosedLoops`] has left in [`TraceMemory::totals`]. It costs a fifth of the trace.
+/// How far rounding may have moved R or T of the worse polarisation in each lane ([`crate::rounding`]), from the totals
+/// that [`Summation::ClosedLoops`] has left in [`TraceMemory::totals`]. It costs a fifth of the trace.
 #[must_use]
 pub fn rounding<V: Lanes>(optics: &Optics<'_, V>, totals: &[Totals<V>]) -> V {
     let incident = optics.admittance(optics.stack().ambient()).map(ComplexLanes::norm_sqr);

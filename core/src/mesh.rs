@@ -78,8 +78,8 @@ const MAX_PERIODS: u32 = 4096;
 const NOWHERE: Facet = Facet { normal: DVec3::Z, anchor_nm: DVec3::ZERO, interface: u16::MAX };
 const NOTHING: Interface = Interface { above: MediumIndex::MAX, below: Below::Mirror };
 
-/// The rounding of coordinates in single-precision files, as a fraction of the largest coordinate or period. Vertices may lie
-/// outside the period by this fraction of it.
+/// The rounding of coordinates in single-precision files, as a fraction of the largest coordinate or period. Vertices
+/// may lie outside the period by this fraction of it.
 pub const RESOLUTION: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Moves vertices beside the border of the period, x = 0 or Λx and y = 0 or Λy, onto it. Beside means nearer than
@@ -99,8 +99,9 @@ pub fn put_on_border(vertices: &mut [DVec3], period_nm: [f64; 2]) {
 }
 
 impl<'a> MeshCell<'a> {
-    /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light. Vertices
-    /// on the border must lie exactly there: see [`put_on_border`]. The medium under the cell is that under its lowest surface.
+    /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light.
+    /// Vertices on the border must lie exactly there: see [`put_on_border`]. The medium under the cell is that under
+    /// its lowest surface.
     ///
     /// # Errors
     /// [`CellError`], with the first offending facet; [`CellError::Period`] for a period that is not positive or is left by
@@ -148,7 +149,8 @@ impl<'a> MeshCell<'a> {
         Ok(Self { below: cell.lowest_medium(), ..cell })
     }
 
-    /// The medium under the lowest of some points of the surface, seen from below. A closed cell has the same one under each.
+    /// The medium under the lowest of some points of the surface, seen from below. A closed cell has the same one under
+    /// each.
     fn lowest_medium(&self) -> Option<MediumIndex> {
         /// More than one, for a cell with holes; no regular mesh has an edge there.
         const PROBES: [[f64; 2]; 4] = [[0.382, 0.268], [0.854, 0.732], [0.146, 0.618], [0.618, 0.414]];

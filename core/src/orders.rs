@@ -5,10 +5,10 @@
 //! F = mean over starting rays of w J E(x) exp(−i k_m·x), its efficiency |F|². The tangent-plane weight is
 //! w = √(cos θ_i/cos θ_m) · ½[1 + (q_m·N)/(q_out·N)], with N the normal of the last facet and q_out the ray's own direction.
 //!
-//! This is physical optics, and holds for features much wider than λ: against rigorous solvers, efficiencies of s and p err by
-//! up to 0.02 in glass and 0.2 in metals at periods of 10 to 20 λ. Where features are as small as λ (compact discs), they err by
-//! up to 0.6, and only the directions are right. At normal incidence horizontal facets reflect s and p alike, which real gratings
-//! do not.
+//! This is physical optics, and holds for features much wider than λ: against rigorous solvers, efficiencies of s and p
+//! err by up to 0.02 in glass and 0.2 in metals at periods of 10 to 20 λ. Where features are as small as λ (compact
+//! discs), they err by up to 0.6, and only the directions are right. At normal incidence horizontal facets reflect s
+//! and p alike, which real gratings do not.
 
 use crate::coherence::Side;
 use crate::complex::{ComplexLanes, Polarised};

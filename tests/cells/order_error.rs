@@ -1,4 +1,5 @@
-//! The error bound of diffraction orders against rigorous efficiencies, s and p apart: neither warning nor silence is untrue.
+//! The error bound of diffraction orders against rigorous efficiencies, s and p apart: neither warning nor silence is
+//! untrue.
 
 use std::fmt::Write as _;
 

@@ -69,7 +69,8 @@ fn table_of(args: &EstimateArgs, scene: &Scene, output: Option<&Path>) -> Result
     }
 }
 
-/// The table of a scene by the defaults of `estimate`, cells with fewer rays, and what to say of it. Nothing is written.
+/// The table of a scene by the defaults of `estimate`, cells with fewer rays, and what to say of it. Nothing is
+/// written.
 pub(super) fn in_memory(scene: &Scene, quiet: bool) -> Result<(Table, String)> {
     let mut args = EstimateArgs::defaults();
     args.computing.running.quiet = quiet;

@@ -37,7 +37,8 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     write(args, wavelengths, &found)
 }
 
-/// One row for each order and wavelength. The last column is that of the wavelength: light that was not followed to where it leaves.
+/// One row for each order and wavelength. The last column is that of the wavelength: light that was not followed to
+/// where it leaves.
 fn write(args: &OrdersArgs, wavelengths: &[f64], found: &Diffraction) -> Result<()> {
     let left_out = |nm: f64| {
         let place = wavelengths.iter().position(|known| *known == nm).unwrap_or_default();

@@ -19,8 +19,8 @@ pub(super) enum Source {
 }
 
 impl Source {
-    /// What the first argument of `plot`, `render` and `view` names. Names that end in .exr and files that begin as OpenEXR are
-    /// tables; everything else is a scene.
+    /// What the first argument of `plot`, `render` and `view` names. Names that end in .exr and files that begin as
+    /// OpenEXR are tables; everything else is a scene.
     ///
     /// # Errors
     /// As [`load`].

@@ -46,8 +46,8 @@ impl Film {
         Ok(bytes.into_inner())
     }
 
-    /// The bytes of a PNG file: `stops` brighter, through a tone map, then 8-bit sRGB under the gamut policy of pictures. With
-    /// them, how many of the pixels that are not wholly transparent this policy has changed.
+    /// The bytes of a PNG file: `stops` brighter, through a tone map, then 8-bit sRGB under the gamut policy of
+    /// pictures. With them, how many of the pixels that are not wholly transparent this policy has changed.
     #[must_use]
     pub fn png(&self, stops: f64, tone: ToneMap) -> (Vec<u8>, OutOfGamut) {
         let [width, height] = self.size;

@@ -70,7 +70,8 @@ impl Mesh {
         mesh
     }
 
-    /// The mesh in the text of an OBJ file that messages call `label`, turned so that z is up, and what had to be mended in it.
+    /// The mesh in the text of an OBJ file that messages call `label`, turned so that z is up, and what had to be
+    /// mended in it.
     ///
     /// t follows the first texture coordinate where there is one, and is horizontal elsewhere.
     ///

@@ -171,8 +171,8 @@ fn texture_direction(facet: &[Corner; 3]) -> Option<DVec3> {
     across(facet).cross((b - a) * uc - (c - a) * ub).try_normalize()
 }
 
-/// Computed normals: of the facets at a vertex, those that make no crease with the facet at hand, by the angle that each
-/// fills there.
+/// Computed normals: of the facets at a vertex, those that make no crease with the facet at hand, by the angle that
+/// each fills there.
 struct Smooth(HashMap<[u64; 3], Around>);
 
 /// The facets at a vertex.

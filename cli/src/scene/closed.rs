@@ -34,12 +34,12 @@ pub struct ClosedCell {
 }
 
 impl ClosedCell {
-    /// Checks a mesh: inside its period, without holes, overlaps or facets that disagree about a medium, and spanning the whole
-    /// period. Triangles without area and vertices without triangles are passed over. Surfaces that cut through one another
-    /// away from their edges are not found.
+    /// Checks a mesh: inside its period, without holes, overlaps or facets that disagree about a medium, and spanning
+    /// the whole period. Triangles without area and vertices without triangles are passed over. Surfaces that cut
+    /// through one another away from their edges are not found.
     ///
-    /// Vertices beside the border of the period are put onto it, since light would fall through between copies of the mesh that
-    /// miss each other.
+    /// Vertices beside the border of the period are put onto it, since light would fall through between copies of the
+    /// mesh that miss each other.
     ///
     /// # Errors
     /// One line that names the first facet at fault, the place in nanometres and the remedy.
@@ -89,8 +89,8 @@ fn check_closed(mesh: &Mesh, period_nm: [f64; 2], interfaces: &[NamedInterface],
     check.through_bodies(&edges, &mut bodies)
 }
 
-/// Modelling programs keep coordinates in single precision: vertices nearer than this are one vertex, and may lie outside the
-/// period by as much.
+/// Modelling programs keep coordinates in single precision: vertices nearer than this are one vertex, and may lie
+/// outside the period by as much.
 fn resolution_nm(mesh: &Mesh, period_nm: [f64; 2]) -> f64 {
     RESOLUTION * mesh.vertices.iter().flatten().chain(&period_nm).fold(0.0, |most: f64, x| most.max(x.abs()))
 }

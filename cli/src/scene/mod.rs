@@ -52,8 +52,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// What the medium of this index says against a wavelength, with its name and the remedy that the scene has. A command that
-    /// asks for wavelengths adds its own: see [`Error::no_data`].
+    /// What the medium of this index says against a wavelength, with its name and the remedy that the scene has. A
+    /// command that asks for wavelengths adds its own: see [`Error::no_data`].
     pub(crate) fn medium_error(&self, index: usize, error: &MediumError) -> Error {
         let NamedMedium { name, medium } = &self.media[index];
         let line = format!("{}: material {name}: {}", self.name, medium.describe(error));

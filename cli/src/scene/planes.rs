@@ -1,5 +1,5 @@
-//! Cells made of horizontal planes: the decision that a mesh is such a cell, the check that its planes are closed, and the planes
-//! from the top.
+//! Cells made of horizontal planes: the decision that a mesh is such a cell, the check that its planes are closed, and
+//! the planes from the top.
 //!
 //! A plane covers the period exactly once if (1) its facets are oriented alike, (2) every edge that is not on the border
 //! of the period's rectangle is passed as often in one direction as in the other, and (3) their area is that of the
@@ -24,7 +24,8 @@ pub struct Plane {
     pub interface: Interface,
 }
 
-/// A cell of horizontal planes. Each covers the period exactly once, and neighbours agree about the medium between them.
+/// A cell of horizontal planes. Each covers the period exactly once, and neighbours agree about the medium between
+/// them.
 #[derive(Clone, Debug)]
 pub struct FlatCell {
     planes: Vec<Plane>,

@@ -10,7 +10,8 @@ fn media() -> Vec<NamedMedium> {
     vec![medium(1.0, 0.0), medium(1.6, 0.0), medium(1.5, 0.0), medium(1.5, 0.1)]
 }
 
-/// top (air over film), film (film over glass), base (film over a mirror), odd (glass over air), dark (absorber over air).
+/// top (air over film), film (film over glass), base (film over a mirror), odd (glass over air), dark (absorber over
+/// air).
 fn interfaces() -> Vec<NamedInterface> {
     let interface = |name: &str, above, below| NamedInterface {
         name: name.to_owned(),

@@ -27,9 +27,10 @@
 //! | `without_interference` | for each incident direction, the share of starting rays that were followed without interference |
 //! | `rays` | starting rays of each incident direction |
 //!
-//! Numbers in attributes are decimal, parted by spaces. ZIP compression of 16 lines at a time. With P = 1 the table is a mean
-//! over azimuths, and φ_i is that of its first. `tests/python/read_table.py` reads all of it in a few lines of NumPy. The four
-//! lists of angles follow from T, P, N and M. Older files lack them, `imbalance`, `imbalance_error` and `without_interference`.
+//! Numbers in attributes are decimal, parted by spaces. ZIP compression of 16 lines at a time. With P = 1 the table is
+//! a mean over azimuths, and φ_i is that of its first. `tests/python/read_table.py` reads all of it in a few lines of
+//! NumPy. The four lists of angles follow from T, P, N and M. Older files lack them, `imbalance`, `imbalance_error` and
+//! `without_interference`.
 
 use exr::prelude::Compression;
 use goniochrome::bins::DirectionBins;

@@ -304,8 +304,9 @@ typedef struct {
 } gonio_medium;
 
 /*
- A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost, and
- counts as truncated. Vertices that lie beside the border of the period by the rounding of single precision count as on it.
+ A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole
+ is lost, and counts as truncated. Vertices that lie beside the border of the period by the rounding of single
+ precision count as on it.
  */
 typedef struct {
     /*
@@ -526,8 +527,9 @@ gonio_status gonio_stack_make(gonio_stack *stack,
 /*
  Reflectance of light that arrives at `cos_theta`, polarised s and p, at each of `count` wavelengths.
 
- cos_theta in (0, 1]; at 0 the limit: everything is reflected. NaN and all else: GONIO_STATUS_ANGLE. The differences from
- exact arithmetic are below 1e-6: it computes in double precision and rounds once. 20 KiB of stack are used, 35 with AVX-512.
+ cos_theta in (0, 1]; at 0 the limit: everything is reflected. NaN and all else: GONIO_STATUS_ANGLE. The differences
+ from exact arithmetic are below 1e-6: it computes in double precision and rounds once. 20 KiB of stack are used, 35
+ with AVX-512.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types and counts say.
@@ -543,17 +545,14 @@ gonio_status gonio_stack_reflectance(const gonio_stack *stack,
  Linear RGB of the light that is reflected at `cos_theta`, unpolarised; components may be negative. Angles as for
  gonio_stack_reflectance.
 
- It sums 81 wavelengths, 5 nm apart: for films in air up to n d = 6 micrometres it is within 5e-4 of the integral. Thicker
- stacks and narrow filters have fringes between those wavelengths, which tint them; sum finer ones by
+ It sums 81 wavelengths, 5 nm apart: for films in air up to n d = 6 micrometres it is within 5e-4 of the integral.
+ Thicker stacks and narrow filters have fringes between those wavelengths, which tint them; sum finer ones by
  gonio_stack_reflectance.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to what their types say; `rgb` to three floats.
  */
-gonio_status gonio_stack_rgb(const gonio_stack *stack,
-                             const gonio_colour *colour,
-                             double cos_theta,
-                             float *rgb);
+gonio_status gonio_stack_rgb(const gonio_stack *stack, const gonio_colour *colour, double cos_theta, float *rgb);
 
 /*
  One line of English for a status; for any other number too.

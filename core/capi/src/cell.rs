@@ -43,8 +43,9 @@ pub struct Interface {
     pub below: u16,
 }
 
-/// A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole is lost, and
-/// counts as truncated. Vertices that lie beside the border of the period by the rounding of single precision count as on it.
+/// A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole
+/// is lost, and counts as truncated. Vertices that lie beside the border of the period by the rounding of single
+/// precision count as on it.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Mesh {

@@ -89,8 +89,9 @@ pub unsafe extern "C" fn gonio_stack_make(
 
 /// Reflectance of light that arrives at `cos_theta`, polarised s and p, at each of `count` wavelengths.
 ///
-/// cos_theta in (0, 1]; at 0 the limit: everything is reflected. NaN and all else: GONIO_STATUS_ANGLE. The differences from
-/// exact arithmetic are below 1e-6: it computes in double precision and rounds once. 20 KiB of stack are used, 35 with AVX-512.
+/// cos_theta in (0, 1]; at 0 the limit: everything is reflected. NaN and all else: GONIO_STATUS_ANGLE. The differences
+/// from exact arithmetic are below 1e-6: it computes in double precision and rounds once. 20 KiB of stack are used, 35
+/// with AVX-512.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to what their types and counts say.
@@ -122,8 +123,8 @@ pub unsafe extern "C" fn gonio_stack_reflectance(
 /// Linear RGB of the light that is reflected at `cos_theta`, unpolarised; components may be negative. Angles as for
 /// gonio_stack_reflectance.
 ///
-/// It sums 81 wavelengths, 5 nm apart: for films in air up to n d = 6 micrometres it is within 5e-4 of the integral. Thicker
-/// stacks and narrow filters have fringes between those wavelengths, which tint them; sum finer ones by
+/// It sums 81 wavelengths, 5 nm apart: for films in air up to n d = 6 micrometres it is within 5e-4 of the integral.
+/// Thicker stacks and narrow filters have fringes between those wavelengths, which tint them; sum finer ones by
 /// gonio_stack_reflectance.
 ///
 /// # Safety

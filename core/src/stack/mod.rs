@@ -1,8 +1,8 @@
 //! A planar multilayer, and its reflection and transmission in closed form (the paper's section 4.5, "formula for
 //! analysis").
 //!
-//! From the substrate upwards ρ_j = (r_j + ρ_{j+1} e²)/(1 + r_j ρ_{j+1} e²) with e = exp(i k₀ q_n d). |e| ≤ 1, so nothing
-//! overflows for opaque layers. Numerator and denominator are carried apart and divided once at the end.
+//! From the substrate upwards ρ_j = (r_j + ρ_{j+1} e²)/(1 + r_j ρ_{j+1} e²) with e = exp(i k₀ q_n d). |e| ≤ 1, so
+//! nothing overflows for opaque layers. Numerator and denominator are carried apart and divided once at the end.
 //!
 //! What depends on a distinct film or a distinct pair of media is computed once per angle and group of wavelengths
 //! ([`Optics`]), so a repeated layer costs a handful of multiply-adds per wavelength and polarisation.
@@ -182,7 +182,8 @@ impl<'a> Stack<'a> {
         known.copied().unwrap_or(Interface { above: self.ambient, below: self.substrate })
     }
 
-    /// The layer below plane `j`, which must not be the last; a layer of no thickness for a plane that the stack does not have.
+    /// The layer below plane `j`, which must not be the last; a layer of no thickness for a plane that the stack does
+    /// not have.
     #[must_use]
     pub fn film(&self, j: usize) -> Film {
         let known = self.boundaries.get(j).and_then(|boundary| self.films.get(boundary.film as usize));

@@ -159,8 +159,8 @@ impl Films {
 }
 
 impl Colours {
-    /// The colour of the reflectances that the interface itself gives, and the sum of the sizes of its terms, for each of
-    /// R, G, B.
+    /// The colour of the reflectances that the interface itself gives, and the sum of the sizes of its terms, for each
+    /// of R, G, B.
     fn of(&self, films: &Films, cos_theta: f64) -> [[f64; 2]; 3] {
         let nm: [f64; 81] = std::array::from_fn(|i| 380.0 + 5.0 * i as f64);
         let mut weights = [[0.0; 3]; 81];

@@ -12,7 +12,8 @@ const PERIOD_NM: [f64; 2] = [10_000.0, 8_000.0];
 /// Air, film, glass.
 const INDICES: [f64; 3] = [1.0, 1.6, 1.5];
 
-/// What becomes of light from 20 degrees without interference. `kinds` are 0 for air over film and 1 for film over glass.
+/// What becomes of light from 20 degrees without interference. `kinds` are 0 for air over film and 1 for film over
+/// glass.
 fn trace(vertices: &[f64], triangles: &[u32], kinds: &[u16]) -> Power {
     let medium = |n: &f64| Medium { wavelength_nm: std::ptr::null(), n, k: std::ptr::null(), count: 1 };
     let media: Vec<Medium> = INDICES.iter().map(medium).collect();
