@@ -25,6 +25,8 @@ fn everything_reflects_at_grazing_incidence() {
     const COS: [f64; 2] = [1e-4, 1e-5];
     /// Terms of second order, cos θ/|Y|, where Y of a resonance may be as small as a thousandth.
     const SECOND_ORDER: f64 = 0.1;
+    /// At 90° itself R = |1 − ρe²|²/|1 − ρe²|², of which a resonance cancels digits; double precision is held to this.
+    const ROUNDING: f64 = 1e-11;
     let (mut most, mut departures, mut seen) = (0.0f64, 0u32, 0u32);
     each(11, |random| {
         let mut case = Case::random(random, false, false);
@@ -45,7 +47,11 @@ fn everything_reflects_at_grazing_incidence() {
         let along = case.power();
         for lane in 0..F64::WIDTH {
             let (r, t) = (lanes(along.r, lane), lanes(along.t, lane));
-            assert!(r.iter().all(|r| (r - 1.0).abs() <= 1e-12) && t == [0.0; 2], "{:?}: {r:?} {t:?}", case.stack.eta);
+            assert!(
+                r.iter().all(|r| (r - 1.0).abs() <= ROUNDING) && t == [0.0; 2],
+                "{:?}: {r:?} {t:?}",
+                case.stack.eta
+            );
         }
     });
     println!("grazing incidence: 1 - R up to {most:.1e}; {departures} of {seen} not linear in cos");
