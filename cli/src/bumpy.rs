@@ -120,6 +120,31 @@ impl<'s> Bumpy<'s> {
         self.above
     }
 
+    /// The longest optical path across a film: Σ n d of a coating, or the distance between the mean heights of two
+    /// interfaces times the index of a medium between interfaces. Media without data there count as none.
+    #[must_use]
+    pub fn film_path_nm(&self, wavelength_nm: f64) -> f64 {
+        let index = |medium: MediumIndex| {
+            let medium = &self.scene.media[usize::from(medium)].medium;
+            medium.borrow().eta(wavelength_nm).map_or(0.0, |eta| eta.re)
+        };
+        let coating = |films: &Vec<Film>| films.iter().map(|film| index(film.medium) * film.thickness_nm).sum::<f64>();
+        let coated = self.coatings.iter().map(coating).fold(0.0, f64::max);
+        let mean_height_nm = |kind: usize| {
+            let of_kind = |&(_, facet): &(&[u32; 3], &u32)| usize::from(self.facets[*facet as usize].interface) == kind;
+            let corners = self.triangles.iter().zip(&self.facet_of).filter(of_kind).flat_map(|(triangle, _)| triangle);
+            let (sum, count) =
+                corners.fold((0.0, 0), |(sum, count), &v| (sum + self.vertices[v as usize].z, count + 1));
+            (count > 0).then(|| sum / f64::from(count))
+        };
+        let heights = || (0..self.interfaces.len()).filter_map(mean_height_nm);
+        let height_nm = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
+        let between =
+            |medium: &MediumIndex| self.interfaces.iter().any(|interface| interface.below == Below::Medium(*medium));
+        let inner = self.interfaces.iter().map(|interface| interface.above).filter(between).map(index);
+        coated.max(height_nm * inner.fold(0.0, f64::max))
+    }
+
     /// Interfaces that facets have.
     #[must_use]
     pub fn interface_count(&self) -> usize {

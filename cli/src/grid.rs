@@ -51,6 +51,9 @@ fn numbers(text: &str, what: &str, most: usize) -> std::result::Result<Vec<f64>,
     Ok(values)
 }
 
+/// Harder than any X-ray that has an index; the phase of a film of a metre still has digits.
+const MIN_WAVELENGTH_NM: f64 = 1e-3;
+
 impl FromStr for Wavelengths {
     type Err = String;
 
@@ -58,7 +61,8 @@ impl FromStr for Wavelengths {
         if text == "auto" {
             return Ok(Self::VISIBLE);
         }
-        let positive = |values: Vec<f64>| match values.iter().find(|nm| **nm <= 0.0) {
+        let positive = |values: Vec<f64>| match values.iter().find(|nm| **nm < MIN_WAVELENGTH_NM) {
+            Some(nm) if *nm > 0.0 => Err(format!("wavelength {nm} nm is shorter than {MIN_WAVELENGTH_NM} nm")),
             Some(nm) => Err(format!("wavelength {nm} nm must be positive")),
             None => Ok(values),
         };
@@ -153,6 +157,7 @@ mod tests {
         assert!(wrong("500:400:auto").contains("end > start"));
         assert!(wrong("0,400").contains("must be positive"));
         assert!(wrong("-5").contains("must be positive"));
+        assert!(wrong("1e-300").contains("shorter than 0.001 nm"));
         assert!(wrong("400:500:-1").contains("start:end:step"));
         assert!(wrong("400:500:1e-9").contains("more than the 8192 allowed"));
         assert!(wrong("nan").contains("not a number"));

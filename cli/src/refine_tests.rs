@@ -52,6 +52,14 @@ fn films_of_any_thickness_have_their_colour() {
     }
 }
 
+#[test]
+fn lines_at_grazing_incidence_are_seen() {
+    // Between air and a good metal a film's fringes are lines of a tenth of their distance.
+    let (count, told, error) = found(&stack(&[("2.909", 33_315.0)], "[0.0753, 3.399]"), &[0.0, 75.0, 88.0]);
+    println!("{count} wavelengths, told {told:.3}, error {error:.3}");
+    assert!(error <= 0.1 && (told - error).abs() <= STANDS_STILL, "told {told} of {error}");
+}
+
 /// What is promised of stacks that resonate.
 const RESONANT: f64 = 0.3;
 

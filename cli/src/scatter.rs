@@ -479,6 +479,26 @@ pub fn without_sum(share: f64) -> Option<String> {
     })
 }
 
+/// A warning where wavelengths are too far apart for the fringes of films on or between facets.
+#[must_use]
+pub fn too_few(bumpy: &Bumpy<'_>, coherence: Coherence, wavelength_nm: &[f64]) -> Option<String> {
+    /// Where fringes are judged: those of shorter waves are closer, but hardly seen.
+    const JUDGED_NM: f64 = 450.0;
+    /// With three and more a fringe, colours of single films are within 1e-3.
+    const FEWEST: f64 = 3.0;
+    let step_nm = wavelength_nm.windows(2).find(|pair| pair[1] >= JUDGED_NM).map(|pair| pair[1] - pair[0])?;
+    let path_nm = bumpy.film_path_nm(JUDGED_NM);
+    let fringe_nm = JUDGED_NM * JUDGED_NM / (2.0 * path_nm);
+    (coherence != Coherence::None && step_nm * FEWEST > fringe_nm).then(|| {
+        format!(
+            "{} wavelengths may be too few for the fringes of films, an optical path of {path_nm:.0} nm: colours may be \
+             wrong; name wavelengths {:.1} nm apart",
+            wavelength_nm.len(),
+            (fringe_nm / 4.0).max(0.1)
+        )
+    })
+}
+
 /// Mean and standard error over batches.
 fn summarise<'t>(batches: impl Iterator<Item = &'t Tally> + Clone) -> Scattered {
     let over = |of: &dyn Fn(&Tally) -> f64| {

@@ -122,6 +122,23 @@ fn shelves_have_no_bound_and_planes_the_least() {
     assert!(bound(&format!("{flat}{BETWEEN}")) < SILENT);
 }
 
+/// Of flat metal under n = 1.5 with k = 1e-3, R_p at 88° is off by 0.115: orders 1.0358, the closed form 1.1505.
+#[test]
+fn grazing_light_through_a_medium_that_absorbs_is_warned_of() {
+    let toml = "[cell]\nperiod_nm = [500, 500]\nsurface = { kind = \"grooves\", points_nm = [[0, 0], [500, 0]] }\n\
+                [interface.grooves]\nabove = [1.5, 0.001]\nbelow = [0.05, 3.5]\n";
+    let scene = parse("cell", toml).expect("a good scene");
+    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let at = |theta_deg| {
+        let wi = towards(theta_deg, 0.0);
+        let bound = error_bounds(&bumpy, wi, &[550.0]).expect("a good mesh")[0];
+        (bound, warning(&bumpy, wi, &[550.0]).expect("a good mesh"))
+    };
+    let (bound, said) = at(88.0);
+    assert!(bound >= 0.115 && said.is_some_and(|said| said.contains("absorbs")), "{bound}");
+    assert_eq!(at(60.0).1, None);
+}
+
 #[test]
 fn the_bound_does_not_depend_on_how_finely_a_surface_is_cut() {
     let sines = |cut: u32| {

@@ -281,6 +281,24 @@ fn waves_without_a_sum_are_refused_or_told() {
 }
 
 #[test]
+fn wavelengths_too_few_for_films_on_facets_are_told() {
+    let scene = |nm: u32| {
+        format!(
+            "[cell]\nperiod_nm = [1000, 1000]\n\
+             surface = {{ kind = \"grooves\", points_nm = [[0, 0], [500, 100], [1000, 0]] }}\n\
+             [interface.grooves]\nabove = 1.0\nbelow = 1.5\ncoating = [{{ material = 2.4, thickness_nm = {nm} }}]\n"
+        )
+    };
+    let user = User::with(&[("thick.toml", &scene(15_000)), ("thin.toml", &scene(150))]);
+    let said = |line: &str| user.ok(&format!("estimate {line} -o t.exr --incident 2x2 --bins 2x4 --rays 32")).stderr;
+    assert!(said("thick.toml").contains("too few for the fringes of films"));
+    assert!(table(&user, "t.exr").metadata["warning"].contains("too few"));
+    for line in ["thin.toml", "thick.toml --wavelengths 400:500:0.5", "thick.toml --coherence none"] {
+        assert!(!said(line).contains("too few"), "{line}");
+    }
+}
+
+#[test]
 fn orders_say_what_they_do_not_follow() {
     let user = User::with(&[(
         "roof.toml",

@@ -21,7 +21,7 @@ use crate::output;
 use crate::picture::Format;
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
-use crate::scatter::{Request, unbalanced, without_sum};
+use crate::scatter::{Request, too_few, unbalanced, without_sum};
 use crate::scatter_estimate::{TableRequest, estimate};
 use crate::scene::{Scene, Shape, load};
 use crate::table::MirrorTable;
@@ -208,7 +208,9 @@ fn scattering(
     let coherence = request.tracing.coherence;
     let imbalance = table.worst_imbalance(|imbalance| unbalanced(coherence, imbalance).is_some());
     let alone = table.energy.iter().map(|energy| energy.without_interference).fold(0.0, f64::max);
-    let warnings: Vec<String> = [unbalanced(coherence, imbalance), without_sum(alone)].into_iter().flatten().collect();
+    let few = too_few(&bumpy, coherence, wavelength_nm);
+    let warnings: Vec<String> =
+        [unbalanced(coherence, imbalance), without_sum(alone), few].into_iter().flatten().collect();
     warnings.iter().for_each(|warning| remark(quiet, format_args!("{}: {warning}", scene.name)));
     let imbalance = table.worst_imbalance(|_| true).value;
     table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, &warnings);

@@ -189,6 +189,10 @@ impl Reader<'_> {
         if let Some(other) = fields.iter().find(|field| is_no_wavelength(field)) {
             return refuse(format!("the column {other:?} is no wavelength; give vacuum wavelengths in nm or um"));
         }
+        if wavelength && !parts && fields.len() > 1 {
+            let names = fields.iter().map(|field| format!("{field:?}")).collect::<Vec<_>>().join(", ");
+            return refuse(format!("the columns are {names}; name those of the index n and k"));
+        }
         if !(wavelength && parts) {
             return match self.n.is_empty() {
                 true => Ok(()), // a title

@@ -115,3 +115,11 @@ fn no_text_brings_the_reader_down() {
         }
     }
 }
+
+#[test]
+fn columns_of_other_quantities_are_no_index() {
+    for names in ["wavelength (nm),psi,delta", "lambda (nm),eps_r,eps_i", "wavelength (nm),R,T"] {
+        let said = refusal(&format!("{names}\n400,30.5,100.2\n800,30.5,100.9\n"));
+        assert!(said.contains("name those of the index n and k"), "{names}: {said}");
+    }
+}
