@@ -3,6 +3,7 @@
 pub mod args;
 pub mod blob;
 pub mod bumpy;
+pub mod cell_warnings;
 pub mod checkpoint;
 pub mod coherent;
 pub mod colours;

@@ -10,6 +10,7 @@ use goniochrome::table::ScatterLayout;
 
 use crate::args::{EstimateArgs, ModelArg, spelled};
 use crate::bumpy::Bumpy;
+use crate::cell_warnings::{too_few, unbalanced, without_sum};
 use crate::checkpoint::Checkpoint;
 use crate::colours::{colours, visible, visible_weights};
 use crate::commands::plot::disc_of;
@@ -21,7 +22,7 @@ use crate::output;
 use crate::picture::Format;
 use crate::planar::Planar;
 use crate::progress::{bar, remark};
-use crate::scatter::{Request, too_few, unbalanced, without_sum};
+use crate::scatter::Request;
 use crate::scatter_estimate::{TableRequest, estimate};
 use crate::scene::{Scene, Shape, load};
 use crate::table::MirrorTable;

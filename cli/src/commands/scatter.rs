@@ -5,12 +5,13 @@ use serde_json::{Value, json};
 
 use crate::args::{ScatterArgs, spelled};
 use crate::bumpy::Bumpy;
+use crate::cell_warnings::{unbalanced, without_sum};
 use crate::commands::{direction, named, remark_on_media};
 use crate::error::{Error, Result};
 use crate::order_error;
 use crate::output;
 use crate::progress::{bar, remark};
-use crate::scatter::{Coherence, Estimate, Request, Scattered, scatter, steps, unbalanced, without_sum};
+use crate::scatter::{Coherence, Estimate, Request, Scattered, scatter, steps};
 use crate::scene::load;
 use crate::text;
 
