@@ -1,10 +1,10 @@
 //! End to end: the 20-layer stack over 90 angles and 81 wavelengths, s and p, one thread and two.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use goniochrome::interface::Model;
+use goniochrome::optics::interface::Model;
 use goniochrome_benches::twenty_layers;
-use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
-use goniochrome_cli::planar::Planar;
+use goniochrome_cli::solve::planar::Planar;
+use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
 use std::hint::black_box;
 
 fn estimate(c: &mut Criterion) {

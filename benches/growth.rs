@@ -1,10 +1,10 @@
 //! Ray tracing through planar stacks: loops closed, hit by hit, and the literal splitter that does not merge.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use goniochrome::lanes::F32;
-use goniochrome::layers::{Summation, Workspace, trace_layers};
-use goniochrome::trace::Limits;
-use goniochrome_benches::{Layered, MOST_PLANES, contrast, group};
+use goniochrome::simd::lanes::F32;
+use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
+use goniochrome::trace::waves::Limits;
+use goniochrome_benches::{Layered, MAX_PLANES, contrast, group};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -14,7 +14,7 @@ const LIMITS: Limits = Limits { in_flight: 1e-12, ..Limits::SINGLE };
 
 /// Growth with layers, one wavelength per lane; visits are printed, since they are what grows.
 fn growth(c: &mut Criterion) {
-    let mut workspace = Box::new(Workspace::<F32, MOST_PLANES>::new());
+    let mut workspace = Box::new(Workspace::<F32, MAX_PLANES>::new());
     let mut benches = c.benchmark_group("growth");
     benches.sample_size(10);
     for layers in [2, 4, 8, 15, 30, 60] {
@@ -27,10 +27,10 @@ fn growth(c: &mut Criterion) {
             for (method, summation) in
                 [("closed-loops", Summation::ClosedLoops), ("generations", Summation::Generations(LIMITS))]
             {
-                let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
+                let traced = trace_planar(optics, summation, workspace.memory()).expect("the stack fits");
                 eprintln!("{layers} layers, {method}: {} visits", traced.trace.visits);
                 benches.bench_function(BenchmarkId::new(method, layers), |b| {
-                    b.iter(|| trace_layers(black_box(optics), summation, workspace.memory()));
+                    b.iter(|| trace_planar(black_box(optics), summation, workspace.memory()));
                 });
             }
         });

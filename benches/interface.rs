@@ -1,7 +1,7 @@
 //! The stage of that name in `goniochrome_benches::stages`, in single and double precision.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use goniochrome::lanes::{F32, F64};
+use goniochrome::simd::lanes::{F32, F64};
 use goniochrome_benches::criterion::time;
 use goniochrome_benches::stages::interface;
 

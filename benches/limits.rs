@@ -9,7 +9,7 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use goniochrome::lanes::{F32, F64, Lanes};
+use goniochrome::simd::lanes::{F32, F64, Lanes};
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::counted::{Counted, Counts, OPERATIONS, Operation, count};
 use goniochrome_benches::stages::{Stage, Work, cell, coherence, interface, planar, stack, turns};
@@ -18,7 +18,7 @@ use goniochrome_benches::stages::{Stage, Work, cell, coherence, interface, plana
 const CHAINS: usize = 8;
 /// Each measurement is the least of so many.
 const REPEATS: usize = 5;
-const LEAST_TIME: Duration = Duration::from_millis(20);
+const MIN_TIME: Duration = Duration::from_millis(20);
 
 /// Least seconds of one run of `work`.
 fn seconds(work: &mut dyn FnMut()) -> f64 {
@@ -26,7 +26,7 @@ fn seconds(work: &mut dyn FnMut()) -> f64 {
     loop {
         let mut time = || processor_time(|| (0..runs).for_each(|_| work())).1;
         let first = time();
-        if first >= LEAST_TIME {
+        if first >= MIN_TIME {
             let least = (1..REPEATS).map(|_| time()).fold(first, Duration::min);
             return least.as_secs_f64() / f64::from(runs);
         }

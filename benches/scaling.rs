@@ -9,20 +9,20 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::DVec3;
-use goniochrome::bins::DirectionBins;
-use goniochrome::bvh::{Bvh, Node};
-use goniochrome::interface::Model;
-use goniochrome::lanes::F32;
-use goniochrome::layers::{Summation, Workspace, trace_layers};
+use goniochrome::geometry::bvh::{Bvh, Node};
+use goniochrome::measure::bins::DirectionBins;
+use goniochrome::optics::interface::Model;
+use goniochrome::simd::lanes::F32;
+use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::twenty_layers;
-use goniochrome_benches::{MOST_PLANES, contrast, group, stages};
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
-use goniochrome_cli::planar::Planar;
+use goniochrome_benches::{MAX_PLANES, contrast, group, stages};
 use goniochrome_cli::render::mesh::Mesh;
-use goniochrome_cli::scatter::{Coherence, Request as Scatter, scatter};
 use goniochrome_cli::scene::load;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::planar::Planar;
+use goniochrome_cli::solve::scatter::{Coherence, Request as Scatter, scatter};
+use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
 
 /// Cost in seconds against a size.
 struct Curve {
@@ -49,12 +49,12 @@ impl Curve {
 
 fn layers(summation: Summation) -> impl FnMut(usize) -> f64 {
     move |layers| {
-        let mut workspace = Box::new(Workspace::<F32, MOST_PLANES>::new());
+        let mut workspace = Box::new(Workspace::<F32, MAX_PLANES>::new());
         contrast(layers).with_optics::<F32, _>(0.0, &group::<F32>(), |optics| {
             let repeats = 2000 / layers + 1;
             let run = || {
                 for _ in 0..repeats {
-                    black_box(trace_layers(black_box(optics), summation, workspace.memory()).expect("the stack fits"));
+                    black_box(trace_planar(black_box(optics), summation, workspace.memory()).expect("the stack fits"));
                 }
             };
             processor_time(run).1.as_secs_f64() / repeats as f64
@@ -86,7 +86,7 @@ fn polygons(level: usize) -> [f64; 2] {
     let rays = stages::incoherent(&mesh, 200_000);
     let run = || {
         for ray in &rays {
-            black_box(bvh.closest(ray, |_| true));
+            black_box(bvh.intersect_nearest(ray, |_| true));
         }
     };
     let least = (0..3).map(|_| processor_time(run).1.as_secs_f64()).fold(f64::MAX, f64::min);
@@ -96,7 +96,7 @@ fn polygons(level: usize) -> [f64; 2] {
 /// Processor and wall-clock seconds of so many starting rays in the bumpy soap film.
 fn rays(count: usize, threads: usize) -> [f64; 2] {
     let scene = load("bumpy-soap-film").expect("a preset");
-    let bumpy = Bumpy::new(&scene).expect("a cell");
+    let bumpy = MeshScene::new(&scene).expect("a cell");
     let request = Scatter {
         coherence: Coherence::None,
         rays: count as u32,
@@ -114,7 +114,7 @@ fn rays(count: usize, threads: usize) -> [f64; 2] {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let plot = env::args().nth(1);
-    let few = goniochrome::trace::Limits { in_flight: 1e-12, ..goniochrome::trace::Limits::SINGLE };
+    let few = goniochrome::trace::waves::Limits { in_flight: 1e-12, ..goniochrome::trace::waves::Limits::SINGLE };
     let curves = [
         Curve::of("layers, loops closed", &[4, 8, 15, 30, 60], layers(Summation::ClosedLoops)),
         Curve::of("layers, hit by hit", &[4, 8, 15, 30, 60], layers(Summation::Generations(few))),

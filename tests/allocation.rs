@@ -2,10 +2,10 @@
 
 use crate::reference::{Layered, planar};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
-use goniochrome::interface::Model;
-use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::layers::{Summation, Workspace, trace_layers};
-use goniochrome::trace::Limits;
+use goniochrome::optics::interface::Model;
+use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
+use goniochrome::trace::waves::Limits;
 use std::hint::black_box;
 
 fn trace_all<V: Lanes>(limits: Limits) -> u64 {
@@ -17,7 +17,7 @@ fn trace_all<V: Lanes>(limits: Limits) -> u64 {
             counted += allocation_counter::measure(|| {
                 black_box(optics.response());
                 for summation in [Summation::ClosedLoops, Summation::Generations(limits)] {
-                    black_box(trace_layers(optics, summation, workspace.memory()).expect("the stack fits"));
+                    black_box(trace_planar(optics, summation, workspace.memory()).expect("the stack fits"));
                 }
             })
             .count_total;

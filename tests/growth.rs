@@ -1,10 +1,10 @@
 //! What ray tracing costs as layers grow.
 
 use crate::reference::Layered;
-use goniochrome::interface::Model;
-use goniochrome::lanes::{F64, Lanes};
-use goniochrome::layers::{Summation, Workspace, trace_layers};
-use goniochrome::trace::Limits;
+use goniochrome::optics::interface::Model;
+use goniochrome::simd::lanes::{F64, Lanes};
+use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
+use goniochrome::trace::waves::Limits;
 use num_complex::Complex64;
 
 /// Layers of index 1.56 and 1.0 in turn, 100 nm each, on 1.56.
@@ -16,7 +16,7 @@ fn stack(layers: usize) -> Layered {
 fn visits(layers: usize, summation: Summation) -> f64 {
     let mut workspace = Box::new(Workspace::<F64, 64>::new());
     stack(layers).with_optics::<F64, _>(0.0, &[550.0], Model::Physical, |optics| {
-        let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
+        let traced = trace_planar(optics, summation, workspace.memory()).expect("the stack fits");
         let closed = optics.reflectance(optics.reflection());
         let difference = Lanes::lane(traced.ledger.reflected.s - closed.s, 0);
         assert!(difference.abs() < 1e-9, "{layers} layers: {difference:e}");

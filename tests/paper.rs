@@ -2,7 +2,7 @@
 
 use crate::reference::{Layered, reflectance, visible};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
-use goniochrome::interface::Model;
+use goniochrome::optics::interface::Model;
 use num_complex::Complex64;
 
 /// The expected colours are stated to two digits.

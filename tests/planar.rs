@@ -1,12 +1,12 @@
 //! Closed form and ray tracing against the independent transfer-matrix results.
 
 use crate::reference::{Layered, PlanarCase, planar, weak_ambient};
-use goniochrome::complex::Polarised;
-use goniochrome::interface::Model;
-use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::layers::{Summation, Workspace, trace_layers};
-use goniochrome::medium::MAX_AMBIENT_K;
-use goniochrome::trace::Limits;
+use goniochrome::optics::interface::Model;
+use goniochrome::optics::medium::MAX_AMBIENT_K;
+use goniochrome::simd::complex::Polarised;
+use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
+use goniochrome::trace::waves::Limits;
 use num_complex::Complex64;
 
 /// The reference is printed to 12 significant digits.
@@ -33,7 +33,7 @@ fn worst<V: Lanes>(case: &PlanarCase, summation: Option<Summation>) -> Worst {
                     (optics.reflectance(response.reflection), optics.transmittance(response.transmission))
                 }
                 Some(summation) => {
-                    let traced = trace_layers(optics, summation, workspace.memory()).expect("the stack fits");
+                    let traced = trace_planar(optics, summation, workspace.memory()).expect("the stack fits");
                     let Polarised { s, p } = traced.ledger.imbalance;
                     for lane in 0..V::WIDTH {
                         worst.truncated = worst.truncated.max(traced.ledger.truncated.lane(lane));
@@ -122,7 +122,7 @@ fn what_an_absorbing_ambient_leaves_out_is_the_exchange_of_two_waves() {
         let eta = stack.eta[0];
         for &theta in &case.theta_deg {
             stack.with_optics::<F64, _>(theta, &case.wavelength_nm, Model::Physical, |optics| {
-                let traced = trace_layers(optics, Summation::ClosedLoops, workspace.memory()).expect("the stack fits");
+                let traced = trace_planar(optics, Summation::ClosedLoops, workspace.memory()).expect("the stack fits");
                 let (r, missing) = (traced.response.reflection, traced.ledger.imbalance);
                 let sin = theta.to_radians().sin();
                 let q = (eta * eta - Complex64::from(eta.re * sin).powi(2)).sqrt();

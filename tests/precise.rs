@@ -3,11 +3,11 @@
 
 use crate::laws::Random;
 use crate::reference::Layered;
-use goniochrome::double_double::DoubleDouble;
-use goniochrome::incidence::Incidence;
-use goniochrome::interface::Model;
-use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::layers::{Summation, TraceMemory, Workspace, rounding, trace_layers};
+use goniochrome::optics::incidence::Incidence;
+use goniochrome::optics::interface::Model;
+use goniochrome::simd::double_double::DoubleDouble;
+use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::trace::planar::{Summation, TraceMemory, Workspace, rounding, trace_planar};
 use num_complex::Complex64;
 
 /// A line of `data/precise.txt`, which says how it was made.
@@ -69,7 +69,7 @@ fn solve<V: Lanes>(case: &Case, by: By) -> ([f64; 4], f64) {
                 let mut workspace = Box::new(Workspace::<V, 64>::new());
                 let TraceMemory { totals, slots } = workspace.memory();
                 let memory = TraceMemory { totals: &mut *totals, slots };
-                let ledger = trace_layers(optics, Summation::ClosedLoops, memory).expect("the stack fits").ledger;
+                let ledger = trace_planar(optics, Summation::ClosedLoops, memory).expect("the stack fits").ledger;
                 ([ledger.reflected, ledger.transmitted], rounding(optics, totals))
             }
         },

@@ -1,16 +1,16 @@
 //! Reference results in `data/`, computed by programs that share no code with this one.
 
-use goniochrome::complex::ComplexLanes;
-use goniochrome::incidence::Incidence;
-use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::{F64, Lanes};
-use goniochrome::medium::{MediaLanes, Medium, MediumIndex};
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use goniochrome::optics::incidence::Incidence;
+use goniochrome::optics::interface::{Below, Model};
+use goniochrome::optics::medium::{MediaLanes, Medium, MediumIndex};
+use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::{F64, Lanes};
 use num_complex::Complex64;
 use serde::Deserialize;
 
 /// Planes that the largest test stack has.
-pub const MOST_PLANES: usize = 64;
+pub const MAX_PLANES: usize = 64;
 
 /// Power reflectance and transmittance of planar stacks from an independent transfer-matrix program in float64.
 #[derive(Deserialize)]
@@ -68,7 +68,7 @@ impl Layered {
         theta_deg: f64,
         wavelengths_nm: &[f64],
         model: Model,
-        f: impl FnOnce(&Optics<'_, V>) -> R,
+        f: impl FnOnce(&PreparedStack<'_, V>) -> R,
     ) -> R {
         self.with_optics_at(theta_deg.to_radians().sin().into(), wavelengths_nm, model, f)
     }
@@ -79,7 +79,7 @@ impl Layered {
         incidence: Incidence<V::Precise>,
         wavelengths_nm: &[f64],
         model: Model,
-        f: impl FnOnce(&Optics<'_, V>) -> R,
+        f: impl FnOnce(&PreparedStack<'_, V>) -> R,
     ) -> R {
         let mut media: Vec<Complex64> = Vec::new();
         let index: Vec<MediumIndex> = self
@@ -102,10 +102,10 @@ impl Layered {
         let layers =
             index[1..].iter().zip(&self.thickness_nm).map(|(&medium, &thickness_nm)| Film { medium, thickness_nm });
         let substrate = index.get(1 + self.thickness_nm.len()).map_or(Below::Mirror, |&medium| Below::Medium(medium));
-        let mut arrays = StackArrays::<MOST_PLANES>::new();
+        let mut arrays = StackArrays::<MAX_PLANES>::new();
         let stack = Stack::new(index[0], layers, substrate, arrays.memory()).expect("the stack fits");
-        let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
-        f(&Optics::new(stack, &lanes, incidence, model, memory.memory()))
+        let mut memory = Box::new(PreparedStackArrays::<V, MAX_PLANES>::new());
+        f(&PreparedStack::new(stack, &lanes, incidence, model, memory.memory()))
     }
 }
 

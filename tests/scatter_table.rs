@@ -3,9 +3,10 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::Vec3;
-use goniochrome::bins::DirectionBins;
-use goniochrome::sampling::{Random, sobol};
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable, TableError};
+use goniochrome::trace::random::Random;
+use goniochrome::trace::sobol::sobol;
 
 /// A table of f at the middles of bins; f takes θ_i, φ_i, cos θ_o, φ_o − φ_i and the channel.
 fn tabulated(layout: ScatterLayout, channels: usize, f: impl Fn([f64; 4], usize) -> f64) -> Vec<f32> {

@@ -1,7 +1,7 @@
 //! Table blobs: what is written comes back where it lies, and what is damaged is refused, whatever the damage.
 
 use glam::Vec3;
-use goniochrome::bins::DirectionBins;
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision, Space};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use goniochrome::lanes::{F32, F64};
+use goniochrome::simd::lanes::{F32, F64};
 use goniochrome_benches::stages::{Stage, Work, bvh, cell, coherence, colour, interface, planar, stack, table, turns};
 
 /// Callgrind knows this by its name.

@@ -7,13 +7,14 @@ use std::io::{BufRead, stdin};
 use std::time::Instant;
 
 use glam::DVec3;
-use goniochrome::bins::DirectionBins;
-use goniochrome::interface::Below;
-use goniochrome::medium::MediumIndex;
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::estimate::Precision;
-use goniochrome_cli::scatter::{Coherence, Estimate, Request, Scattered, scatter};
+use goniochrome::measure::bins::DirectionBins;
+use goniochrome::optics::interface::Below;
+use goniochrome::optics::medium::MediumIndex;
 use goniochrome_cli::scene::{Scene, load};
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::scatter::{Coherence, Request, Scattered, scatter};
+use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::table::statistics::MeanWithError;
 use serde_json::{Value, json};
 
 /// Mitsuba's dielectrics have one index for all wavelengths; ours lend them theirs at this one, in nanometres.
@@ -77,12 +78,12 @@ fn task(scene: &Scene, task: &Value) -> Result<Value, Box<dyn Error>> {
     let (theta, azimuth) = (number("theta_i")?, number("phi_i")?);
     let wi = DVec3::new(theta.sin() * azimuth.cos(), theta.sin() * azimuth.sin(), theta.cos());
     let wavelengths: Vec<f64> = serde_json::from_value(task["wavelengths"].clone())?;
-    let bumpy = Bumpy::new(scene)?;
+    let bumpy = MeshScene::new(scene)?;
     let (start, used) = (Instant::now(), processor_seconds());
     let found = scatter(&bumpy, wi, &wavelengths, &request, &|| ())?;
     let (seconds, used) = (start.elapsed().as_secs_f64(), processor_seconds() - used);
-    let both = |of: &Estimate| [of.value, of.std_error];
-    let total = |of: fn(&Scattered) -> Estimate| found.iter().map(|found| both(&of(found))).collect::<Vec<_>>();
+    let both = |of: &MeanWithError| [of.value, of.std_error];
+    let total = |of: fn(&Scattered) -> MeanWithError| found.iter().map(|found| both(&of(found))).collect::<Vec<_>>();
     let bins: Vec<Vec<[f64; 2]>> = found.iter().map(|found| found.bins.iter().map(both).collect()).collect();
     Ok(json!({
         "seconds": seconds,

@@ -1,10 +1,10 @@
 //! `peer METHOD PRECISION REPEATS`: times the estimate of the 20-layer stack, and prints seconds of processor time and results as JSON.
 
-use goniochrome::interface::Model;
+use goniochrome::optics::interface::Model;
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::twenty_layers;
-use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
-use goniochrome_cli::planar::Planar;
+use goniochrome_cli::solve::planar::Planar;
+use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
 use std::env;
 use std::error::Error;
 use std::hint::black_box;
@@ -34,7 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         result = found?;
         seconds.push(time.as_secs_f64());
     }
-    let column = |of: fn(&goniochrome_cli::estimate::Sample) -> f64| result.samples.iter().map(of).collect::<Vec<_>>();
+    let column =
+        |of: fn(&goniochrome_cli::solve::spectra::Sample) -> f64| result.samples.iter().map(of).collect::<Vec<_>>();
     let out = serde_json::json!({
         "seconds": seconds,
         "R_s": column(|sample| sample.reflectance.s),

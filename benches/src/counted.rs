@@ -5,7 +5,7 @@ use std::array;
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use goniochrome::lanes::Lanes;
+use goniochrome::simd::lanes::Lanes;
 
 /// What is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,16 +6,16 @@ pub mod criterion;
 pub mod random;
 pub mod stages;
 
-use goniochrome::complex::ComplexLanes;
-use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::Lanes;
-use goniochrome::medium::{MediaLanes, Medium, MediumIndex};
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use goniochrome::optics::interface::{Below, Model};
+use goniochrome::optics::medium::{MediaLanes, Medium, MediumIndex};
+use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::Lanes;
 use goniochrome_cli::scene::{Scene, parse};
 use num_complex::Complex64;
 
 /// Planes for which the benches have room.
-pub const MOST_PLANES: usize = 64;
+pub const MAX_PLANES: usize = 64;
 
 /// A stack of few media, each layer naming its own.
 #[derive(Debug, Clone)]
@@ -75,7 +75,7 @@ impl Layered {
             self.media.iter().map(|&eta| Medium::constant(eta).expect("a passive medium")).collect();
         let mut eta = vec![ComplexLanes::zero(); media.len()];
         let lanes = MediaLanes::evaluate(&media, wavelengths_nm, &mut eta).expect("constant media hold everywhere");
-        let mut arrays = StackArrays::<MOST_PLANES>::new();
+        let mut arrays = StackArrays::<MAX_PLANES>::new();
         let below = Below::Medium(self.substrate);
         let stack =
             Stack::new(self.ambient, self.layers.iter().copied(), below, arrays.memory()).expect("the stack fits");
@@ -87,11 +87,11 @@ impl Layered {
         &self,
         sin_theta: f64,
         wavelengths_nm: &[f64],
-        f: impl FnOnce(&Optics<'_, V>) -> R,
+        f: impl FnOnce(&PreparedStack<'_, V>) -> R,
     ) -> R {
         self.with::<V, _>(wavelengths_nm, |stack, media| {
-            let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
-            f(&Optics::new(stack, media, sin_theta, Model::Physical, memory.memory()))
+            let mut memory = Box::new(PreparedStackArrays::<V, MAX_PLANES>::new());
+            f(&PreparedStack::new(stack, media, sin_theta, Model::Physical, memory.memory()))
         })
     }
 }

@@ -1,40 +1,16 @@
 //! Library behind the `goniochrome` command: scenes, estimation with threads, files and pictures.
+//!
+//! Each module uses only those declared above it.
 
-pub mod args;
-pub mod blob;
-pub mod bumpy;
-pub mod cell_warnings;
-pub mod checkpoint;
-pub mod coherent;
-pub mod colours;
-pub mod commands;
-pub mod comparison;
-pub mod diffraction;
-pub mod error;
-pub mod estimate;
-pub mod export;
-pub mod fidelity;
-pub mod grid;
-pub mod groups;
-mod hits;
-pub mod html;
-pub mod integral;
-pub mod memory;
-pub(crate) mod obj;
-pub mod order_error;
-pub mod output;
-pub mod parallel;
-pub mod picture;
-pub mod planar;
-pub mod progress;
-pub mod refine;
-pub mod render;
-pub mod sampling;
-pub mod scatter;
-pub mod scatter_estimate;
-pub mod scatter_table;
+pub mod support;
+pub mod obj;
 pub mod scene;
+pub mod colour;
 pub mod table;
-pub mod table_file;
-pub mod text;
+pub mod solve;
+pub mod plot;
+pub mod export;
+pub mod render;
 pub mod view;
+pub mod paper;
+pub mod commands;

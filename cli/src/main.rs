@@ -4,9 +4,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use goniochrome_cli::args::CommandLine;
 use goniochrome_cli::commands;
-use goniochrome_cli::error::Error;
+use goniochrome_cli::commands::args::CommandLine;
+use goniochrome_cli::support::error::Error;
 
 fn main() -> ExitCode {
     let result = match CommandLine::try_parse() {

@@ -6,9 +6,9 @@
 use std::error::Error;
 
 use glam::{Vec2, Vec3};
-use goniochrome::sampling::sobol;
 use goniochrome::table::MirrorTable;
 use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::trace::sobol::sobol;
 
 /// What the engine draws from a material; radiance is not its business.
 struct Bounce {

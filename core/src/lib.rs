@@ -13,7 +13,7 @@
 //! - k₀ = 2π/λ. A plane wave has the wavevector q in units of k₀, q·q = η², and the phase factor exp(i k₀ q·x). q may be
 //!   complex, in absorbing media and beyond total reflection.
 //! - s is the electric field across the plane of incidence. p is followed by its magnetic field, which makes both obey
-//!   one formula ([`interface`]); powers do not depend on that choice.
+//!   one formula ([`optics::interface`]); powers do not depend on that choice.
 //!
 //! # Where to find what
 //!
@@ -21,42 +21,42 @@
 //!
 //! | module | what | equation |
 //! |---|---|---|
-//! | [`lanes`], [`double_double`], [`complex`], [`vector`] | one number per wavelength of a group | |
-//! | [`turns`] | phase factors of long paths | exp(2πi q·L/λ), path reduced to ±½ in double precision |
-//! | [`medium`] | n + ik of a wavelength | dispersion formulas 1 to 9, tables |
-//! | [`incidence`] | the angle of the light, to all its digits | q_n² = η² − q_t² |
-//! | [`interface`] | one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η²; models |
-//! | [`coating`] | films on a facet, by the same recursion | |
-//! | [`stack`] | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
-//! | [`rounding`] | how far rounding may have moved R and T | δρ₀ = Σ (wave that meets plane j)² δρ_j |
-//! | [`cell`], [`mesh`] | the facets of a micro-surface | |
-//! | [`bvh`] | the triangle that a ray meets first | u, v, w of one sign |
-//! | [`trace`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
-//! | [`paths`] | rays that do not interfere, followed one by one | a branch is drawn in proportion to its power |
-//! | [`coherence`] | how exits add; the power ledger | R + T + absorbed + imbalance = 1 |
-//! | [`layers`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
-//! | [`polygons`] | waves in polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
-//! | [`geometric`] | paths in polygon cells: the coherency matrix of their light | ⟨E_s E_p*⟩ |
-//! | [`orders`] | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
-//! | [`bins`], [`sampling`] | where rays leave, where they start | |
+//! | [`simd::lanes`], [`simd::double_double`], [`simd::complex`], [`simd::vector`] | one number per wavelength of a group | |
+//! | [`simd::phase`] | phase factors of long paths | exp(2πi q·L/λ), path reduced to ±½ in double precision |
+//! | [`optics::medium`] | n + ik of a wavelength | dispersion formulas 1 to 9, tables |
+//! | [`optics::incidence`] | the angle of the light, to all its digits | q_n² = η² − q_t² |
+//! | [`optics::interface`] | one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η²; models |
+//! | [`optics::coating`] | films on a facet, by the same recursion | |
+//! | [`optics::stack`] | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
+//! | [`optics::rounding`] | how far rounding may have moved R and T | δρ₀ = Σ (wave that meets plane j)² δρ_j |
+//! | [`geometry::planar_cell`], [`geometry::mesh_cell`] | the facets of a micro-surface | |
+//! | [`geometry::bvh`] | the triangle that a ray meets first | u, v, w of one sign |
+//! | [`trace::waves`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
+//! | [`trace::paths`] | rays that do not interfere, followed one by one | a branch is drawn in proportion to its power |
+//! | [`trace::ledger`] | how exits add; the power ledger | R + T + absorbed + imbalance = 1 |
+//! | [`trace::planar`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
+//! | [`trace::coherent_mesh`] | waves in polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
+//! | [`trace::incoherent_mesh`] | paths in polygon cells: the coherency matrix of their light | ⟨E_s E_p*⟩ |
+//! | [`measure::orders`] | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
+//! | [`measure::bins`], [`trace::sobol`] | where rays leave, where they start | |
 //! | [`table`] | BRDF tables, and their form in bytes ([`table::blob`]) | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
 //! | [`colour`] | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
 //!
 //! # Requirements
 //!
 //! Rust 1.89. There are no features: the crate is `no_std` always. SIMD instructions are those that the compiler is told it may
-//! use, with `-C target-cpu`; [`lanes::simd_level`] names them. Where there are none, as on a Cortex-M, lanes are loops.
+//! use, with `-C target-cpu`; [`simd::lanes::simd_level`] names them. Where there are none, as on a Cortex-M, lanes are loops.
 //! Constructors check what they are given; what they return is infallible where rays are followed and tables looked up.
 //!
 //! # Example: the spectrum of a soap film
 //!
 //! ```
-//! use goniochrome::complex::ComplexLanes;
-//! use goniochrome::interface::{Below, Model};
-//! use goniochrome::lanes::{F32, Lanes};
-//! use goniochrome::layers::{Summation, Workspace, trace_layers};
-//! use goniochrome::medium::{MediaLanes, Medium};
-//! use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+//! use goniochrome::simd::complex::ComplexLanes;
+//! use goniochrome::optics::interface::{Below, Model};
+//! use goniochrome::simd::lanes::{F32, Lanes};
+//! use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
+//! use goniochrome::optics::medium::{MediaLanes, Medium};
+//! use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
 //!
 //! // Air and water, at as many wavelengths as there are lanes; here they start at 450 nm.
 //! let media = [Medium::constant(1.0.into())?, Medium::constant(1.33.into())?];
@@ -68,13 +68,13 @@
 //! let mut arrays = StackArrays::<2>::new();
 //! let film = Film { medium: 1, thickness_nm: 420.0 };
 //! let stack = Stack::new(0, [film], Below::Medium(0), arrays.memory())?;
-//! let mut memory = OpticsArrays::<F32, 2>::new();
-//! let optics = Optics::new(stack, &media, 0.5, Model::Physical, memory.memory());
+//! let mut memory = PreparedStackArrays::<F32, 2>::new();
+//! let optics = PreparedStack::new(stack, &media, 0.5, Model::Physical, memory.memory());
 //!
 //! // In closed form, and by tracing rays: the same.
 //! let closed = optics.reflectance(optics.reflection());
 //! let mut workspace = Workspace::<F32, 2>::new();
-//! let traced = trace_layers(&optics, Summation::ClosedLoops, workspace.memory())?;
+//! let traced = trace_planar(&optics, Summation::ClosedLoops, workspace.memory())?;
 //! for lane in 0..F32::WIDTH {
 //!     assert!((closed.s.lane(lane) - traced.ledger.reflected.s.lane(lane)).abs() < 1e-6);
 //! }
@@ -84,18 +84,18 @@
 //! # Example: the BRDF of a cell
 //!
 //! ```
-//! use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-//! use goniochrome::bvh::{Bvh, Node};
-//! use goniochrome::cell::Facet;
-//! use goniochrome::coherence::Side;
-//! use goniochrome::complex::ComplexLanes;
-//! use goniochrome::interface::{Below, Interface};
-//! use goniochrome::lanes::{F32, Lanes};
-//! use goniochrome::medium::{MediaLanes, Medium};
-//! use goniochrome::mesh::MeshCell;
-//! use goniochrome::polygons::{Incident, Polygons, free_slot};
-//! use goniochrome::sampling::sobol;
-//! use goniochrome::trace::{Limits, trace};
+//! use goniochrome::measure::bins::{DirectionBins, ExitRecord, ExitBuffer, Histogram};
+//! use goniochrome::geometry::bvh::{Bvh, Node};
+//! use goniochrome::geometry::planar_cell::Facet;
+//! use goniochrome::geometry::side::Side;
+//! use goniochrome::simd::complex::ComplexLanes;
+//! use goniochrome::optics::interface::{Below, Interface};
+//! use goniochrome::simd::lanes::{F32, Lanes};
+//! use goniochrome::optics::medium::{MediaLanes, Medium};
+//! use goniochrome::geometry::mesh_cell::MeshCell;
+//! use goniochrome::trace::coherent_mesh::{Incident, CoherentMesh, free_slot};
+//! use goniochrome::trace::sobol::sobol;
+//! use goniochrome::trace::waves::{Limits, trace};
 //! use glam::DVec3;
 //!
 //! // A ridge of glass along y, two slopes to a period of 1000 nm.
@@ -128,9 +128,9 @@
 //! const RAYS: u32 = 256;
 //! let grid = DirectionBins { cos: 4, phi: 8 };
 //! let wi = DVec3::new(0.6, 0.0, 0.8);
-//! let mut polygons = Polygons::new(cell, media, Incident::new(wi, media.eta()[0]));
-//! let (mut slots, mut memory) = ([free_slot::<F32>(); 16], [Exit::<F32>::none(); 32]);
-//! let mut exits = Exits::new(&mut memory, grid, &media);
+//! let mut polygons = CoherentMesh::new(cell, media, Incident::new(wi, media.eta()[0]));
+//! let (mut slots, mut memory) = ([free_slot::<F32>(); 16], [ExitRecord::<F32>::none(); 32]);
+//! let mut exits = ExitBuffer::new(&mut memory, grid, &media);
 //! let mut power = Power([0.0; 32]);
 //! let limits = Limits { in_flight: 1e-13, generations: 10_000 };
 //! for ray in 0..RAYS {
@@ -138,7 +138,7 @@
 //!     let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
 //!     exits.begin(state.point_nm());
 //!     trace(&mut polygons, state, field, &mut slots, limits, &mut exits);
-//!     exits.settle(&mut power);
+//!     exits.flush(&mut power);
 //! }
 //! let brdf: [f64; 32] =
 //!     core::array::from_fn(|bin| power.0[bin] / f64::from(RAYS) / grid.projected_solid_angle(bin));
@@ -153,7 +153,7 @@
 //! `examples/material_system.rs` shows the same behind an engine's material trait.
 //!
 //! ```
-//! use goniochrome::bins::DirectionBins;
+//! use goniochrome::measure::bins::DirectionBins;
 //! use goniochrome::table::blob::{Blob, Contents, Precision, Space};
 //! use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 //! use glam::Vec3;
@@ -187,28 +187,10 @@
 // Their types are in the interface.
 pub use {glam, num_complex};
 
-pub mod bins;
-pub mod bvh;
-pub mod cell;
-pub mod coating;
-pub mod coherence;
-pub mod colour;
-pub mod complex;
-pub mod double_double;
-pub mod geometric;
-pub mod incidence;
-pub mod interface;
-pub mod lanes;
-pub mod layers;
-pub mod medium;
-pub mod mesh;
-pub mod orders;
-pub mod paths;
-pub mod polygons;
-pub mod rounding;
-pub mod sampling;
-pub mod stack;
-pub mod table;
+pub mod simd;
+pub mod optics;
+pub mod geometry;
 pub mod trace;
-pub mod turns;
-pub mod vector;
+pub mod measure;
+pub mod table;
+pub mod colour;

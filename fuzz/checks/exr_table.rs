@@ -1,6 +1,6 @@
 //! Any bytes as a table. What is read is a sound table, and survives being written and read again.
 
-use goniochrome_cli::table_file::{decode, encode};
+use goniochrome_cli::table::file::{decode, encode};
 
 /// Holds for any bytes.
 pub fn check(bytes: &[u8]) {

@@ -1,7 +1,7 @@
 //! Any text as a refractive index file of either kind. What is read is passive wherever it can be evaluated.
 
-use goniochrome_cli::error::Error;
 use goniochrome_cli::scene::{self, OwnedMedium};
+use goniochrome_cli::support::error::Error;
 
 /// Holds for any bytes; those that are no text are no input.
 pub fn check(bytes: &[u8]) {
@@ -18,7 +18,7 @@ fn passive(read: Result<OwnedMedium, Error>) {
             let medium = owned.borrow();
             let [from, to] = medium.range_nm();
             assert!(from <= to);
-            assert!(owned.remark(&[from, 550.0]).is_none_or(|said| !said.contains('\n')));
+            assert!(owned.note(&[from, 550.0]).is_none_or(|said| !said.contains('\n')));
             for nm in [from, to, 380.0, 555.5, 780.0] {
                 match medium.eta(nm) {
                     Ok(eta) => assert!(eta.re > 0.0 && eta.im >= 0.0 && eta.is_finite()),

@@ -1,6 +1,6 @@
 //! Any text as a mesh to show, as a mesh of a cell, and then as a cell.
 
-use goniochrome::interface::{Below, Interface};
+use goniochrome::optics::interface::{Below, Interface};
 use goniochrome_cli::render::mesh::{Axes, Mesh};
 use goniochrome_cli::scene::{self, NamedInterface, NamedMedium, OwnedMedium, Shape};
 

@@ -1,7 +1,7 @@
 //! Any text as a scene file. A scene that is read can be laid out and traced.
 
-use goniochrome_cli::planar::Planar;
 use goniochrome_cli::scene::{self, Shape};
+use goniochrome_cli::solve::planar::Planar;
 
 /// Holds for any bytes; those that are no text are no input.
 pub fn check(bytes: &[u8]) {

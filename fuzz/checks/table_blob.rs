@@ -2,14 +2,14 @@
 //! written again byte for byte.
 
 use glam::Vec3;
-use goniochrome::bins::DirectionBins;
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, Contents, Precision, Space};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 
 const HEADER: usize = 64;
 const CHECKSUM: usize = 60;
 /// Most bytes of a blob that is mended or made.
-const MOST: usize = 1 << 16;
+const MAX: usize = 1 << 16;
 
 /// Holds for any bytes: as they are, with what no fuzzer guesses put right, and as the numbers of a table.
 pub fn check(bytes: &[u8]) {
@@ -34,7 +34,7 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
     let values = incident.checked_mul(bins)?.checked_mul(channels)?.checked_mul(value)?.checked_next_multiple_of(4)?;
     let sampler =
         if kind == 2 { incident.checked_mul(bins.checked_add(cos)?.checked_add(1)?)?.checked_mul(4)? } else { 0 };
-    let size = HEADER.checked_add(values)?.checked_add(sampler).filter(|size| *size <= MOST)?;
+    let size = HEADER.checked_add(values)?.checked_add(sampler).filter(|size| *size <= MAX)?;
     bytes.resize(size, 0);
     bytes[48..56].copy_from_slice(&(size as u64).to_le_bytes());
     let mut hasher = crc32fast::Hasher::new();
@@ -82,7 +82,7 @@ fn holds(bytes: &[u8]) {
     match &blob.contents {
         Contents::Mirror(table) => mirror(table, &mut numbers),
         Contents::Scatter(table, sampler) => {
-            if table.layout().count() * table.channels() <= MOST {
+            if table.layout().count() * table.channels() <= MAX {
                 scatter(table, sampler, &mut numbers);
             }
         }

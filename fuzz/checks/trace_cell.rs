@@ -3,18 +3,18 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use glam::DVec3;
-use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-use goniochrome::coherence::Side;
-use goniochrome::geometric::{self, Geometric};
-use goniochrome::interface::Model;
-use goniochrome::lanes::{F64, Lanes};
-use goniochrome::paths::{Spill, trace_spilling};
-use goniochrome::polygons::{Incident, Polygons, free_slot};
-use goniochrome::sampling::Random;
-use goniochrome::trace::Limits;
-use goniochrome_cli::estimate::{Method, Precision, Request, spectra};
-use goniochrome_cli::planar::Planar;
+use goniochrome::geometry::side::Side;
+use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
+use goniochrome::optics::interface::Model;
+use goniochrome::simd::lanes::{F64, Lanes};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
+use goniochrome::trace::paths::{IncoherentFallback, trace_with_fallback};
+use goniochrome::trace::random::Random;
+use goniochrome::trace::waves::Limits;
 use goniochrome_cli::scene::Scene;
+use goniochrome_cli::solve::planar::Planar;
+use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
 use num_complex::Complex64;
 
 use super::height_field::{HeightField, Start, follow, with_cell};
@@ -124,19 +124,19 @@ fn merged(cell: &Cell, scene: &Scene) -> Option<[f64; 2]> {
         let eta = media.eta()[usize::from(mesh.above())];
         let incident = Incident::new(wi, eta);
         let (mut polygons, mut geometric) =
-            (Polygons::new(mesh, media, incident), Geometric::new(mesh, media, incident));
+            (CoherentMesh::new(mesh, media, incident), IncoherentMesh::new(mesh, media, incident));
         let (state, field) = polygons.start(u, v).expect("no hole");
         // As the command line has: one for each side of each sheet, and two pairs.
         let mut waves = vec![free_slot(); 2 * cell.field.sheets() + 4];
-        let mut paths = vec![geometric::free_slot(); SPILLED];
-        let mut memory = [Exit::<F64>::none(); 4];
-        let mut exits = Exits::new(&mut memory, DirectionBins { cos: 1, phi: 1 }, &media);
+        let mut paths = vec![incoherent_mesh::free_slot(); SPILLED];
+        let mut memory = [ExitRecord::<F64>::none(); 4];
+        let mut exits = ExitBuffer::new(&mut memory, DirectionBins { cos: 1, phi: 1 }, &media);
         exits.begin(state.point_nm());
         let mut random = Random::new(seed, 0);
-        let spill = Spill::new(&mut geometric, &mut paths, PATHS, &mut random);
-        let done = trace_spilling(&mut polygons, state, field, &mut waves, WAVES, spill, &mut exits);
+        let spill = IncoherentFallback::new(&mut geometric, &mut paths, PATHS, &mut random);
+        let done = trace_with_fallback(&mut polygons, state, field, &mut waves, WAVES, spill, &mut exits);
         let mut reflected = Reflected(0.0);
-        let truncated = (done.truncated + exits.settle(&mut reflected) + polygons.lost() + geometric.lost()).lane(0);
+        let truncated = (done.truncated + exits.flush(&mut reflected) + polygons.lost() + geometric.lost()).lane(0);
         (truncated <= 1.0).then_some([reflected.0, truncated])
     })
 }

@@ -2,19 +2,19 @@
 //! truncated, and the ledger to energy.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use goniochrome::complex::{ComplexLanes, Polarised};
-use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::layers::{Summation, TraceMemory, Workspace, trace_layers};
-use goniochrome::medium::{MediaLanes, Medium};
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
-use goniochrome::trace::Limits;
+use goniochrome::optics::interface::{Below, Model};
+use goniochrome::optics::medium::{MediaLanes, Medium};
+use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
+use goniochrome::simd::complex::{ComplexLanes, Polarised};
+use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::trace::planar::{Summation, TraceMemory, Workspace, trace_planar};
+use goniochrome::trace::waves::Limits;
 use num_complex::Complex64;
 
 use super::scalar::{Problem, Twin};
 
-const MOST_PLANES: usize = 40;
-const MEDIA: usize = MOST_PLANES + 1;
+const MAX_PLANES: usize = 40;
+const MEDIA: usize = MAX_PLANES + 1;
 
 /// Beyond this the first-order bounds of the twin say nothing.
 const FIRST_ORDER: f64 = 1e-3;
@@ -48,10 +48,10 @@ impl<'a> Arbitrary<'a> for Planes {
         };
         let sin_theta = number(u, 0.0, 1.0)?.min(0.9999);
         let wavelength_nm = (0..3).map(|_| number(u, 100.0, 3000.0)).collect::<Result<_>>()?;
-        let slots = usize::from(u.arbitrary::<u8>()?) % (2 * MOST_PLANES + 1);
+        let slots = usize::from(u.arbitrary::<u8>()?) % (2 * MAX_PLANES + 1);
         let mut media = vec![eta(u, false)?];
         let mut thickness_nm = Vec::new();
-        for _ in 0..u.int_in_range(0..=MOST_PLANES - 1)? {
+        for _ in 0..u.int_in_range(0..=MAX_PLANES - 1)? {
             let code: u8 = u.arbitrary()?;
             media.push(if code.is_multiple_of(4) { media[usize::from(code / 4) % media.len()] } else { eta(u, true)? });
             let most = [1e2, 1e3, 1e4, 1e5][usize::from(code / 64)];
@@ -79,23 +79,23 @@ fn holds<V: Lanes>(planes: &Planes, limits: Limits) {
         planes.thickness_nm.iter().enumerate().map(|(j, &thickness_nm)| Film { medium: index(j + 1), thickness_nm });
     let count = planes.thickness_nm.len() + 1;
     let substrate = if planes.eta.len() > count { Below::Medium(index(count)) } else { Below::Mirror };
-    let mut arrays = StackArrays::<MOST_PLANES>::new();
+    let mut arrays = StackArrays::<MAX_PLANES>::new();
     let stack = Stack::new(0, layers, substrate, arrays.memory()).expect("fits");
-    let mut memory = OpticsArrays::<V, MEDIA>::new();
-    let optics = Optics::new(stack, &media, planes.sin_theta, Model::Physical, memory.memory());
+    let mut memory = PreparedStackArrays::<V, MEDIA>::new();
+    let optics = PreparedStack::new(stack, &media, planes.sin_theta, Model::Physical, memory.memory());
 
     let response = optics.response();
     let closed = [optics.reflectance(response.reflection), optics.transmittance(response.transmission)];
-    let mut workspace = Workspace::<V, MOST_PLANES>::new();
-    let looped = trace_layers(&optics, Summation::ClosedLoops, workspace.memory()).expect("fits");
-    let hit_by_hit = trace_layers(&optics, Summation::Generations(limits), workspace.memory()).expect("fits");
+    let mut workspace = Workspace::<V, MAX_PLANES>::new();
+    let looped = trace_planar(&optics, Summation::ClosedLoops, workspace.memory()).expect("fits");
+    let hit_by_hit = trace_planar(&optics, Summation::Generations(limits), workspace.memory()).expect("fits");
     let few = workspace.memory();
     let few = TraceMemory { totals: few.totals, slots: &mut few.slots[..planes.slots] };
-    let cramped = trace_layers(&optics, Summation::Generations(limits), few).expect("fits");
+    let cramped = trace_planar(&optics, Summation::Generations(limits), few).expect("fits");
     // The paper's model promises nothing but numbers.
-    let mut memory = OpticsArrays::<V, MEDIA>::new();
-    let paper = Optics::new(stack, &media, planes.sin_theta, Model::Paper, memory.memory());
-    let paper_traced = trace_layers(&paper, Summation::ClosedLoops, workspace.memory()).expect("fits").ledger;
+    let mut memory = PreparedStackArrays::<V, MEDIA>::new();
+    let paper = PreparedStack::new(stack, &media, planes.sin_theta, Model::Paper, memory.memory());
+    let paper_traced = trace_planar(&paper, Summation::ClosedLoops, workspace.memory()).expect("fits").ledger;
 
     for (lane, &wavelength_nm) in planes.wavelength_nm.iter().enumerate() {
         let Planes { eta, thickness_nm, sin_theta, .. } = planes;

@@ -1,14 +1,14 @@
 //! What the four coherences say of a flat film, where each has a known answer.
 
-use goniochrome::bins::DirectionBins;
 use goniochrome::colour::RgbSpace;
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::ScatterLayout;
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::diffraction;
-use goniochrome_cli::estimate::Precision;
-use goniochrome_cli::scatter::{Coherence, Request, Scattered, scatter};
-use goniochrome_cli::scatter_estimate::{TableRequest, estimate};
-use goniochrome_cli::scatter_table::ScatterTable;
+use goniochrome_cli::solve::cell_table::{TableRequest, estimate};
+use goniochrome_cli::solve::diffraction;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::scatter::{Coherence, Request, Scattered, scatter};
+use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::table::scatter::ScatterTable;
 
 use crate::height_field::HeightField;
 use crate::scene::{between, cell, extruded, towards};
@@ -24,7 +24,7 @@ fn found(coherence: Coherence) -> Scattered {
     let flat = extruded(&[[0.0, 0.0], [3000.0, 0.0]], 3000.0, &[("top", 0.0), ("bottom", THICKNESS_NM)]);
     let interfaces = [("top", between([1.0, 0.0], [INDEX, 0.0])), ("bottom", between([INDEX, 0.0], [1.0, 0.0]))];
     let scene = cell(&flat, [3000.0, 3000.0], &interfaces);
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let bins = DirectionBins { cos: 8, phi: 16 };
     let request = Request { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
     let wi = towards(THETA_DEG, 100.0);
@@ -68,7 +68,7 @@ fn a_starting_ray_whose_waves_have_no_sum_is_followed_without_interference() {
     let flat = extruded(&[[0.0, 0.0], [3000.0, 0.0]], 3000.0, &[("glass", 0.0), ("silver", 20.0)]);
     let interfaces = [("glass", between([1.5, 0.0], [1.0, 0.0])), ("silver", between([1.0, 0.0], [0.055, 3.32]))];
     let scene = cell(&flat, [3000.0, 3000.0], &interfaces);
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let bins = DirectionBins { cos: 8, phi: 16 };
     let request = |coherence| Request { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
     let found = |coherence| {
@@ -96,7 +96,7 @@ fn without_interference_the_faces_add_as_powers() {
 const BINS: DirectionBins = DirectionBins { cos: 4, phi: 8 };
 
 /// The table of a cell at one wavelength, which is all of its luminance.
-fn table(bumpy: &Bumpy<'_>, incident_phi: u32, tracing: Request) -> ScatterTable {
+fn table(bumpy: &MeshScene<'_>, incident_phi: u32, tracing: Request) -> ScatterTable {
     let layout = ScatterLayout::new(2, incident_phi, BINS).expect("few directions");
     let (space, weights) = (RgbSpace::Srgb, [[0.0, 1.0, 0.0]]);
     let request = TableRequest { layout, tracing, target_error: None, weights: &weights, space, reciprocal: false };
@@ -123,7 +123,7 @@ fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
     let mut lit = 0;
     for (number, field) in small_cells().iter().enumerate() {
         let scene = field.scene();
-        let bumpy = Bumpy::new(&scene).expect("a good mesh");
+        let bumpy = MeshScene::new(&scene).expect("a good mesh");
         for coherence in [Coherence::Ray, Coherence::None, Coherence::Bin] {
             let tracing = Request { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
             let table = table(&bumpy, 4, tracing);
@@ -159,7 +159,7 @@ fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
 #[test]
 fn the_coherences_of_a_bumpy_film_differ() {
     let scene = goniochrome_cli::scene::load("bumpy-soap-film").expect("a preset");
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let [ray, none, bin] = [Coherence::Ray, Coherence::None, Coherence::Bin].map(|coherence| {
         let request = Request { coherence, rays: 128, seed: 0, bins: BINS, precision: Precision::F32, threads: 2 };
         scatter(&bumpy, towards(0.0, 0.0), &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
@@ -181,7 +181,7 @@ fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
         media: vec![[1.0, 0.0], [INDEX, 0.0], [1.0, 0.0]],
     };
     let scene = flat.scene();
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let tracing =
         Request { coherence: Coherence::Bin, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
     let [one, four] = [1, 4].map(|phi| table(&bumpy, phi, tracing));
@@ -195,7 +195,7 @@ fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
 #[test]
 fn a_table_of_orders_is_refused_with_the_command_that_computes_them() {
     let scene = small_cells()[0].scene();
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let coherence = Coherence::Cell;
     let tracing = Request { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
     let layout = ScatterLayout::new(2, 4, BINS).expect("few directions");
@@ -217,7 +217,7 @@ fn single_precision_is_honoured_where_starting_rays_interfere() {
     /// Sums of some thousand fields of the size of 1.
     const SINGLE: f64 = 1e-5;
     let scene = small_cells()[1].scene();
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let wi = towards(THETA_DEG, 100.0);
     let bins = [Precision::F32, Precision::F64].map(|precision| {
         let request = Request { coherence: Coherence::Bin, rays: 256, seed: 3, bins: BINS, precision, threads: 1 };

@@ -1,10 +1,10 @@
 //! The general tracer where the answer is known: planes, conformal films, energy.
 
-use goniochrome::bins::DirectionBins;
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::estimate::Precision;
-use goniochrome_cli::scatter::{Coherence, Request, Scattered, scatter};
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome_cli::scene::Scene;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::scatter::{Coherence, Request, Scattered, scatter};
+use goniochrome_cli::solve::spectra::Precision;
 use serde_json::Value;
 
 use crate::scene::{between, cell, extruded, towards};
@@ -17,7 +17,7 @@ fn traced(
     rays: u32,
     precision: Precision,
 ) -> Vec<Scattered> {
-    let bumpy = Bumpy::new(scene).expect("a good mesh");
+    let bumpy = MeshScene::new(scene).expect("a good mesh");
     let request = Request {
         coherence: Coherence::Ray,
         rays,

@@ -1,9 +1,9 @@
 //! Coherence `none` against an independent polarised path tracer, bin by bin.
 
-use goniochrome::bins::DirectionBins;
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::estimate::Precision;
-use goniochrome_cli::scatter::{Coherence, Request, scatter};
+use goniochrome::measure::bins::DirectionBins;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::scatter::{Coherence, Request, scatter};
+use goniochrome_cli::solve::spectra::Precision;
 use serde_json::Value;
 
 use crate::scene::{between, cell, towards};
@@ -22,7 +22,7 @@ fn holds(name: &str, obj: &str, reference: &str, interfaces: &[(&str, String)]) 
     let number = |value: &Value| value.as_f64().expect("a number");
     let period = [0, 1].map(|axis| number(&reference["period_nm"][axis]));
     let scene = cell(obj, period, interfaces);
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let grid = DirectionBins { cos: 8, phi: 16 };
     let (mut compared, mut beyond_three) = (0u32, 0u32);
     for case in reference["cases"].as_array().expect("cases") {

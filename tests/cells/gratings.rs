@@ -1,9 +1,9 @@
 //! Coherence `cell` against rigorous solvers: Fourier modal method, C method, finite elements.
 
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::diffraction::{Request, orders};
-use goniochrome_cli::estimate::Precision;
 use goniochrome_cli::scene::Scene;
+use goniochrome_cli::solve::diffraction::{Request, orders};
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::spectra::Precision;
 use serde::Deserialize;
 
 use crate::scene::{between, cell, extruded, towards};
@@ -59,7 +59,7 @@ fn worst(letter: &str) -> Vec<(f64, f64)> {
     let gratings: Gratings = serde_json::from_str(include_str!("../data/gratings.json")).expect("the reference");
     let grating = gratings.cases.iter().find(|g| g.name.starts_with(letter)).expect("the grating");
     let scene = scene(grating);
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
     let each = grating.data.iter().map(|data| {
         let wi = towards(data.theta_deg, 180.0);
@@ -120,7 +120,7 @@ fn compact_disc_has_the_right_directions_and_unreliable_efficiencies() {
 fn a_flat_interface_reflects_into_the_zeroth_order_alone() {
     let flat = extruded(&[[0.0, 0.0], [4000.0, 0.0]], 500.0, &[("s", 0.0)]);
     let scene = cell(&flat, [4000.0, 500.0], &[("s", between([1.0, 0.0], [1.5, 0.0]))]);
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let request = Request { rays: 4096, seed: 1, most: None, hits: HITS, precision: Precision::F64, threads: 1 };
     let found = orders(&bumpy, towards(0.0, 0.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     for order in found {
@@ -136,7 +136,7 @@ fn a_shallow_mirror_keeps_its_power() {
         (0..=64).map(|i| [125.0 * f64::from(i), 40.0 * (f64::from(i) / 64.0 * std::f64::consts::TAU).cos()]).collect();
     let obj = extruded(&points, 500.0, &[("s", 0.0)]);
     let scene = cell(&obj, [8000.0, 500.0], &[("s", "above = 1.0\nbelow = \"mirror\"".into())]);
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
     let found = orders(&bumpy, towards(20.0, 180.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     let sum: f64 = found.iter().map(|order| 0.5 * (order.efficiency.s.value + order.efficiency.p.value)).sum();

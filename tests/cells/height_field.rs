@@ -2,19 +2,19 @@
 //! closed and never cross, so every one is a good scene.
 
 use glam::DVec3;
-use goniochrome::coherence::Side;
-use goniochrome::geometric::{Coherency, Geometric, Leaving, Path, free_slot};
-use goniochrome::interface::{Below, Interface};
-use goniochrome::lanes::{F64, Lanes};
-use goniochrome::medium::MediaLanes;
-use goniochrome::mesh::MeshCell;
-use goniochrome::paths::{Paths, Sent, follow_paths};
-use goniochrome::polygons::Incident;
-use goniochrome::sampling::Random;
-use goniochrome::trace::{Limits, Sink, Slot, Target};
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::groups::Groups;
+use goniochrome::geometry::mesh_cell::MeshCell;
+use goniochrome::geometry::side::Side;
+use goniochrome::optics::interface::{Below, Interface};
+use goniochrome::optics::medium::MediaLanes;
+use goniochrome::simd::lanes::{F64, Lanes};
+use goniochrome::trace::coherent_mesh::Incident;
+use goniochrome::trace::incoherent_mesh::{Coherency, ExitPath, IncoherentMesh, Path, free_slot};
+use goniochrome::trace::paths::{Paths, Propagated, follow_paths};
+use goniochrome::trace::random::Random;
+use goniochrome::trace::waves::{Limits, Sink, Slot, Target};
 use goniochrome_cli::scene::{Mesh, NamedInterface, NamedMedium, OwnedMedium, Scene, Shape, Triangle};
+use goniochrome_cli::solve::groups::Groups;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
 
 /// Lengths in nanometres.
 #[derive(Clone, Debug)]
@@ -105,8 +105,8 @@ impl Outcome {
     }
 }
 
-impl Sink<Leaving<F64>, Coherency<F64>> for Outcome {
-    fn exit(&mut self, exit: Leaving<F64>, light: Coherency<F64>) {
+impl Sink<ExitPath<F64>, Coherency<F64>> for Outcome {
+    fn exit(&mut self, exit: ExitPath<F64>, light: Coherency<F64>) {
         let power = Lanes::lane(light.power(), 0);
         match exit.side {
             Side::Above => self.up.push((exit.direction.lane(0).normalize(), power)),
@@ -117,35 +117,35 @@ impl Sink<Leaving<F64>, Coherency<F64>> for Outcome {
 
 /// Paths whose ways are measured.
 struct Measured<'a> {
-    paths: Geometric<'a, F64>,
+    paths: IncoherentMesh<'a, F64>,
     way_nm: f64,
 }
 
 impl<'a> Paths<F64> for Measured<'a> {
     type State = Path<F64>;
-    type Branch = <Geometric<'a, F64> as Paths<F64>>::Branch;
+    type Branch = <IncoherentMesh<'a, F64> as Paths<F64>>::Branch;
     type Light = Coherency<F64>;
-    type Exit = Leaving<F64>;
+    type Exit = ExitPath<F64>;
 
     fn power(light: &Self::Light) -> F64 {
         light.power()
     }
 
-    fn strengthen(light: &Self::Light, by: f64) -> Self::Light {
-        Geometric::strengthen(light, by)
+    fn scale_power(light: &Self::Light, by: f64) -> Self::Light {
+        IncoherentMesh::scale_power(light, by)
     }
 
     fn split(&mut self, state: &Self::State, light: &Self::Light) -> [Option<(Self::Branch, Self::Light)>; 2] {
         self.paths.split(state, light)
     }
 
-    fn send(
+    fn propagate(
         &mut self,
         from: &Self::State,
         branch: &Self::Branch,
         light: &Self::Light,
-    ) -> Sent<Self::State, Self::Exit, Self::Light> {
-        let sent = self.paths.send(from, branch, light);
+    ) -> Propagated<Self::State, Self::Exit, Self::Light> {
+        let sent = self.paths.propagate(from, branch, light);
         if let Some((Target::State(to), _)) = &sent {
             self.way_nm += Lanes::lane(light.power(), 0) * to.at().point_nm.distance(from.at().point_nm);
         }
@@ -167,7 +167,7 @@ pub struct Start {
 
 /// Hands a scene's cell to `work`, and its media at one wavelength.
 pub fn with_cell<T>(scene: &Scene, wavelength_nm: f64, work: impl FnOnce(MeshCell<'_>, MediaLanes<'_, F64>) -> T) -> T {
-    let bumpy = Bumpy::new(scene).expect("a good mesh");
+    let bumpy = MeshScene::new(scene).expect("a good mesh");
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer).expect("a good mesh");
     let media = bumpy.media();
@@ -184,7 +184,7 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
     let mut slots: Vec<Slot<Path<F64>, Coherency<F64>>> = vec![free_slot(); states];
     let mut one = |cell: MeshCell<'_>, media: MediaLanes<'_, F64>, start: &Start| {
         let eta = media.eta()[usize::from(cell.above())];
-        let paths = Geometric::new(cell, media, Incident::new(start.wi, eta));
+        let paths = IncoherentMesh::new(cell, media, Incident::new(start.wi, eta));
         let mut outcome = Outcome::default();
         let (path, light) = paths.start(start.u, start.v).expect("no hole");
         let mut random = Random::new(start.seed, 0);

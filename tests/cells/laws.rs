@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use goniochrome::bins::DirectionBins;
-use goniochrome::interface::Model;
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::estimate::{Method, Precision, Request as StackRequest, spectra};
-use goniochrome_cli::planar::Planar;
-use goniochrome_cli::scatter::{Coherence, Request, scatter};
+use goniochrome::measure::bins::DirectionBins;
+use goniochrome::optics::interface::Model;
 use goniochrome_cli::scene::Scene;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::planar::Planar;
+use goniochrome_cli::solve::scatter::{Coherence, Request, scatter};
+use goniochrome_cli::solve::spectra::{Method, Precision, Request as StackRequest, spectra};
 
 use crate::height_field::{HeightField, Outcome, Start, follow, moved};
 
@@ -278,7 +278,7 @@ fn flat_sheets_are_the_stack_in_closed_form() {
             return;
         }
         let scene = flat.scene();
-        let bumpy = Bumpy::new(&scene).expect("a good mesh");
+        let bumpy = MeshScene::new(&scene).expect("a good mesh");
         let bins = DirectionBins { cos: 1, phi: 1 };
         let precision = Precision::F64;
         let request = Request { coherence: Coherence::Ray, rays: 32, seed: 0, bins, precision, threads: 1 };

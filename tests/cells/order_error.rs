@@ -3,11 +3,11 @@
 
 use std::fmt::Write as _;
 
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::diffraction::{Request, orders};
-use goniochrome_cli::estimate::Precision;
-use goniochrome_cli::order_error::{SILENT, error_bounds, warning};
 use goniochrome_cli::scene::parse;
+use goniochrome_cli::solve::diffraction::{Request, orders};
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::order_error::{SILENT, error_bounds, warning};
+use goniochrome_cli::solve::spectra::Precision;
 use serde::Deserialize;
 
 use crate::scene::towards;
@@ -59,7 +59,7 @@ fn cases() -> Vec<Case> {
 /// |ours − rigorous| of s and of p, less what is the reference's and the sampling's own, and the bound.
 fn compare(case: &Case) -> ([f64; 2], f64, bool) {
     let scene = parse("grating", &case.toml()).expect("a good scene");
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let (wi, nm) = (towards(case.theta_deg, case.phi_deg), [case.wavelength_nm]);
     let request = Request { rays: RAYS, seed: 1, most: None, hits: 1, precision: Precision::F64, threads: 1 };
     let found = orders(&bumpy, wi, &nm, &request, &|| ()).expect("a good mesh").orders;
@@ -106,7 +106,7 @@ fn no_efficiency_errs_by_more_than_the_bound_says() {
 /// The bound of a scene in light from the normal at 550 nm.
 fn bound(toml: &str) -> f64 {
     let scene = parse("cell", toml).expect("a good scene");
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     error_bounds(&bumpy, towards(0.0, 0.0), &[550.0]).expect("a good mesh")[0]
 }
 
@@ -128,7 +128,7 @@ fn grazing_light_through_a_medium_that_absorbs_is_warned_of() {
     let toml = "[cell]\nperiod_nm = [500, 500]\nsurface = { kind = \"grooves\", points_nm = [[0, 0], [500, 0]] }\n\
                 [interface.grooves]\nabove = [1.5, 0.001]\nbelow = [0.05, 3.5]\n";
     let scene = parse("cell", toml).expect("a good scene");
-    let bumpy = Bumpy::new(&scene).expect("a good mesh");
+    let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let at = |theta_deg| {
         let wi = towards(theta_deg, 0.0);
         let bound = error_bounds(&bumpy, wi, &[550.0]).expect("a good mesh")[0];

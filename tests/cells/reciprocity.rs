@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use goniochrome::bins::DirectionBins;
-use goniochrome::sampling::sobol;
-use goniochrome_cli::bumpy::Bumpy;
-use goniochrome_cli::estimate::Precision;
-use goniochrome_cli::scatter::{Coherence, Request, scatter};
+use goniochrome::measure::bins::DirectionBins;
+use goniochrome::trace::sobol::sobol;
 use goniochrome_cli::scene::load;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
+use goniochrome_cli::solve::scatter::{Coherence, Request, scatter};
+use goniochrome_cli::solve::spectra::Precision;
 
 const PRESETS: [&str; 9] = [
     "bumpy-glass",
@@ -40,7 +40,7 @@ fn direction_in(bin: usize, [u, v]: [f64; 2]) -> DVec3 {
 }
 
 /// Mean and variance of the mean, for every bin, of the power that light from one bin sends there.
-fn sent(bumpy: &Bumpy<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2]> {
+fn sent(bumpy: &MeshScene<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2]> {
     let mut sums = vec![[0.0; 2]; GRID.count()];
     for i in 0..DIRECTIONS {
         let wi = direction_in(from, sobol(i, 7 + from as u32));
@@ -60,7 +60,7 @@ fn sent(bumpy: &Bumpy<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2]> {
 fn holds(coherence: Coherence) {
     for name in PRESETS {
         let scene = load(name).expect("a preset");
-        let bumpy = Bumpy::new(&scene).expect("a good mesh");
+        let bumpy = MeshScene::new(&scene).expect("a good mesh");
         let sent: Vec<_> = (0..GRID.count()).map(|from| sent(&bumpy, from, coherence)).collect();
         let solid_angle = |bin| GRID.projected_solid_angle(bin) / TAU;
         let (mut pairs, mut beyond, mut worst) = (0u32, 0u32, 0.0_f64);

@@ -1,7 +1,7 @@
 //! `export --to blob`: what the library loads is what the table holds.
 
 use goniochrome::table::blob::{Blob, Contents, Space};
-use goniochrome_cli::table_file::{self, Table};
+use goniochrome_cli::table::file::{self, Table};
 
 use crate::user::User;
 
@@ -14,7 +14,7 @@ fn a_planar_table_loads_with_its_colours_and_space() {
     user.ok("estimate jewel-beetle -o t.exr --angles 30 --space rec2020 --quiet");
     user.ok("export t.exr --to blob -o t.gonio --quiet");
     user.ok("export t.exr --to blob --half -o h.gonio --quiet");
-    let Table::Mirror(table) = table_file::read(&user.at("t.exr")).unwrap() else { panic!("a planar table") };
+    let Table::Mirror(table) = file::read(&user.at("t.exr")).unwrap() else { panic!("a planar table") };
     let (single, half) = (user.read("t.gonio"), user.read("h.gonio"));
     assert_eq!((single.len(), half.len()), (64 + 30 * 3 * 4, 64 + 30 * 3 * 2));
     let blob = Blob::read(&single).unwrap();
@@ -37,7 +37,7 @@ fn a_table_of_a_cell_loads_with_its_sampler() {
     user.ok("estimate beetle-pits -o t.exr --incident 3x2 --bins 4x8 --rays 64 --wavelengths 400:700:60 --quiet");
     user.ok("export t.exr --to blob -o t.gonio --quiet");
     let bytes = user.read("t.gonio");
-    let Table::Scatter(table) = table_file::read(&user.at("t.exr")).unwrap() else { panic!("a cell's table") };
+    let Table::Scatter(table) = file::read(&user.at("t.exr")).unwrap() else { panic!("a cell's table") };
     let Contents::Scatter(read, sampler) = Blob::read(&bytes).unwrap().contents else { panic!("a cell's table") };
     assert_eq!(read.layout(), table.layout);
     for i in 0..table.layout.incident_count() {

@@ -1,7 +1,7 @@
 //! `estimate` of cells of tilted facets: energy, threads, reciprocity, refusals.
 
-use goniochrome_cli::scatter_table::ScatterTable;
-use goniochrome_cli::table_file::{Table, read};
+use goniochrome_cli::table::file::{Table, read};
+use goniochrome_cli::table::scatter::ScatterTable;
 
 use crate::user::User;
 

@@ -3,11 +3,11 @@
 
 use std::fmt::Write;
 
-use goniochrome::interface::Model;
-use goniochrome_cli::estimate::{Method, Precision, Request, Sample, spectra};
-use goniochrome_cli::planar::Planar;
+use goniochrome::optics::interface::Model;
 use goniochrome_cli::scene::parse;
-use goniochrome_cli::table_file::{Table, read};
+use goniochrome_cli::solve::planar::Planar;
+use goniochrome_cli::solve::spectra::{Method, Precision, Request, Sample, spectra};
+use goniochrome_cli::table::file::{Table, read};
 
 use crate::user::{User, column};
 

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
-use goniochrome::sampling::Random;
-use goniochrome_cli::table::MirrorTable;
-use goniochrome_cli::table_file;
+use goniochrome::trace::random::Random;
+use goniochrome_cli::table::file;
+use goniochrome_cli::table::mirror::MirrorTable;
 
 use crate::user::User;
 
@@ -157,7 +157,7 @@ fn tables_of_strangers_give_plain_text_in_every_output() {
             rgb: vec![[0.4, 0.5, 0.6]; 3],
             metadata: keys.map(|key| (key.to_owned(), name.clone())).into(),
         };
-        let bytes = table_file::encode(&table.into(), 1).unwrap();
+        let bytes = file::encode(&table.into(), 1).unwrap();
         let file = format!("t{name}.exr");
         user.0.write(&file, &bytes);
         let table = file.as_str();

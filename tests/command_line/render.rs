@@ -5,11 +5,11 @@ use std::io::Cursor;
 
 use exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, WritableImage};
 use glam::{DVec3, Vec3};
-use goniochrome::bins::DirectionBins;
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::ScatterLayout;
-use goniochrome_cli::scatter_table::{Energy, ScatterTable};
-use goniochrome_cli::table::MirrorTable;
-use goniochrome_cli::table_file::{self, Table};
+use goniochrome_cli::table::file::{self, Table};
+use goniochrome_cli::table::mirror::MirrorTable;
+use goniochrome_cli::table::scatter::{Energy, ScatterTable};
 
 use crate::user::User;
 
@@ -62,7 +62,7 @@ fn white(user: &User) {
         wavelength_nm,
         ..MirrorTable::default()
     };
-    table_file::write(&user.at("white.exr"), &table.into(), 1).unwrap();
+    file::write(&user.at("white.exr"), &table.into(), 1).unwrap();
 }
 
 /// Directions of the pixels' middles from the eye, for the default field of view of 30 degrees.
@@ -148,7 +148,7 @@ fn a_sphere_in_white_light_has_the_tables_colours_also_by_wavelengths() {
     let user = User::new();
     for preset in ["paper-fig4", "soap-bubble"] {
         user.ok(&format!("estimate {preset} -o t.exr --quiet"));
-        let Table::Mirror(table) = table_file::read(&user.at("t.exr")).unwrap() else { panic!("planar") };
+        let Table::Mirror(table) = file::read(&user.at("t.exr")).unwrap() else { panic!("planar") };
         let (eye, rays) = rays(-60.0, 24.0, 200);
         for more in ["", "--spectral"] {
             user.ok(&format!(
@@ -193,7 +193,7 @@ fn lobes() -> ScatterTable {
 fn a_scattering_plane_reflects_what_its_table_integrates_to() {
     let user = User::new();
     let table = lobes();
-    table_file::write(&user.at("lobes.exr"), &table.clone().into(), 1).unwrap();
+    file::write(&user.at("lobes.exr"), &table.clone().into(), 1).unwrap();
     environment(&user, "one.exr", [16, 8], |_, _| [1.0; 3]);
     // Brighter on one side, so that the light's own sampling counts.
     environment(&user, "side.exr", [16, 8], |x, y| [if (x, y) == (5, 2) { 30.0 } else { 0.5 }; 3]);
@@ -278,7 +278,7 @@ fn a_mesh_with_y_up_stands_as_with_z_up() {
 #[test]
 fn pictures_do_not_depend_on_threads() {
     let user = User::new();
-    table_file::write(&user.at("lobes.exr"), &lobes().into(), 1).unwrap();
+    file::write(&user.at("lobes.exr"), &lobes().into(), 1).unwrap();
     for name in ["a.exr", "a.png"] {
         let drawn = |threads: u32| {
             user.ok(&format!("render lobes.exr -o {name} --size 40x30 --samples 3 --reflections 2 --threads {threads} --tonemap filmic"));
@@ -376,7 +376,7 @@ fn what_cannot_be_rendered_is_refused() {
         rgb: vec![[0.0; 3]; 2],
         ..MirrorTable::default()
     };
-    table_file::write(&user.at("black.exr"), &black.into(), 1).unwrap();
+    file::write(&user.at("black.exr"), &black.into(), 1).unwrap();
     user.refused("render black.exr -o a.png", 1, &["black.exr: the table reflects nothing"]);
     user.refused("render black.exr -o a.png --spectral", 1, &["black.exr: 1 wavelengths cannot tell"]);
 }

@@ -3,7 +3,7 @@
 use crate::user::User;
 
 /// The page of a 2D table fits into a mail.
-const MOST_BYTES: usize = 2_000_000;
+const MAX_BYTES: usize = 2_000_000;
 
 fn text(user: &User, name: &str) -> String {
     String::from_utf8(user.read(name)).expect("text")
@@ -18,7 +18,7 @@ fn a_default_table_becomes_one_small_page() {
     let page = text(&user, "view.html");
     assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
     assert!(page.contains("<title>jewel-beetle · goniochrome</title>"));
-    assert!(page.len() <= MOST_BYTES, "{} bytes", page.len());
+    assert!(page.len() <= MAX_BYTES, "{} bytes", page.len());
     // Equal tables give equal pages.
     user.ok("view t.exr -o again.htm");
     assert!(user.read("again.htm") == user.read("view.html"));

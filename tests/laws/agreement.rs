@@ -21,7 +21,7 @@ fn closed_form_agrees_with_the_scalar_twin() {
     worst.report(0.0);
 }
 
-fn traced_is_closed<V: Lanes>(law: &'static str, most_vacuous: f64) {
+fn traced_is_closed<V: Lanes>(law: &'static str, max_vacuous: f64) {
     let mut worst = Worst::of(law);
     each(2, |random| {
         let case = Case::random(random, false, true);
@@ -37,7 +37,7 @@ fn traced_is_closed<V: Lanes>(law: &'static str, most_vacuous: f64) {
             }
         }
     });
-    worst.report(most_vacuous);
+    worst.report(max_vacuous);
 }
 
 #[test]

@@ -10,15 +10,15 @@ mod truncation;
 
 use crate::reference::Layered;
 use crate::scalar::{Problem, Twin};
-use goniochrome::complex::Polarised;
-use goniochrome::interface::Model;
-use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::layers::{Summation, TraceMemory, Traced, Workspace, trace_layers};
-use goniochrome::trace::Limits;
+use goniochrome::optics::interface::Model;
+use goniochrome::simd::complex::Polarised;
+use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::trace::planar::{Summation, TraceMemory, Traced, Workspace, trace_planar};
+use goniochrome::trace::waves::Limits;
 use num_complex::Complex64;
 
 const STACKS: u64 = 10_000;
-const MOST_LAYERS: u64 = 12;
+const MAX_LAYERS: u64 = 12;
 
 /// SplitMix64.
 pub struct Random(pub u64);
@@ -70,7 +70,7 @@ struct Power {
 
 impl Case {
     fn random(random: &mut Random, lossless: bool, mirrors: bool) -> Self {
-        let layers = random.below(MOST_LAYERS + 1) as usize;
+        let layers = random.below(MAX_LAYERS + 1) as usize;
         let mut eta = vec![Complex64::from(random.between(1.0, 2.0))];
         let mut thickness_nm = Vec::new();
         for layer in 0..layers {
@@ -111,7 +111,7 @@ impl Case {
         self.stack.with_optics::<V, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
             let memory = workspace.memory();
             let memory = TraceMemory { totals: memory.totals, slots: &mut memory.slots[..slots] };
-            trace_layers(optics, summation, memory).expect("the stack fits")
+            trace_planar(optics, summation, memory).expect("the stack fits")
         })
     }
 
@@ -166,10 +166,10 @@ impl Worst {
     }
 
     /// A law that mostly says nothing is no law.
-    fn report(self, most_vacuous: f64) {
+    fn report(self, max_vacuous: f64) {
         let Self { law, relative, absolute, seen, vacuous } = self;
         println!("{law}: worst {absolute:.1e}, {relative:.1e} of its bound; {vacuous} of {seen} unbounded");
-        assert!(vacuous as f64 <= most_vacuous * seen as f64, "{law}: {vacuous} of {seen} unbounded");
+        assert!(vacuous as f64 <= max_vacuous * seen as f64, "{law}: {vacuous} of {seen} unbounded");
     }
 }
 

@@ -2,7 +2,7 @@
 //! rays.
 
 use super::*;
-use goniochrome::coherence::Ledger;
+use goniochrome::trace::ledger::Ledger;
 
 const SOME_STACKS: u32 = 2_000;
 /// Error of closed loops in double precision, and of the twin, at the critical angle of a film or substrate too: R

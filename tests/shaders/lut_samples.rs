@@ -5,7 +5,7 @@ use std::error::Error;
 use std::io::stdin;
 
 use goniochrome_cli::export::lut::Lut;
-use goniochrome_cli::picture::in_gamut;
+use goniochrome_cli::plot::in_gamut;
 use goniochrome_cli::scene::load;
 
 fn main() -> Result<(), Box<dyn Error>> {

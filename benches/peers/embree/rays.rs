@@ -12,7 +12,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Hit, Node, Ray};
+use goniochrome::geometry::bvh::{Bvh, Hit, Node, Ray};
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::stages;
 use goniochrome_cli::render::camera::{Camera, View};
@@ -38,12 +38,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut one_by_one, mut by_turns) = (Vec::new(), Vec::new());
     let mut hits: Vec<Option<Hit>> = Vec::new();
     for _ in 0..repeats.parse::<usize>()? {
-        let (found, time) =
-            processor_time(|| black_box(&rays).iter().map(|ray| bvh.closest(ray, |_| true)).collect::<Vec<_>>());
+        let (found, time) = processor_time(|| {
+            black_box(&rays).iter().map(|ray| bvh.intersect_nearest(ray, |_| true)).collect::<Vec<_>>()
+        });
         one_by_one.push(time.as_secs_f64());
         let (found_by_turns, time) = processor_time(|| {
             let mut hits = vec![None; rays.len()];
-            bvh.closest_each(black_box(&rays), &mut hits, |_, _| true);
+            bvh.intersect_batch(black_box(&rays), &mut hits, |_, _| true);
             hits
         });
         by_turns.push(time.as_secs_f64());

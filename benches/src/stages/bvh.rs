@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Node, Ray};
+use goniochrome::geometry::bvh::{Bvh, Node, Ray};
 use goniochrome_cli::render::mesh::Mesh;
 
 use super::{Visit, Work};
@@ -22,18 +22,18 @@ pub fn bvh(visit: Visit<'_>) {
     });
     let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners).expect("a good mesh");
     let rays = incoherent(&mesh, RAYS);
-    let hits = rays.iter().filter(|ray| bvh.closest(ray, |_| true).is_some()).count();
+    let hits = rays.iter().filter(|ray| bvh.intersect_nearest(ray, |_| true).is_some()).count();
     assert!((RAYS / 2..RAYS).contains(&hits), "{hits}");
     visit(&Work { stage: "bvh", name: "closest hit", unit: "rays", amount: RAYS as f64 }, &mut || {
         for ray in black_box(&rays) {
-            black_box(bvh.closest(ray, |_| true));
+            black_box(bvh.intersect_nearest(ray, |_| true));
         }
     });
     let mut found = vec![None; RAYS];
-    bvh.closest_each(&rays, &mut found, |_, _| true);
-    assert!(rays.iter().map(|ray| bvh.closest(ray, |_| true)).eq(found.iter().copied()));
+    bvh.intersect_batch(&rays, &mut found, |_, _| true);
+    assert!(rays.iter().map(|ray| bvh.intersect_nearest(ray, |_| true)).eq(found.iter().copied()));
     visit(&Work { stage: "bvh", name: "closest hits by turns", unit: "rays", amount: RAYS as f64 }, &mut || {
-        bvh.closest_each(black_box(&rays), &mut found, |_, _| true);
+        bvh.intersect_batch(black_box(&rays), &mut found, |_, _| true);
         black_box(&found);
     });
 }

@@ -1,18 +1,19 @@
 use std::hint::black_box;
 
 use glam::DVec3;
-use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-use goniochrome::coherence::Side;
-use goniochrome::complex::ComplexLanes;
-use goniochrome::geometric::{self, Geometric};
-use goniochrome::lanes::Lanes;
-use goniochrome::medium::MediaLanes;
-use goniochrome::paths::{Spill, follow_paths, trace_spilling};
-use goniochrome::polygons::{Incident, Polygons, free_slot};
-use goniochrome::sampling::{Random, sobol};
-use goniochrome::trace::Limits;
-use goniochrome_cli::bumpy::Bumpy;
+use goniochrome::geometry::side::Side;
+use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
+use goniochrome::optics::medium::MediaLanes;
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::Lanes;
+use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
+use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
+use goniochrome::trace::random::Random;
+use goniochrome::trace::sobol::sobol;
+use goniochrome::trace::waves::Limits;
 use goniochrome_cli::scene::load;
+use goniochrome_cli::solve::mesh_scene::MeshScene;
 
 use super::{Visit, Work};
 use crate::group;
@@ -35,7 +36,7 @@ impl Histogram for Total {
 /// Starting rays through the bumpy soap film at 30 degrees, whose paths add as powers or interfere.
 pub fn cell<V: Lanes>(visit: Visit<'_>) {
     let scene = load("bumpy-soap-film").expect("a preset");
-    let bumpy = Bumpy::new(&scene).expect("a cell");
+    let bumpy = MeshScene::new(&scene).expect("a cell");
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer).expect("a good cell");
     let media = bumpy.media();
@@ -43,13 +44,14 @@ pub fn cell<V: Lanes>(visit: Visit<'_>) {
     let media = MediaLanes::<V>::evaluate(&media, &group::<V>(), &mut eta).expect("media with data");
     let wi = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
     let bins = DirectionBins { cos: 8, phi: 16 };
-    let (mut waves, mut paths) = (vec![free_slot(); WAVES], vec![geometric::free_slot(); PATHS]);
-    let mut memory = vec![Exit::none(); 512];
+    let (mut waves, mut paths) = (vec![free_slot(); WAVES], vec![incoherent_mesh::free_slot(); PATHS]);
+    let mut memory = vec![ExitRecord::none(); 512];
     for (name, coherent) in [("powers", false), ("waves", true)] {
         let mut run = || {
             let light = Incident::new(wi, media.eta()[usize::from(cell.above())]);
-            let (mut polygons, mut geometric) = (Polygons::new(cell, media, light), Geometric::new(cell, media, light));
-            let mut exits = Exits::new(&mut memory, bins, &media);
+            let (mut polygons, mut geometric) =
+                (CoherentMesh::new(cell, media, light), IncoherentMesh::new(cell, media, light));
+            let mut exits = ExitBuffer::new(&mut memory, bins, &media);
             let (mut total, mut visits) = (Total(0.0), 0);
             for ray in 0..RAYS {
                 let [u, v] = sobol(ray, 1);
@@ -58,13 +60,13 @@ pub fn cell<V: Lanes>(visit: Visit<'_>) {
                 let mut random = Random::new(ray, 1);
                 let done = if coherent {
                     let (state, field) = polygons.start_at(path.at());
-                    let spill = Spill::new(&mut geometric, &mut paths, PATH_LIMITS, &mut random);
-                    trace_spilling(&mut polygons, state, field, &mut waves, WAVE_LIMITS, spill, &mut exits)
+                    let spill = IncoherentFallback::new(&mut geometric, &mut paths, PATH_LIMITS, &mut random);
+                    trace_with_fallback(&mut polygons, state, field, &mut waves, WAVE_LIMITS, spill, &mut exits)
                 } else {
                     follow_paths(&mut geometric, path, light, &mut paths, PATH_LIMITS, &mut random, &mut exits)
                 };
                 visits += done.visits;
-                exits.settle(&mut total);
+                exits.flush(&mut total);
             }
             (total.0 / f64::from(RAYS), visits)
         };

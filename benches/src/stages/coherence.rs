@@ -1,9 +1,10 @@
 use std::hint::black_box;
 
-use goniochrome::coherence::{Side, Specular};
-use goniochrome::complex::{ComplexLanes, Polarised};
-use goniochrome::lanes::Lanes;
-use goniochrome::trace::Sink;
+use goniochrome::geometry::side::Side;
+use goniochrome::simd::complex::{ComplexLanes, Polarised};
+use goniochrome::simd::lanes::Lanes;
+use goniochrome::trace::ledger::Specular;
+use goniochrome::trace::waves::Sink;
 
 use super::{Visit, Work};
 

@@ -1,8 +1,8 @@
 use std::hint::black_box;
 
-use goniochrome::complex::ComplexLanes;
-use goniochrome::interface::{Model, Wave, reflection};
-use goniochrome::lanes::Lanes;
+use goniochrome::optics::interface::{Model, Wave, reflection};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::Lanes;
 
 use super::{Visit, Work};
 

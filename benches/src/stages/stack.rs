@@ -1,11 +1,11 @@
 use std::hint::black_box;
 
-use goniochrome::interface::Model;
-use goniochrome::lanes::Lanes;
-use goniochrome::stack::{Optics, OpticsArrays};
+use goniochrome::optics::interface::Model;
+use goniochrome::optics::stack::{PreparedStack, PreparedStackArrays};
+use goniochrome::simd::lanes::Lanes;
 
 use super::{Visit, Work};
-use crate::{MOST_PLANES, beetle, group};
+use crate::{MAX_PLANES, beetle, group};
 
 /// The closed form of the 20-layer stack at 30 degrees: preparation of the stack, and the recursion.
 pub fn stack<V: Lanes>(visit: Visit<'_>) {
@@ -13,9 +13,9 @@ pub fn stack<V: Lanes>(visit: Visit<'_>) {
     let amount = (V::WIDTH * stack.layers.len()) as f64;
     let work = |name| Work { stage: "stack", name, unit: "wavelength·layers", amount };
     stack.with::<V, _>(&group::<V>(), |stack, media| {
-        let mut memory = Box::new(OpticsArrays::<V, MOST_PLANES>::new());
+        let mut memory = Box::new(PreparedStackArrays::<V, MAX_PLANES>::new());
         visit(&work("prepare"), &mut || {
-            black_box(Optics::new(stack, media, black_box(0.5), Model::Physical, memory.memory()).model());
+            black_box(PreparedStack::new(stack, media, black_box(0.5), Model::Physical, memory.memory()).model());
         });
     });
     stack.with_optics::<V, _>(0.5, &group::<V>(), |optics| {

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use glam::Vec3;
-use goniochrome::bins::DirectionBins;
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 use goniochrome_cli::export::gltf::iridescence::eval_iridescence;
 

@@ -1,8 +1,8 @@
 use std::hint::black_box;
 
-use goniochrome::complex::ComplexLanes;
-use goniochrome::lanes::Lanes;
-use goniochrome::turns::{cis, propagate};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::phase::{cis, propagate};
 
 use super::{Visit, Work};
 

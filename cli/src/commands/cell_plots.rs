@@ -2,11 +2,11 @@
 
 use goniochrome::colour::{Quadrature, xyz};
 
-use crate::args::PlotArgs;
-use crate::colours::{illuminant_of, visible_weights};
-use crate::error::{Error, Result};
-use crate::picture::{ColourAt, HeatAxis, LineOptions, PALETTE, Picture, Series, chromaticity, heat_map, line_chart};
-use crate::scatter_table::ScatterTable;
+use crate::colour::{illuminant_of, visible_weights};
+use crate::commands::args::PlotArgs;
+use crate::plot::{ColourAt, HeatAxis, LineOptions, PALETTE, Picture, Series, chromaticity, heat_map, line_chart};
+use crate::support::error::{Error, Result};
+use crate::table::scatter::ScatterTable;
 
 /// Steps of θ that maps and paths are drawn with; tables hold a dozen rows, linear in between.
 const STEPS: u32 = 90;

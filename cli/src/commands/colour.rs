@@ -5,15 +5,15 @@ use std::path::Path;
 
 use goniochrome::colour::{Quadrature, RgbSpace};
 
-use crate::args::ColourArgs;
-use crate::colours::{Colour, colours};
+use crate::commands::args::ColourArgs;
 use crate::commands::{compute, remark_on_colours, write_csv};
-use crate::error::Result;
-use crate::output;
-use crate::picture::{OutOfGamut, hex, srgb8};
-use crate::planar::Planar;
-use crate::progress::remark;
+use crate::plot::{OutOfGamut, hex, srgb8};
 use crate::scene::load;
+use crate::solve::colours::{Colour, colours};
+use crate::solve::planar::Planar;
+use crate::support::error::Result;
+use crate::support::output;
+use crate::support::progress::note;
 
 pub fn run(args: &ColourArgs) -> Result<()> {
     let scene = load(&args.scene)?;
@@ -28,7 +28,7 @@ pub fn run(args: &ColourArgs) -> Result<()> {
     remark_on_colours(&planar, &spectra, &wavelengths, illuminant, &args.computing)?;
     let of_gamut = |all: OutOfGamut, colour: &Colour| all + OutOfGamut::of(colour.display(space));
     if let Some(said) = colours.iter().fold(OutOfGamut::default(), of_gamut).says() {
-        remark(args.computing.running.quiet, said);
+        note(args.computing.running.quiet, said);
     }
     match &args.csv {
         Some(path) => {

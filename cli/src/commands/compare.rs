@@ -2,14 +2,14 @@
 
 use goniochrome::colour::Illuminant;
 
-use crate::args::CompareArgs;
+use crate::commands::args::CompareArgs;
 use crate::commands::{check_outputs, number, remark_fall_backs, write_csv};
-use crate::comparison::Comparison;
-use crate::error::{Error, Result};
-use crate::output;
-use crate::planar::Planar;
-use crate::progress::remark;
+use crate::paper::comparison::Comparison;
 use crate::scene::load;
+use crate::solve::planar::Planar;
+use crate::support::error::{Error, Result};
+use crate::support::output;
+use crate::support::progress::note;
 
 /// Each wavelength is a curve and a disc; more of them make no picture that can be read.
 const MAX_CURVES: usize = 24;
@@ -48,7 +48,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let traced = &comparison.traced;
     remark_fall_backs(traced.fell_back, traced.samples.len(), args.computing.running.quiet);
-    remark(
+    note(
         args.computing.running.quiet,
         format_args!("largest difference of R_s or R_p: {:.2e}", comparison.largest_difference()),
     );

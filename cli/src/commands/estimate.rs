@@ -4,29 +4,30 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Once;
 
-use goniochrome::bins::DirectionBins;
 use goniochrome::colour::{Quadrature, RgbSpace};
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::ScatterLayout;
 
-use crate::args::{EstimateArgs, ModelArg, spelled};
-use crate::bumpy::Bumpy;
-use crate::cell_warnings::{too_few, unbalanced, without_sum};
-use crate::checkpoint::Checkpoint;
-use crate::colours::{colours, visible, visible_weights};
+use crate::colour::{visible, visible_weights};
+use crate::commands::args::{EstimateArgs, ModelArg, spelled};
 use crate::commands::plot::disc_of;
 use crate::commands::{compute, named, remark_on_colours, remark_on_media, save};
-use crate::error::{Error, Result};
-use crate::estimate::{Method, Sample, Spectra};
-use crate::grid::Wavelengths;
-use crate::output;
-use crate::picture::Format;
-use crate::planar::Planar;
-use crate::progress::{bar, remark};
-use crate::scatter::Request;
-use crate::scatter_estimate::{TableRequest, estimate};
+use crate::plot::Format;
 use crate::scene::{Scene, Shape, load};
-use crate::table::MirrorTable;
-use crate::table_file::{self, Table};
+use crate::solve::cell_table::{TableRequest, estimate};
+use crate::solve::cell_warnings::{too_few, unbalanced, without_sum};
+use crate::solve::checkpoint::Checkpoint;
+use crate::solve::colours::colours;
+use crate::solve::grid::Wavelengths;
+use crate::solve::mesh_scene::MeshScene;
+use crate::solve::planar::Planar;
+use crate::solve::scatter::Request;
+use crate::solve::spectra::{Method, Sample, Spectra};
+use crate::support::error::{Error, Result};
+use crate::support::output;
+use crate::support::progress::{bar, note};
+use crate::table::file::{self, Table};
+use crate::table::mirror::MirrorTable;
 
 /// Starting rays of an incident direction unless the user says otherwise.
 const RAYS: u32 = 4096;
@@ -47,13 +48,13 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         output::refuse_same_output(&args.output, plot)?;
     }
     let (table, said, checkpoint) = table_of(args, &scene, Some(&args.output))?;
-    table_file::write(&args.output, &table, args.computing.request().threads)?;
+    file::write(&args.output, &table, args.computing.request().threads)?;
     if let Some(path) = &args.plot {
         save(&disc_of(&table, None, 0.0)?, path, args.computing.running.quiet)?;
     }
     // Not before all is written: on a full disk, say, the work is kept.
     checkpoint.map_or(Ok(()), Checkpoint::remove)?;
-    remark(args.computing.running.quiet, format_args!("{}: {said}", args.output.display()));
+    note(args.computing.running.quiet, format_args!("{}: {said}", args.output.display()));
     Ok(())
 }
 
@@ -116,7 +117,7 @@ fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
             "--plot draws colours, and no wavelength is visible; leave it out and use `goniochrome plot`",
         ));
     } else {
-        remark(args.computing.running.quiet, "no wavelength is visible: the table has spectra and no R, G, B");
+        note(args.computing.running.quiet, "no wavelength is visible: the table has spectra and no R, G, B");
     }
     let reflectance = |of: fn(&Sample) -> f64| spectra.samples.iter().map(|s| of(s) as f32).collect();
     let table = MirrorTable {
@@ -186,7 +187,7 @@ fn scattering(
     let space = args.colouring.space.into();
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
-    let bumpy = Bumpy::new(scene)?;
+    let bumpy = MeshScene::new(scene)?;
     remark_on_media(scene, wavelength_nm, args.computing.running.quiet);
     let checkpoint = match output {
         Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), cell.restart)?,
@@ -197,7 +198,7 @@ fn scattering(
     // With the first direction, and not before: what is refused has nothing to resume.
     let (says, said) = (checkpoint.as_ref().map(Checkpoint::says), Once::new());
     let finished = || {
-        said.call_once(|| says.iter().for_each(|says| progress.suspend(|| remark(quiet, says))));
+        said.call_once(|| says.iter().for_each(|says| progress.suspend(|| note(quiet, says))));
         progress.inc(1);
     };
     let mut table = estimate(&bumpy, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
@@ -212,7 +213,7 @@ fn scattering(
     let few = too_few(&bumpy, coherence, wavelength_nm);
     let warnings: Vec<String> =
         [unbalanced(coherence, imbalance), without_sum(alone), few].into_iter().flatten().collect();
-    warnings.iter().for_each(|warning| remark(quiet, format_args!("{}: {warning}", scene.name)));
+    warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
     let imbalance = table.worst_imbalance(|_| true).value;
     table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, &warnings);
     let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);

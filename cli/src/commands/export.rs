@@ -1,19 +1,22 @@
 //! `goniochrome export`.
 
 use std::path::{Path, PathBuf};
+use std::slice;
 
-use crate::args::export::{ExportArgs, ExportKind, Origin};
-use crate::args::spelled;
-use crate::blob;
-use crate::colours::{screen_rgb, screen_space};
-use crate::error::{Error, Result};
+use goniochrome::table::blob::Precision;
+
+use crate::colour::{screen_rgb, screen_space};
+use crate::commands::args::export::{ExportArgs, ExportKind, Origin};
+use crate::commands::args::spelled;
+use crate::export::blob;
 use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
 use crate::export::{bsdf, merl, png};
-use crate::output;
-use crate::progress::remark;
 use crate::scene::{Scene, load, parse};
-use crate::table_file::{self, Table};
+use crate::support::error::{Error, Result};
+use crate::support::output;
+use crate::support::progress::note;
+use crate::table::file::{self, Table};
 
 /// Texels over cos θ.
 const WIDTH: u16 = 256;
@@ -21,7 +24,7 @@ const WIDTH: u16 = 256;
 pub fn run(args: &ExportArgs) -> Result<()> {
     check_options(args)?;
     if args.to == ExportKind::Blob {
-        return blob::run(args);
+        return write_blob(args);
     }
     check_name(args)?;
     let inputs = [PathBuf::from(&args.source)];
@@ -40,7 +43,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
             args.source
         )));
     }
-    let table = table_file::read(path)?;
+    let table = file::read(path)?;
     let named = |error: Error| {
         let line = format!("{}: {error}", args.source);
         if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
@@ -51,7 +54,20 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     };
     let bytes = bytes.map_err(named)?;
     output::write_file(&args.output, &bytes)?;
-    remark(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
+    note(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
+    Ok(())
+}
+
+/// Writes the blob of a table.
+fn write_blob(args: &ExportArgs) -> Result<()> {
+    let source = Path::new(&args.source);
+    output::check_destination(&args.output, slice::from_ref(&source.to_owned()))?;
+    let table = file::read(source)?;
+    let precision = if args.half { Precision::Half } else { Precision::Single };
+    let bytes =
+        blob::encode(&table, precision).map_err(|error| Error::failed(format_args!("{}: {error}", args.source)))?;
+    output::write_file(&args.output, &bytes)?;
+    note(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
     Ok(())
 }
 
@@ -122,7 +138,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         if args.vary.is_some() {
             return Err(Error::usage("--vary needs a scene; a table holds one thickness alone"));
         }
-        match table_file::read(path)? {
+        match file::read(path)? {
             Table::Mirror(table) => {
                 let named = |error: Error| Error::failed(format_args!("{}: {error}", args.source));
                 let mut lut = Lut::of_table(&table, width).map_err(named)?;
@@ -155,12 +171,12 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     }
     let height = lut.texels.len() / width;
     let output = args.output.display();
-    remark(args.quiet, format_args!("{output}: {width} × {height} texels"));
+    note(args.quiet, format_args!("{output}: {width} × {height} texels"));
     if let Some([first, last]) = lut.rows_nm {
         let bottom = args.origin == Some(Origin::Bottom);
         let fits = if bottom { "v = 0 is the bottom of a picture" } else { "rows are uploaded in the file's order" };
         let other = if bottom { "" } else { "; for Blender and three.js add --origin bottom" };
-        remark(
+        note(
             args.quiet,
             format_args!("{output}: first row {first} nm, last row {last} nm, for programs in which {fits}{other}"),
         );
@@ -175,7 +191,7 @@ fn gltf(args: &ExportArgs) -> Result<()> {
     let fitted = Fitted::new(&scene)?;
     output::write_text(&args.output, &fitted.json())?;
     for line in fitted.report() {
-        remark(args.quiet, format_args!("{}: {line}", args.output.display()));
+        note(args.quiet, format_args!("{}: {line}", args.output.display()));
     }
     Ok(())
 }
@@ -183,7 +199,7 @@ fn gltf(args: &ExportArgs) -> Result<()> {
 /// The scene in a table's header.
 fn scene_of_table(path: &Path) -> Result<Scene> {
     let name = path.display();
-    let Table::Mirror(table) = table_file::read(path)? else {
+    let Table::Mirror(table) = file::read(path)? else {
         return Err(Error::failed(format_args!(
             "{name}: the table scatters into all directions, and glTF's iridescence is a plane film; export a bsdf"
         )));

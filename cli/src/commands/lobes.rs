@@ -7,10 +7,10 @@ use goniochrome::table::ScatterTable as Lookup;
 
 use glam::Vec3;
 
-use crate::colours::{illuminant_of, visible_weights};
-use crate::error::{Error, Result};
-use crate::picture::{Disc, LineOptions, Mark, PALETTE, Picture, Series, line_chart, marked_disc};
-use crate::scatter_table::ScatterTable;
+use crate::colour::{illuminant_of, visible_weights};
+use crate::plot::{Disc, LineOptions, Mark, PALETTE, Picture, Series, line_chart, marked_disc};
+use crate::support::error::{Error, Result};
+use crate::table::scatter::ScatterTable;
 
 /// Where the light of a direction goes unless the user names another.
 const THETA_DEG: f64 = 30.0;
@@ -110,7 +110,7 @@ pub fn lobes(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) 
 
 #[cfg(test)]
 mod tests {
-    use goniochrome::bins::DirectionBins;
+    use goniochrome::measure::bins::DirectionBins;
     use goniochrome::table::ScatterLayout;
 
     use super::*;

@@ -1,5 +1,6 @@
 //! One file per command: arguments in, files out.
 
+pub mod args;
 mod cell_plots;
 mod colour;
 mod compare;
@@ -15,7 +16,6 @@ mod sampling;
 mod scatter;
 mod source;
 mod spectrum;
-mod teapots;
 mod view;
 
 use std::path::Path;
@@ -23,17 +23,16 @@ use std::path::Path;
 use glam::DVec3;
 use goniochrome::colour::Illuminant;
 
-use crate::args::{Command, Computing};
-use crate::error::{Error, Result};
-use crate::estimate::{Precision, Spectra, spectra};
-use crate::fidelity;
-use crate::grid::Wavelengths;
-use crate::output;
-use crate::picture;
-use crate::planar::Planar;
-use crate::progress::{bar, remark};
-use crate::refine::{Choice, most};
+use crate::commands::args::{Command, Computing};
 use crate::scene::{NamedMedium, Scene};
+use crate::solve::fidelity;
+use crate::solve::grid::Wavelengths;
+use crate::solve::planar::Planar;
+use crate::solve::refine::{Choice, most};
+use crate::solve::spectra::{Precision, Spectra, spectra};
+use crate::support::error::{Error, Result};
+use crate::support::output;
+use crate::support::progress::{bar, note};
 
 /// Does what the command line asks for.
 ///
@@ -90,7 +89,7 @@ fn compute(
             said +=
                 &format!("; their colours are within ΔE2000 {:.2} of the integral's (at {theta}°)", error.max(SHOWN));
         }
-        remark(computing.running.quiet, said);
+        note(computing.running.quiet, said);
     }
     Ok(spectra)
 }
@@ -98,7 +97,7 @@ fn compute(
 /// Says of how many samples the loops were closed although `--method hits` was asked for.
 fn remark_fall_backs(fell_back: usize, samples: usize, quiet: bool) {
     if fell_back > 0 {
-        remark(
+        note(
             quiet,
             format_args!(
                 "{fell_back} of {samples} samples do not converge hit by hit within the work allowed; \
@@ -111,17 +110,17 @@ fn remark_fall_backs(fell_back: usize, samples: usize, quiet: bool) {
 /// Says what was guessed or rounded in the data of media that are used at these wavelengths.
 fn remark_on_media(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
     for NamedMedium { name, medium } in &scene.media {
-        if let Some(said) = medium.remark(wavelength_nm) {
-            remark(quiet, format_args!("{}: material {name}: {said}", scene.name));
+        if let Some(said) = medium.note(wavelength_nm) {
+            note(quiet, format_args!("{}: material {name}: {said}", scene.name));
         }
     }
 }
 
 /// Writes a picture, and says how many of its colours had to be changed.
-fn save(picture: &picture::Picture, path: &Path, quiet: bool) -> Result<()> {
+fn save(picture: &crate::plot::Picture, path: &Path, quiet: bool) -> Result<()> {
     picture.save(path)?;
     if let Some(said) = picture.out_of_gamut().says() {
-        remark(quiet, format_args!("{}: {said}", path.display()));
+        note(quiet, format_args!("{}: {said}", path.display()));
     }
     Ok(())
 }
@@ -138,11 +137,11 @@ fn remark_on_colours(
         return Ok(());
     }
     let left_out = fidelity::left_out(&spectra.wavelength_nm, illuminant)?;
-    left_out.into_iter().for_each(|said| remark(false, said));
+    left_out.into_iter().for_each(|said| note(false, said));
     if matches!(wavelengths, Wavelengths::List(_)) {
         match fidelity::too_few(planar, spectra, illuminant, &computing.request()) {
-            Ok(too_few) => too_few.into_iter().for_each(|said| remark(false, said)),
-            Err(error) => remark(false, format_args!("whether the wavelengths are enough is not known: {error}")),
+            Ok(too_few) => too_few.into_iter().for_each(|said| note(false, said)),
+            Err(error) => note(false, format_args!("whether the wavelengths are enough is not known: {error}")),
         }
     }
     Ok(())
@@ -152,7 +151,7 @@ fn remark_on_colours(
 fn check_outputs(csv: &Path, picture: Option<&Path>, scene: &Scene) -> Result<()> {
     output::check_destination(csv, &scene.files)?;
     let Some(picture) = picture else { return Ok(()) };
-    picture::Format::of(picture)?;
+    crate::plot::Format::of(picture)?;
     output::check_destination(picture, &scene.files)?;
     output::refuse_same_output(csv, picture)
 }

@@ -1,25 +1,25 @@
 //! `goniochrome orders`.
 
-use crate::args::OrdersArgs;
-use crate::bumpy::Bumpy;
+use crate::commands::args::OrdersArgs;
 use crate::commands::{direction, named, remark_on_media, write_csv};
-use crate::diffraction::{Diffraction, Request, default_hits, groups, orders};
-use crate::error::Result;
-use crate::order_error;
-use crate::output;
-use crate::progress::{bar, remark};
-use crate::scatter::BATCHES;
 use crate::scene::load;
+use crate::solve::diffraction::{Diffraction, Request, default_hits, groups, orders};
+use crate::solve::mesh_scene::MeshScene;
+use crate::solve::order_error;
+use crate::solve::scatter::BATCHES;
+use crate::support::error::Result;
+use crate::support::output;
+use crate::support::progress::{bar, note};
 
 pub fn run(args: &OrdersArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.csv, &scene.files)?;
-    let bumpy = Bumpy::new(&scene)?;
+    let bumpy = MeshScene::new(&scene)?;
     let wavelengths = named(&args.wavelengths, &scene)?;
     let request = Request {
         rays: args.rays,
         seed: args.seed,
-        most: args.most_order,
+        most: args.max_order,
         hits: args.hits.unwrap_or_else(|| default_hits(&bumpy)),
         precision: args.precision,
         threads: args.running.threads(),
@@ -32,7 +32,7 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     progress.finish_and_clear();
     let off = order_error::warning(&bumpy, wi, wavelengths)?;
     for warning in [off, found.single_scattering(request.hits)].into_iter().flatten() {
-        remark(quiet, format_args!("{}: {warning}", scene.name));
+        note(quiet, format_args!("{}: {warning}", scene.name));
     }
     write(args, wavelengths, &found)
 }

@@ -2,17 +2,17 @@
 
 use goniochrome::colour::{Quadrature, xyz};
 
-use crate::args::{PlotArgs, PlotKind};
-use crate::colours::{illuminant_of, visible_weights};
+use crate::colour::{illuminant_of, visible_weights};
+use crate::commands::args::{PlotArgs, PlotKind};
 use crate::commands::source::Source;
 use crate::commands::{cell_plots, lobes, save};
-use crate::error::{Error, Result};
-use crate::output;
-use crate::picture::{
+use crate::plot::{
     ColourAt, Disc, Format, HeatAxis, LineOptions, PALETTE, Picture, Series, chromaticity, disc, heat_map, line_chart,
 };
-use crate::table::MirrorTable;
-use crate::table_file::Table;
+use crate::support::error::{Error, Result};
+use crate::support::output;
+use crate::table::file::Table;
+use crate::table::mirror::MirrorTable;
 
 /// Angles marked on the path of the colour.
 const MARKED: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];

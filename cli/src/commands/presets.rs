@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::error::Result;
-use crate::output;
 use crate::scene::{list_materials, load, presets};
+use crate::support::error::Result;
+use crate::support::output;
 
 pub fn run(name: Option<&str>) -> Result<()> {
     let text = match name {

@@ -3,19 +3,19 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::args::RenderArgs;
+use crate::commands::args::RenderArgs;
 use crate::commands::source::Source;
-use crate::error::{Error, Result};
 use crate::obj;
-use crate::output;
-use crate::parallel;
-use crate::progress::{bar, remark};
 use crate::render::body::{Body, Memory, Shape};
 use crate::render::camera::Camera;
 use crate::render::environment::{Environment, Light, decode};
 use crate::render::mesh::{Axes, Mesh};
 use crate::render::surface::Surface;
 use crate::render::{Quality, Stage, render};
+use crate::support::error::{Error, Result};
+use crate::support::output;
+use crate::support::parallel;
+use crate::support::progress::{bar, note};
 
 /// A bigger file is no mesh or environment that this program could hold: 1 GiB.
 const MAX_BYTES: u64 = 1 << 30;
@@ -63,13 +63,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let film = render(&stage, &quality, &|| progress.inc(1))?;
     progress.finish_and_clear();
     if !film.shows_body {
-        remark(args.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
+        note(args.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
     }
     let bytes = match format {
         Format::Png => {
             let (png, out_of_gamut) = film.png(args.exposure, args.tonemap);
             if let Some(said) = out_of_gamut.says() {
-                remark(args.quiet, format_args!("{}: {said}", args.output.display()));
+                note(args.quiet, format_args!("{}: {said}", args.output.display()));
             }
             png
         }
@@ -109,7 +109,7 @@ fn light(word: &str, quiet: bool) -> Result<Light> {
         file => {
             let (image, mended) =
                 decode(file, &read(file, "an environment is white, studio, or a .exr or .hdr file")?)?;
-            mended.says().iter().for_each(|said| remark(quiet, format_args!("{file}: {said}")));
+            mended.says().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
             Ok(Light::Image(image))
         }
     }
@@ -123,7 +123,7 @@ fn shape(word: &str, axes: Axes, level: u32, quiet: bool) -> Result<Shape> {
         file => {
             let text = obj::read_file(Path::new(file), "; a mesh is teapot, sphere, plane, or an .obj file")?;
             let (mesh, repairs) = Mesh::from_obj(file, &text, axes)?;
-            repairs.says().iter().for_each(|said| remark(quiet, format_args!("{file}: {said}")));
+            repairs.says().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
             Ok(Shape::Mesh(mesh))
         }
     }

@@ -2,14 +2,14 @@
 
 use std::cell::Cell;
 
-use crate::args::SamplingArgs;
+use crate::commands::args::SamplingArgs;
 use crate::commands::{check_outputs, remark_fall_backs, write_csv};
-use crate::error::Result;
-use crate::output;
-use crate::planar::Planar;
-use crate::progress::bar;
-use crate::sampling::{Setting, error_curve, picture};
+use crate::paper::wavelength_count::{Setting, error_curve, picture};
 use crate::scene::load;
+use crate::solve::planar::Planar;
+use crate::support::error::Result;
+use crate::support::output;
+use crate::support::progress::bar;
 
 pub fn run(args: &SamplingArgs) -> Result<()> {
     let scene = load(&args.scene)?;

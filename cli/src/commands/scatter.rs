@@ -1,24 +1,25 @@
 //! `goniochrome scatter`.
 
-use goniochrome::bins::DirectionBins;
+use goniochrome::measure::bins::DirectionBins;
 use serde_json::{Value, json};
 
-use crate::args::{ScatterArgs, spelled};
-use crate::bumpy::Bumpy;
-use crate::cell_warnings::{unbalanced, without_sum};
+use crate::commands::args::{ScatterArgs, spelled};
 use crate::commands::{direction, named, remark_on_media};
-use crate::error::{Error, Result};
-use crate::order_error;
-use crate::output;
-use crate::progress::{bar, remark};
-use crate::scatter::{Coherence, Estimate, Request, Scattered, scatter, steps};
 use crate::scene::load;
-use crate::text;
+use crate::solve::cell_warnings::{unbalanced, without_sum};
+use crate::solve::mesh_scene::MeshScene;
+use crate::solve::order_error;
+use crate::solve::scatter::{Coherence, Request, Scattered, scatter, steps};
+use crate::support::error::{Error, Result};
+use crate::support::output;
+use crate::support::progress::{bar, note};
+use crate::support::text;
+use crate::table::statistics::MeanWithError;
 
 pub fn run(args: &ScatterArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.json, &scene.files)?;
-    let bumpy = Bumpy::new(&scene)?;
+    let bumpy = MeshScene::new(&scene)?;
     let wavelengths = named(&args.wavelengths, &scene)?;
     let [cos, phi] = args.bins.0;
     let wi = direction(args.theta, args.phi)?;
@@ -39,7 +40,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
     };
     let mut found = once(&request)?;
     while let Some(error) = args.target_error.and_then(|target| Some(largest_error(&found)).filter(|e| *e > target)) {
-        if request.rays > MOST_RAYS / 2 {
+        if request.rays > MAX_RAYS / 2 {
             return Err(Error::failed(format_args!(
                 "{}: the standard error is still {error:.1e} with {} rays; give a larger --target-error or larger bins",
                 scene.name, request.rays
@@ -60,7 +61,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
                 .flatten()
                 .collect();
         for warning in &warnings {
-            remark(args.running.quiet, format_args!("{}: {nm} nm: {warning}", scene.name));
+            note(args.running.quiet, format_args!("{}: {nm} nm: {warning}", scene.name));
         }
         reports.push(report(args, nm, &request, found, &warnings));
     }
@@ -70,7 +71,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
 }
 
 /// With a target, rays double up to here.
-const MOST_RAYS: u32 = 1 << 28;
+const MAX_RAYS: u32 = 1 << 28;
 
 /// The largest standard error of a number that is printed.
 fn largest_error(found: &[Scattered]) -> f64 {
@@ -81,7 +82,7 @@ fn largest_error(found: &[Scattered]) -> f64 {
     found.iter().map(numbers).fold(0.0, f64::max)
 }
 
-fn estimate(of: Estimate) -> Value {
+fn estimate(of: MeanWithError) -> Value {
     json!({ "value": of.value, "std_error": of.std_error })
 }
 

@@ -5,10 +5,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::commands::estimate;
-use crate::error::Result;
-use crate::progress::remark;
 use crate::scene::{Scene, load};
-use crate::table_file::{self, Table};
+use crate::support::error::Result;
+use crate::support::progress::note;
+use crate::table::file::{self, Table};
 
 /// Where a table comes from.
 pub(super) enum Source {
@@ -46,10 +46,10 @@ impl Source {
     /// A file that is no table; a scene that cannot be computed.
     pub fn table(&self, quiet: bool) -> Result<Table> {
         match self {
-            Self::File(path) => table_file::read(path),
+            Self::File(path) => file::read(path),
             Self::Scene(scene) => {
                 let (table, said) = estimate::in_memory(scene, quiet)?;
-                remark(
+                note(
                     quiet,
                     format_args!("{}: {said}; `goniochrome estimate` keeps a table and has options", scene.name),
                 );

@@ -2,12 +2,12 @@
 
 use goniochrome::colour::Illuminant;
 
-use crate::args::SpectrumArgs;
+use crate::commands::args::SpectrumArgs;
 use crate::commands::{compute, number, write_csv};
-use crate::error::Result;
-use crate::output;
-use crate::planar::Planar;
 use crate::scene::load;
+use crate::solve::planar::Planar;
+use crate::support::error::Result;
+use crate::support::output;
 
 pub fn run(args: &SpectrumArgs) -> Result<()> {
     let scene = load(&args.scene)?;

@@ -1,9 +1,9 @@
 //! `goniochrome view`.
 
-use crate::args::PageArgs;
+use crate::commands::args::PageArgs;
 use crate::commands::source::Source;
-use crate::error::{Error, Result};
-use crate::output;
+use crate::support::error::{Error, Result};
+use crate::support::output;
 use crate::view::page;
 
 pub fn run(args: &PageArgs) -> Result<()> {

@@ -7,25 +7,23 @@
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
+use std::str::FromStr;
 
-use clap::ValueEnum;
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Vec2, WritableImage, f16};
 use goniochrome::colour::{Illuminant, RgbSpace, VISIBLE_NM};
-use goniochrome::interface::Model;
+use goniochrome::optics::interface::Model;
 
-use crate::args::export::Vary;
-use crate::args::{SpaceArg, spelled};
-use crate::colours::{illuminant_of, space_of};
-use crate::error::{Error, Result};
-use crate::estimate::{Method, Precision, Request};
-use crate::integral::Integral;
-use crate::parallel;
-use crate::planar::Planar;
+use crate::colour::{illuminant_of, space_name, space_of};
 use crate::scene::{Scene, Shape};
-use crate::table::MirrorTable;
-use crate::table_file::{PREFIX, sort_attributes};
-use crate::text;
+use crate::solve::integral::Integral;
+use crate::solve::planar::Planar;
+use crate::solve::spectra::{Method, Precision, Request};
+use crate::support::error::{Error, Result};
+use crate::support::parallel;
+use crate::support::text;
+use crate::table::file::{PREFIX, sort_attributes};
+use crate::table::mirror::MirrorTable;
 
 /// The texture.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -40,6 +38,39 @@ pub struct Lut {
     pub(super) facts: BTreeMap<&'static str, String>,
     /// Thickness in nm of the first and the last row, where it is varied.
     pub rows_nm: Option<[f64; 2]>,
+}
+
+/// `1=100:800:64`: layer, thickness in nm from and to, rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vary {
+    /// Counted from 1 at the top.
+    pub layer: usize,
+    /// First and last thickness in nm.
+    pub range_nm: [f64; 2],
+    /// Rows, ends included.
+    pub steps: u16,
+}
+
+/// As many as one row may have columns.
+const MAX_STEPS: u16 = 4096;
+
+impl FromStr for Vary {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let parsed = || {
+            let (layer, range) = text.split_once('=')?;
+            let [from, to, steps] = range.split(':').collect::<Vec<_>>().try_into().ok()?;
+            let length = |text: &str| text.parse::<f64>().ok().filter(|nm| nm.is_finite() && *nm >= 0.0);
+            let layer = layer.parse().ok().filter(|layer| *layer > 0)?;
+            let steps = steps.parse().ok().filter(|steps| (2..=MAX_STEPS).contains(steps))?;
+            Some(Self { layer, range_nm: [length(from)?, length(to)?], steps })
+        };
+        match parsed() {
+            Some(vary) if vary.range_nm[0] < vary.range_nm[1] => Ok(vary),
+            _ => Err(format!("expected LAYER=FROM:TO:STEPS such as 1=100:800:64, FROM < TO, 2 to {MAX_STEPS} steps")),
+        }
+    }
 }
 
 /// θ in degrees of each column.
@@ -106,8 +137,7 @@ impl Lut {
     /// What the header says, by its keys: scene, light and space of the colours, and what columns and rows are.
     #[must_use]
     pub fn about(&self) -> BTreeMap<String, String> {
-        let space = SpaceArg::value_variants().iter().find(|known| RgbSpace::from(**known) == self.space);
-        let space = space.map_or_else(String::new, |space| spelled(*space));
+        let space = space_name(self.space).to_owned();
         let mut about = self.facts.clone();
         about.insert("kind", "lut".into());
         about.insert("colour_space", space);

@@ -11,8 +11,8 @@ use glam::DVec3;
 
 use super::Reflection;
 use super::reflection::{Evaluator, Kind};
-use crate::error::{Error, Result};
-use crate::table_file::Table;
+use crate::support::error::{Error, Result};
+use crate::table::file::Table;
 
 const THETA_H: usize = 90;
 const THETA_D: usize = 90;

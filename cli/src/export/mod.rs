@@ -1,5 +1,6 @@
 //! Tables in the formats of engines and renderers, one file per format.
 
+pub mod blob;
 pub mod bsdf;
 pub mod ggx;
 pub mod gltf;

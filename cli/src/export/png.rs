@@ -1,7 +1,7 @@
 //! The texture of [`super::lut`] as a 16-bit RGB PNG.
 //!
 //! Samples are linear: 0 is black, 65535 is 1. PNG holds neither negative numbers nor any above 1, so colours are
-//! brought into the gamut by the policy of the pictures ([`crate::picture::in_gamut`]): those with a negative component
+//! brought into the gamut by the policy of the pictures ([`crate::plot::in_gamut`]): those with a negative component
 //! are mixed with the grey of their luminance until it is 0, those above 1 are scaled. OpenEXR keeps them as they are.
 //! The chunks cICP (primaries of BT.709, linear transfer, full range), gAMA (1) and cHRM say so to readers; iTXt chunks
 //! hold [`Lut::about`].
@@ -10,8 +10,8 @@ use png::chunk::ChunkType;
 use png::{BitDepth, ColorType, Encoder, ScaledFloat, SourceChromaticities};
 
 use super::lut::Lut;
-use crate::error::{Error, Result};
-use crate::picture::in_gamut;
+use crate::plot::in_gamut;
+use crate::support::error::{Error, Result};
 
 /// ITU-T H.273: primaries of BT.709 and sRGB, linear transfer, no matrix; then the full range.
 const CICP: [u8; 4] = [1, 8, 0, 1];

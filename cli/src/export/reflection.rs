@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 use goniochrome::table::{ScatterLayout, ScatterTable as Lookup};
 
 use super::ggx::Ggx;
-use crate::error::{Error, Result};
-use crate::table_file::Table;
+use crate::support::error::{Error, Result};
+use crate::table::file::Table;
 
 /// A BRDF to export: RGB, or a channel for each wavelength.
 pub struct Reflection {

@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::support::error::{Error, Result};
 
 /// Longest file: ten million triangles with their vertices take about half of this.
 const MAX_BYTES: u64 = 1 << 30;
@@ -86,7 +86,7 @@ pub(crate) struct Corner {
 }
 
 /// Which way is up in a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axes {
     /// z, as everywhere in this program
     #[default]

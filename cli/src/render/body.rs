@@ -1,11 +1,11 @@
 //! What a ray meets: a mesh through the core's hierarchy, or the sphere itself.
 
 use glam::DVec3;
-use goniochrome::bvh::{Bvh, Node, Ray};
+use goniochrome::geometry::bvh::{Bvh, Node, Ray};
 
 use super::mesh::{Frame, Mesh};
-use crate::error::{Error, Result};
-use crate::memory::filled;
+use crate::support::error::{Error, Result};
+use crate::support::memory::filled;
 
 /// How far from a surface a reflected ray starts, in radii of the mesh: far above the rounding of a hit, far below a pixel.
 const OFFSET: f64 = 1e-9;
@@ -83,7 +83,8 @@ impl<'a> Body<'a> {
         match &self.kind {
             Kind::Sphere => meet_sphere(origin, direction),
             Kind::Mesh(mesh, bvh) => {
-                let hit = bvh.closest(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }, |_| true)?;
+                let hit =
+                    bvh.intersect_nearest(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }, |_| true)?;
                 let point = origin + hit.t * direction;
                 Some(Contact { point, frame: mesh.frame(hit.triangle, point) })
             }

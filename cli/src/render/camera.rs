@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
+use crate::support::error::{Error, Result};
 
 /// Pixels of a picture on its longer side.
 pub const MAX_SIDE: u32 = 16_384;

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
 
-use crate::colours::visible_weights;
-use crate::error::{Error, Result};
+use crate::colour::visible_weights;
+use crate::support::error::{Error, Result};
 
 /// Where light passes from blue to green and from green to red, in nm, and over how much: the crossings of sRGB's matching
 /// functions, smooth enough not to add features to a spectrum.
@@ -12,7 +12,7 @@ const PASSES_NM: [f64; 2] = [490.0, 575.0];
 const PASS_WIDTH_NM: f64 = 12.0;
 
 /// The least determinant of the basis' colours, relative to that of exact R, G and B: below, wavelengths cannot tell colours apart.
-const LEAST_DETERMINANT: f64 = 1e-3;
+const MIN_DETERMINANT: f64 = 1e-3;
 
 /// How light of an environment becomes numbers, and those become the colour of a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +51,7 @@ impl Channels {
         let found = DMat3::from_cols(colours(0), colours(1), colours(2));
         let white: DVec3 = weights.iter().sum();
         let wanted = DMat3::from_diagonal(white);
-        let apart = found.determinant().abs() > LEAST_DETERMINANT * wanted.determinant().abs();
+        let apart = found.determinant().abs() > MIN_DETERMINANT * wanted.determinant().abs();
         if !apart {
             return Err(Error::failed(format_args!(
                 "{} wavelengths cannot tell red, green and blue light apart; estimate the table with more of them, or leave \

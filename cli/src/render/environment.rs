@@ -253,7 +253,7 @@ fn take(cumulative: &[f64], u: f64) -> (usize, f64) {
 
 #[cfg(test)]
 mod tests {
-    use goniochrome::sampling::sobol;
+    use goniochrome::trace::sobol::sobol;
 
     use super::*;
 

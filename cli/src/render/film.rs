@@ -5,8 +5,8 @@ use std::io::Cursor;
 use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage};
 
 use super::tone::{ToneMap, exposure};
-use crate::error::{Error, Result};
-use crate::picture::{OutOfGamut, Raster};
+use crate::plot::{OutOfGamut, Raster};
+use crate::support::error::{Error, Result};
 
 /// Linear RGB, multiplied by coverage, and coverage; row by row from the top.
 #[derive(Clone, Debug, PartialEq)]

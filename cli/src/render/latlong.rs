@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::environment::LatLong;
 use super::primaries::{Primaries, are_rec_709, to_rec_709};
 use super::{openexr, radiance};
-use crate::error::{Error, Result};
-use crate::memory;
+use crate::support::error::{Error, Result};
+use crate::support::memory;
 
 /// Texels of an image; 8192 × 4096 and half as much again fit in 600 MB.
 const MAX_TEXELS: usize = 50_000_000;

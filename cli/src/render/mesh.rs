@@ -8,8 +8,8 @@ use glam::DVec3;
 
 pub use super::obj::Repairs;
 use super::{obj, teapot};
-use crate::error::Result;
 pub use crate::obj::Axes;
+use crate::support::error::Result;
 
 /// Segments along each edge of a patch: at 1024 pixels, no silhouette is off by a tenth of a pixel.
 pub const DEFAULT_LEVEL: u32 = 32;

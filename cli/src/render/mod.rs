@@ -31,8 +31,8 @@ use film::Film;
 use surface::Surface;
 use tracer::{Scratch, Stream, Tracer};
 
-use crate::error::Result;
-use crate::{memory, parallel};
+use crate::support::error::Result;
+use crate::support::{memory, parallel};
 
 /// What is seen past the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::mesh::Mesh;
-use crate::error::{Error, Result};
-use crate::memory;
 use crate::obj::polygon::{Cut, Uncut};
 use crate::obj::{self, Axes, Detail, MAX_TRIANGLES, Reader, Statement};
+use crate::support::error::{Error, Result};
+use crate::support::memory;
 
 /// Facets that meet at a wider angle keep an edge between them where a file has no normals.
 pub(crate) const CREASE_DEG: f64 = 45.0;

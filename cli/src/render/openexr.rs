@@ -13,7 +13,7 @@ use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text};
 
 use super::latlong::{Decoded, check_size};
-use crate::memory;
+use crate::support::memory;
 
 /// Layers or channels that a message lists.
 const LISTED: usize = 12;

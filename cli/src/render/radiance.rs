@@ -9,7 +9,7 @@
 
 use super::latlong::{Decoded, check_size};
 use super::primaries::Primaries;
-use crate::memory;
+use crate::support::memory;
 
 /// Bytes of a header: those that long chains of programs leave are a hundredth of this.
 const MAX_HEADER: usize = 1 << 20;

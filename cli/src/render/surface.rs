@@ -5,10 +5,10 @@ use goniochrome::colour::RgbSpace;
 use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 
 use super::channels::Channels;
-use crate::colours::{illuminant_of, screen_space, space_of};
-use crate::error::{Error, Result};
-use crate::memory::filled;
-use crate::table_file::Table;
+use crate::colour::{illuminant_of, screen_space, space_of};
+use crate::support::error::{Error, Result};
+use crate::support::memory::filled;
+use crate::table::file::Table;
 
 /// A reflectance for each channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +136,7 @@ pub(super) fn narrow(local: DVec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::MirrorTable;
+    use crate::table::mirror::MirrorTable;
 
     #[test]
     fn reflectance_is_that_of_the_table() {

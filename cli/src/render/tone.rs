@@ -1,9 +1,7 @@
 //! From scene-linear radiance to what a PNG shows.
 
-use clap::ValueEnum;
-
 /// How bright light is brought into the range of a screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneMap {
     /// As it is; colours out of range are desaturated, then scaled, as in every picture of this program
     #[default]

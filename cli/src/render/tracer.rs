@@ -10,8 +10,8 @@
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 use glam::DVec3;
-use goniochrome::sampling::sobol;
 use goniochrome::table::{ScatterSampler, ScatterTable};
+use goniochrome::trace::sobol::sobol;
 
 use super::body::{Body, Contact};
 use super::channels::Channels;
@@ -191,6 +191,6 @@ impl Local<'_> {
 
 /// A direction that grazes the surface at most: tables end at the horizon.
 fn above(local: DVec3) -> DVec3 {
-    const LEAST_COS: f64 = 1e-6;
-    if local.z >= LEAST_COS { local } else { DVec3::new(local.x, local.y, LEAST_COS).normalize() }
+    const MIN_COS: f64 = 1e-6;
+    if local.z >= MIN_COS { local } else { DVec3::new(local.x, local.y, MIN_COS).normalize() }
 }

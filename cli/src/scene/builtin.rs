@@ -1,10 +1,10 @@
 //! The materials that come with the program: files of refractiveindex.info (CC0) and a few biological ones.
 
-use goniochrome::medium::Extrapolate;
+use goniochrome::optics::medium::Extrapolate;
 
-use super::source::Source;
-use super::{NamedMedium, nk};
-use crate::error::Result;
+use super::diagnostics::Source;
+use super::{NamedMedium, refractive_index_info};
+use crate::support::error::Result;
 
 /// A material: its name, its data file and, in short, where these come from.
 type Material = (&'static str, &'static str, &'static str);
@@ -67,7 +67,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 pub fn get(name: &str, extrapolate: Extrapolate) -> Option<Result<NamedMedium>> {
     let &(name, text, _) = MATERIALS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name))?;
     let label = format!("built-in material {name}");
-    let medium = nk::parse(&Source { label: &label, text }, extrapolate);
+    let medium = refractive_index_info::parse(&Source { label: &label, text }, extrapolate);
     Some(medium.map(|medium| NamedMedium { name: name.to_owned(), medium }))
 }
 
@@ -80,7 +80,8 @@ pub fn list() -> Result<String> {
     let width = names().map(str::len).max().unwrap_or(0);
     for &(name, text, source) in MATERIALS {
         let label = format!("built-in material {name}");
-        let [from, to] = nk::parse(&Source { label: &label, text }, Extrapolate::Refuse)?.borrow().range_nm();
+        let [from, to] =
+            refractive_index_info::parse(&Source { label: &label, text }, Extrapolate::Refuse)?.borrow().range_nm();
         let range = if name == "vacuum" { "any wavelength".to_owned() } else { format!("{from:.0} to {to:.0} nm") };
         lines.push_str(&format!("{name:width$}  {range:17}  {source}\n"));
     }

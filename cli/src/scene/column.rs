@@ -5,11 +5,11 @@
 //! unambiguous. Elsewhere, and beside a value that no passive medium has, nothing is known; only those who ask for
 //! these wavelengths are told.
 
-use goniochrome::medium::IndexPart;
+use goniochrome::optics::medium::IndexPart;
 
+use super::diagnostics::Source;
 use super::medium::OwnedDispersion;
-use super::source::Source;
-use crate::error::Result;
+use crate::support::error::Result;
 
 /// Metals in the far infrared reach n and k of some thousand; beyond this a number is a slip, and its square a danger.
 pub(super) const MAX_INDEX: f64 = 1e6;
@@ -78,7 +78,7 @@ pub(super) fn column(source: &Source<'_>, part: IndexPart, mut rows: Vec<Row>) -
     }
     if value.iter().all(|value| value.is_nan()) {
         let reason = notes.faults.first().map_or_else(|| "the table has no rows".to_owned(), |(_, why)| why.clone());
-        return Err(crate::error::Error::failed(format_args!("{reason}; no row of {part} is of use")));
+        return Err(crate::support::error::Error::failed(format_args!("{reason}; no row of {part} is of use")));
     }
     Ok(Column { dispersion: OwnedDispersion::Table { wavelength_nm, value }, notes })
 }

@@ -6,13 +6,13 @@
 //! that begin with
 //! `#`, `%`, `!` or `//` are passed over. With semicolons, tabs or blanks, numbers may have a decimal comma.
 
-use goniochrome::medium::{Extrapolate, IndexPart};
+use goniochrome::optics::medium::{Extrapolate, IndexPart};
 
 use super::column::{Row, column};
+use super::diagnostics::Source;
 use super::medium::OwnedMedium;
-use super::nk::{medium, nanometres};
-use super::source::Source;
-use crate::error::Result;
+use super::refractive_index_info::{medium, nanometres};
+use crate::support::error::Result;
 
 /// The unit of wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,13 +36,13 @@ impl Unit {
     /// The unit of wavelengths from `least` to `most`: tables of nanometres that begin below 150, and of micrometres
     /// that begin below 0.1 or above 5 or end above 100, are too rare to be told from the other unit.
     fn guess(least: f64, most: f64) -> Option<Self> {
-        const LEAST_NM: f64 = 150.0;
-        const LEAST_UM: f64 = 0.1;
-        const MOST_FIRST_UM: f64 = 5.0;
-        const MOST_UM: f64 = 100.0;
-        if least >= LEAST_NM {
+        const MIN_NM: f64 = 150.0;
+        const MIN_UM: f64 = 0.1;
+        const MAX_FIRST_UM: f64 = 5.0;
+        const MAX_UM: f64 = 100.0;
+        if least >= MIN_NM {
             Some(Self::Nanometres)
-        } else if (LEAST_UM..=MOST_FIRST_UM).contains(&least) && most <= MOST_UM {
+        } else if (MIN_UM..=MAX_FIRST_UM).contains(&least) && most <= MAX_UM {
             Some(Self::Micrometres)
         } else {
             None

@@ -44,7 +44,7 @@ fn columns_are_read_however_they_are_set_apart() {
 
 #[test]
 fn the_unit_is_said_or_guessed_with_a_remark() {
-    let said = |text: &str| read(text).unwrap().remark(&[500.0]);
+    let said = |text: &str| read(text).unwrap().note(&[500.0]);
     assert_eq!(said("wl (nm),n\n400,1.5\n600,1.5\n"), None);
     assert!(said("wl,n\n0.4,1.5\n0.6,1.5\n").unwrap().contains("taken as micrometres"));
     assert!(said("400 1.5\n600 1.5\n").unwrap().contains("taken as nanometres"));
@@ -54,7 +54,7 @@ fn the_unit_is_said_or_guessed_with_a_remark() {
     assert_eq!(nm.borrow().range_nm(), [13.0, 40.0]);
     let um = parse(&source, Some(Unit::Micrometres), Extrapolate::Refuse).unwrap();
     assert_eq!(um.borrow().range_nm(), [13_000.0, 40_000.0]);
-    assert_eq!(um.remark(&[20_000.0]), None);
+    assert_eq!(um.note(&[20_000.0]), None);
 }
 
 #[test]

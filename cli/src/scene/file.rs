@@ -37,20 +37,20 @@
 
 use std::path::{Path, PathBuf};
 
-use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::{Extrapolate, MediumIndex};
+use goniochrome::optics::interface::{Below, Interface};
+use goniochrome::optics::medium::{Extrapolate, MediumIndex};
 use toml::de::DeTable;
 
 use super::delimited::{self, Unit};
-use super::item::{Item, Table};
+use super::diagnostics::{Source, canonical, read_text};
 use super::media::{self, Media};
 use super::medium::OwnedMedium;
-use super::obj::Mesh;
+use super::mesh::Mesh;
 use super::placement::{self, Frame};
-use super::source::{Source, canonical, read_text};
-use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, nk, surface};
-use crate::error::Result;
-use crate::text::{one_line, toml_key};
+use super::toml_value::{Item, Table};
+use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, refractive_index_info, surface};
+use crate::support::error::Result;
+use crate::support::text::{one_line, toml_key};
 
 /// After writing out repetitions. Real mirrors have hundreds; a slip in `repeat` asks for millions.
 const MAX_LAYERS: u32 = 10_000;
@@ -194,7 +194,7 @@ impl Reader<'_> {
                 let source = Source { label: &path.to_string_lossy(), text: &content };
                 match (is_yaml(&path, &content), table.get("unit")) {
                     (false, _) => delimited::parse(&source, unit, extrapolate),
-                    (true, None) => nk::parse(&source, extrapolate),
+                    (true, None) => refractive_index_info::parse(&source, extrapolate),
                     (true, Some(unit)) => {
                         Err(unit.refuse("the format of refractiveindex.info is in micrometres; remove it"))
                     }

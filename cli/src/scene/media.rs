@@ -2,18 +2,18 @@
 
 use std::collections::HashMap;
 
-use goniochrome::interface::Below;
-use goniochrome::medium::{Extrapolate, MediumIndex};
+use goniochrome::optics::interface::Below;
+use goniochrome::optics::medium::{Extrapolate, MediumIndex};
 
 use super::column::MAX_INDEX;
-use super::item::Item;
+use super::diagnostics::nearest;
 use super::medium::OwnedMedium;
-use super::source::nearest;
+use super::toml_value::Item;
 use super::{NamedMedium, builtin};
-use crate::error::Result;
-use crate::text::toml_key;
+use crate::support::error::Result;
+use crate::support::text::toml_key;
 
-/// What to say of an ambient medium that absorbs at every wavelength more than [`goniochrome::medium::MAX_AMBIENT_K`].
+/// What to say of an ambient medium that absorbs at every wavelength more than [`goniochrome::optics::medium::MAX_AMBIENT_K`].
 pub(super) const AMBIENT_ABSORBS: &str =
     "light cannot arrive through a medium that absorbs; use k <= 0.001, or make it a layer under a clear ambient";
 

@@ -1,6 +1,6 @@
 //! A medium that owns its coefficients and tables, checked once.
 
-use goniochrome::medium::{Dispersion, Extrapolate, Formula, IndexPart, MAX_AMBIENT_K, Medium, MediumError};
+use goniochrome::optics::medium::{Dispersion, Extrapolate, Formula, IndexPart, MAX_AMBIENT_K, Medium, MediumError};
 
 use super::column::Notes;
 
@@ -174,7 +174,7 @@ impl OwnedMedium {
 
     /// What a reader should know who uses the medium at these wavelengths.
     #[must_use]
-    pub fn remark(&self, wavelengths_nm: &[f64]) -> Option<String> {
+    pub fn note(&self, wavelengths_nm: &[f64]) -> Option<String> {
         if let Some(guess) = &self.guess {
             return Some(guess.clone());
         }

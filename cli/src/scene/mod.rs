@@ -1,34 +1,34 @@
 //! Scenes: what stands in a scene file, an OBJ mesh and refractive index files, as plain data.
 
 mod builtin;
-mod closed;
+mod watertight;
 mod column;
 mod delimited;
 mod file;
-mod item;
+mod toml_value;
 mod media;
 mod medium;
-mod nk;
-mod obj;
+mod refractive_index_info;
+mod mesh;
 mod placement;
 mod planes;
 pub mod presets;
-mod source;
+mod diagnostics;
 mod surface;
 mod yaml;
 
 use std::path::{Path, PathBuf};
 
-use goniochrome::interface::{Below, Interface};
-use goniochrome::medium::{Extrapolate, MediumError, MediumIndex};
+use goniochrome::optics::interface::{Below, Interface};
+use goniochrome::optics::medium::{Extrapolate, MediumError, MediumIndex};
 
-use crate::error::{Error, Result};
+use crate::support::error::{Error, Result};
 
 pub use builtin::{list as list_materials, names as material_names};
-pub use closed::ClosedCell;
 pub use medium::{OwnedDispersion, OwnedMedium};
-pub use obj::{Mesh, Triangle};
+pub use mesh::{Mesh, Triangle};
 pub use planes::{FlatCell, Plane};
+pub use watertight::ClosedCell;
 
 /// Scene files are written by hand or by a script; 4 MiB hold some 50 000 layers.
 const MAX_SCENE_BYTES: u64 = 4 << 20;
@@ -146,10 +146,10 @@ pub struct NamedInterface {
 pub fn load(name_or_path: &str) -> Result<Scene> {
     let path = Path::new(name_or_path);
     if path.exists() && !path.is_dir() {
-        let text = source::read_text(path, MAX_SCENE_BYTES)?;
+        let text = diagnostics::read_text(path, MAX_SCENE_BYTES)?;
         let stem = path.file_stem().map_or(name_or_path.into(), |stem| stem.to_string_lossy());
         let mut scene = file::parse(name_or_path, &text, &stem, path.parent())?;
-        scene.files.insert(0, source::canonical(path));
+        scene.files.insert(0, diagnostics::canonical(path));
         return Ok(scene);
     }
     if let Some((name, toml)) = presets::find(name_or_path) {
@@ -162,7 +162,7 @@ pub fn load(name_or_path: &str) -> Result<Scene> {
         return Err(Error::failed(format_args!("{name_or_path}: no such scene file; check the path")));
     }
     let said = format!("no file and no preset is called {name_or_path:?}");
-    Err(Error::usage(match source::nearest(name_or_path, presets::names()) {
+    Err(Error::usage(match diagnostics::nearest(name_or_path, presets::names()) {
         Some(near) => format!("{said}; the nearest preset is {near:?} (`goniochrome presets` lists all)"),
         None => format!("{said}; `goniochrome presets` lists the presets"),
     }))
@@ -181,7 +181,7 @@ pub fn parse(label: &str, text: &str) -> Result<Scene> {
 /// # Errors
 /// One line that names the place, under `label`.
 pub fn parse_nk(label: &str, text: &str) -> Result<OwnedMedium> {
-    nk::parse(&source::Source { label, text }, Extrapolate::Refuse)
+    refractive_index_info::parse(&diagnostics::Source { label, text }, Extrapolate::Refuse)
 }
 
 /// The medium in columns of text: wavelength, n and, if it absorbs, k.
@@ -189,7 +189,7 @@ pub fn parse_nk(label: &str, text: &str) -> Result<OwnedMedium> {
 /// # Errors
 /// One line that names the place, under `label`.
 pub fn parse_columns(label: &str, text: &str) -> Result<OwnedMedium> {
-    delimited::parse(&source::Source { label, text }, None, Extrapolate::Refuse)
+    delimited::parse(&diagnostics::Source { label, text }, None, Extrapolate::Refuse)
 }
 
 /// The mesh in a text in Wavefront OBJ; `interfaces` are the names that `usemtl` may use.

@@ -5,10 +5,10 @@
 //! period is moved to start at 0, since a periodic surface is the same wherever its period starts.
 
 use super::MAX_LENGTH_NM;
-use super::item::Table;
-use super::obj::Mesh;
-use crate::error::{Error, Result};
+use super::mesh::Mesh;
+use super::toml_value::Table;
 use crate::obj::Axes;
+use crate::support::error::{Error, Result};
 
 /// Modelling programs keep coordinates in single precision: spans are good to some units in the last place of the
 /// largest.

@@ -8,12 +8,12 @@
 use std::collections::HashMap;
 use std::fmt::Display;
 
-use goniochrome::interface::{Below, Interface};
+use goniochrome::optics::interface::{Below, Interface};
 
-use super::closed::ClosedCell;
-use super::obj::{Mesh, Triangle};
+use super::mesh::{Mesh, Triangle};
+use super::watertight::ClosedCell;
 use super::{Layer, NamedInterface, NamedMedium};
-use crate::error::{Error, Result};
+use crate::support::error::{Error, Result};
 
 /// A horizontal plane that covers the whole period.
 #[derive(Clone, Copy, Debug, PartialEq)]

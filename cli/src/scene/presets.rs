@@ -52,7 +52,7 @@ fn description(toml: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use goniochrome::interface::Below;
+    use goniochrome::optics::interface::Below;
 
     use super::*;
     use crate::scene::{Scene, Shape, load};

@@ -2,8 +2,8 @@
 
 use saphyr_parser::{Event, Parser, ScalarStyle};
 
-use super::source::Source;
-use crate::error::Result;
+use super::diagnostics::Source;
+use crate::support::error::Result;
 
 /// Data files nest four deep; the limit keeps the tree's recursive drop far from the end of the call stack.
 const MAX_DEPTH: usize = 64;

@@ -9,15 +9,15 @@ mod table;
 
 use serde_json::{Value, json};
 
-use crate::error::{Error, Result};
-use crate::picture::escape;
+use crate::plot::escape;
 use crate::render::camera::View;
 use crate::render::studio::{CEILING, FLOOR, HORIZON, SOFT_BOXES};
-use crate::table_file::Table;
-use crate::text;
+use crate::support::error::{Error, Result};
+use crate::support::text;
+use crate::table::file::Table;
 
 /// Bytes of a page: beyond, phones give up.
-pub const MOST_BYTES: usize = 48 << 20;
+pub const MAX_BYTES: usize = 48 << 20;
 
 /// The page's program, in the order in which its parts need each other.
 const SCRIPTS: [&str; 10] = [
@@ -70,12 +70,12 @@ pub fn page(table: &Table) -> Result<String> {
         // No text of a table can end the script that holds it.
         .replace("{{data}}", &text::json(&data.to_string()).replace('<', "\\u003c"))
         .replace("{{script}}", &SCRIPTS.concat());
-    if html.len() > MOST_BYTES {
+    if html.len() > MAX_BYTES {
         return Err(Error::failed(format_args!(
             "the page would have {} MB, more than the {} that browsers open with ease; estimate a table of fewer directions or \
              wavelengths",
             html.len() >> 20,
-            MOST_BYTES >> 20
+            MAX_BYTES >> 20
         )));
     }
     Ok(html)
@@ -107,19 +107,19 @@ mod tests {
     use super::*;
 
     /// A page of a 2D table is small enough to send by mail.
-    const MOST_BYTES_2D: usize = 2_000_000;
+    const MAX_BYTES_2D: usize = 2_000_000;
 
     fn mirror() -> Table {
-        let mut table = crate::table::tests::sample();
+        let mut table = crate::table::mirror::tests::sample();
         table.metadata.insert("scene".into(), "</script><b>\"films\" & {{data}}".into());
         table.into()
     }
 
     #[test]
     fn a_page_is_one_small_file_that_needs_no_network() {
-        for table in [mirror(), crate::scatter_table::tests::sample().into()] {
+        for table in [mirror(), crate::table::scatter::tests::sample().into()] {
             let html = page(&table).unwrap();
-            assert!(html.len() < MOST_BYTES_2D, "{}", html.len());
+            assert!(html.len() < MAX_BYTES_2D, "{}", html.len());
             // A place in the page itself is no address.
             let html = html.replace("url(#", "");
             for part in ["http:", "https:", "src=\"", "@import", "url(", "{{name}}", "{{style}}", "{{script}}"] {
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn damaged_tables_are_refused() {
-        let mut table = crate::table::tests::sample();
+        let mut table = crate::table::mirror::tests::sample();
         table.rgb[0][0] = f32::NAN;
         assert!(page(&table.into()).unwrap_err().to_string().contains("is not finite"));
     }

@@ -5,12 +5,12 @@ use goniochrome::table::{ScatterSampler, ScatterTable as Lookup};
 use serde_json::{Value, json};
 
 use super::pack;
-use crate::colours::{illuminant_of, screen_rgb, screen_space, visible_weights};
-use crate::error::{Error, Result};
-use crate::memory::filled;
-use crate::scatter_table::ScatterTable;
-use crate::table::MirrorTable;
-use crate::table_file::Table;
+use crate::colour::{illuminant_of, screen_rgb, screen_space, visible_weights};
+use crate::support::error::{Error, Result};
+use crate::support::memory::filled;
+use crate::table::file::Table;
+use crate::table::mirror::MirrorTable;
+use crate::table::scatter::ScatterTable;
 
 /// Steps of θ from 0° to 90°: whole tenths of a degree, so that tables of whole degrees lose nothing.
 const STEPS: u32 = 900;

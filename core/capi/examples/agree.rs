@@ -4,25 +4,26 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Node};
-use goniochrome::cell::Facet;
-use goniochrome::coherence::Side;
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
-use goniochrome::complex::ComplexLanes;
-use goniochrome::geometric::{self, Geometric};
-use goniochrome::incidence::Incidence;
-use goniochrome::interface::{Below, Interface, Model};
-use goniochrome::lanes::{F32, F64, Lanes, simd_level};
-use goniochrome::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
-use goniochrome::mesh::MeshCell;
-use goniochrome::paths::{Spill, follow_paths, trace_spilling};
-use goniochrome::polygons::{Incident, Polygons, free_slot};
-use goniochrome::sampling::{Random, sobol};
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use goniochrome::geometry::bvh::{Bvh, Node};
+use goniochrome::geometry::mesh_cell::MeshCell;
+use goniochrome::geometry::planar_cell::Facet;
+use goniochrome::geometry::side::Side;
+use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
+use goniochrome::optics::incidence::Incidence;
+use goniochrome::optics::interface::{Below, Interface, Model};
+use goniochrome::optics::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
+use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::{F32, F64, Lanes, simd_level};
 use goniochrome::table::blob::{Blob, Contents, Precision, Space};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
-use goniochrome::trace::Limits;
+use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
+use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
+use goniochrome::trace::random::Random;
+use goniochrome::trace::sobol::sobol;
+use goniochrome::trace::waves::Limits;
 use num_complex::Complex64;
 
 /// As `%a` of C prints it.
@@ -57,8 +58,8 @@ fn films() {
         for nm in nm.chunks(F64::WIDTH) {
             let mut eta = [ComplexLanes::zero(); 3];
             let lanes = MediaLanes::<F64>::evaluate(&media, nm, &mut eta).unwrap();
-            let mut memory = OpticsArrays::<F64, 4>::new();
-            let optics = Optics::new(stack, &lanes, incidence, Model::Physical, memory.memory());
+            let mut memory = PreparedStackArrays::<F64, 4>::new();
+            let optics = PreparedStack::new(stack, &lanes, incidence, Model::Physical, memory.memory());
             let r = optics.reflectance(optics.reflection());
             found.extend((0..nm.len()).map(|lane| [Lanes::lane(r.s, lane), Lanes::lane(r.p, lane)]));
         }
@@ -126,10 +127,11 @@ fn ridge(interference: bool) {
     let lanes = MediaLanes::<F32>::evaluate(&media, &NM, &mut eta).unwrap();
     let wi = DVec3::new(0.6, 0.0, 0.8).normalize_or_zero();
     let incident = Incident::new(wi, lanes.eta()[0]);
-    let (mut polygons, mut geometric) = (Polygons::new(cell, lanes, incident), Geometric::new(cell, lanes, incident));
-    let mut memory = vec![Exit::<F32>::none(); 128];
-    let mut exits = Exits::new(&mut memory, GRID, &lanes);
-    let (mut waves, mut waiting) = (vec![free_slot::<F32>(); 26], vec![geometric::free_slot::<F32>(); 10]);
+    let (mut polygons, mut geometric) =
+        (CoherentMesh::new(cell, lanes, incident), IncoherentMesh::new(cell, lanes, incident));
+    let mut memory = vec![ExitRecord::<F32>::none(); 128];
+    let mut exits = ExitBuffer::new(&mut memory, GRID, &lanes);
+    let (mut waves, mut waiting) = (vec![free_slot::<F32>(); 26], vec![incoherent_mesh::free_slot::<F32>(); 10]);
     let paths = Limits { in_flight: 0.01, generations: 10_000 };
     let mut tally = Tally::default();
     let mut truncated = F32::zero();
@@ -140,13 +142,13 @@ fn ridge(interference: bool) {
         let mut random = Random::new(ray, SEED);
         let done = if interference {
             let (state, field) = polygons.start_at(path.at());
-            let spill = Spill::new(&mut geometric, &mut waiting, paths, &mut random);
+            let spill = IncoherentFallback::new(&mut geometric, &mut waiting, paths, &mut random);
             let limits = Limits { in_flight: 1e-13, generations: 10_000 };
-            trace_spilling(&mut polygons, state, field, &mut waves, limits, spill, &mut exits)
+            trace_with_fallback(&mut polygons, state, field, &mut waves, limits, spill, &mut exits)
         } else {
             follow_paths(&mut geometric, path, light, &mut waiting, paths, &mut random, &mut exits)
         };
-        truncated += done.truncated + exits.settle(&mut tally);
+        truncated += done.truncated + exits.flush(&mut tally);
     }
     truncated += polygons.lost() + geometric.lost();
     let absorbed = polygons.absorbed();

@@ -1,24 +1,25 @@
 //! Cells of polygons: a mesh in the caller's memory, and where it sends light.
 
-use crate::media::{GONIO_MAX_MEDIA, MOST_NM, Media, Medium};
+use crate::media::{GONIO_MAX_MEDIA, MAX_NM, Media, Medium};
 use crate::memory::{Block, Made, Results, list, room_for, shared};
 use crate::stack::GONIO_MIRROR;
 use crate::status::{Status, answer};
 use glam::DVec3;
-use goniochrome::bins::{DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Node};
-use goniochrome::cell::Facet;
-use goniochrome::coherence::Side;
-use goniochrome::complex::{ComplexLanes, Polarised};
-use goniochrome::geometric::{self, Coherency, Geometric, Path};
-use goniochrome::interface::{Below, Interface as CoreInterface};
-use goniochrome::lanes::{F32, Lanes};
-use goniochrome::medium::MediaLanes;
-use goniochrome::mesh::{MeshCell, put_on_border};
-use goniochrome::paths::{Spill, follow_paths, trace_spilling};
-use goniochrome::polygons::{Field, Incident, Polygons, State, free_slot};
-use goniochrome::sampling::{Random, sobol};
-use goniochrome::trace::{Limits, Slot};
+use goniochrome::geometry::bvh::{Bvh, Node};
+use goniochrome::geometry::mesh_cell::{MeshCell, put_on_border};
+use goniochrome::geometry::planar_cell::Facet;
+use goniochrome::geometry::side::Side;
+use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
+use goniochrome::optics::interface::{Below, Interface as CoreInterface};
+use goniochrome::optics::medium::MediaLanes;
+use goniochrome::simd::complex::{ComplexLanes, Polarised};
+use goniochrome::simd::lanes::{F32, Lanes};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, Field, Incident, State, free_slot};
+use goniochrome::trace::incoherent_mesh::{self, Coherency, IncoherentMesh, Path};
+use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
+use goniochrome::trace::random::Random;
+use goniochrome::trace::sobol::sobol;
+use goniochrome::trace::waves::{Limits, Slot};
 
 /// Bytes of a gonio_cell.
 pub const GONIO_CELL_SIZE: usize = 8 * 384;
@@ -122,7 +123,7 @@ const PATHS: usize = 10;
 const EXITS: usize = 128;
 const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 const PATH_LIMITS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
-const MOST_SIDE: u32 = 1024;
+const MAX_SIDE: u32 = 1024;
 
 type WaveSlot = Slot<State<F32>, Field<F32>>;
 type PathSlot = Slot<Path<F32>, Coherency<F32>>;
@@ -157,7 +158,7 @@ pub unsafe extern "C" fn gonio_trace_memory_size(light: *const Light) -> usize {
     sum([
         room_for::<WaveSlot>(WAVES),
         room_for::<PathSlot>(PATHS),
-        room_for::<Exit<F32>>(EXITS),
+        room_for::<ExitRecord<F32>>(EXITS),
         bins,
         room_for::<Power>(light.count),
     ])
@@ -168,7 +169,7 @@ fn sum<const N: usize>(sizes: [Option<usize>; N]) -> usize {
 }
 
 fn bin_count(light: &Light) -> Option<usize> {
-    let valid = |side: u32| (1..=MOST_SIDE).contains(&side);
+    let valid = |side: u32| (1..=MAX_SIDE).contains(&side);
     (valid(light.bins_cos) && valid(light.bins_phi)).then_some(light.bins_cos as usize * light.bins_phi as usize)
 }
 
@@ -206,7 +207,7 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
             Media::new(mesh.media, mesh.media_count)?,
         )
     };
-    if !vertices.iter().all(|v| v.abs().max_element() <= MOST_NM) {
+    if !vertices.iter().all(|v| v.abs().max_element() <= MAX_NM) {
         return Err(Status::Mesh);
     }
     if !triangles.iter().flatten().all(|&vertex| (vertex as usize) < vertices.len()) {
@@ -315,8 +316,8 @@ pub unsafe extern "C" fn gonio_cell_trace(
             light,
             wi: wi.normalize_or_zero(),
             waves: block.take(WAVES, |_| free_slot::<F32>())?,
-            paths: block.take(PATHS, |_| geometric::free_slot::<F32>())?,
-            exits: block.take(EXITS, |_| Exit::<F32>::none())?,
+            paths: block.take(PATHS, |_| incoherent_mesh::free_slot::<F32>())?,
+            exits: block.take(EXITS, |_| ExitRecord::<F32>::none())?,
         };
         let totals =
             block.take(light.count, |_| Power { reflected: 0.0, transmitted: 0.0, absorbed: 0.0, truncated: 0.0 })?;
@@ -345,7 +346,7 @@ struct Tracer<'t> {
     wi: DVec3,
     waves: &'t mut [WaveSlot],
     paths: &'t mut [PathSlot],
-    exits: &'t mut [Exit<F32>],
+    exits: &'t mut [ExitRecord<F32>],
 }
 
 /// Sums of one group of wavelengths; lanes beyond the last repeat it and do not count.
@@ -388,9 +389,9 @@ impl Tracer<'_> {
         let interference = self.light.interference == 1;
         let incident = Incident::new(self.wi, ambient);
         let (mut polygons, mut geometric) =
-            (Polygons::new(cell, lanes, incident), Geometric::new(cell, lanes, incident));
+            (CoherentMesh::new(cell, lanes, incident), IncoherentMesh::new(cell, lanes, incident));
         let grid = DirectionBins { cos: self.light.bins_cos, phi: self.light.bins_phi };
-        let mut exits = Exits::new(self.exits, grid, &lanes);
+        let mut exits = ExitBuffer::new(self.exits, grid, &lanes);
         let mut tally = Tally { totals, sums, bin_count };
         let (mut truncated, seed) = (F32::zero(), self.light.seed);
         for ray in 0..self.light.rays {
@@ -403,12 +404,12 @@ impl Tracer<'_> {
             let mut random = Random::new(ray, seed);
             let done = if interference {
                 let (state, field) = polygons.start_at(path.at());
-                let spill = Spill::new(&mut geometric, self.paths, PATH_LIMITS, &mut random);
-                trace_spilling(&mut polygons, state, field, self.waves, WAVE_LIMITS, spill, &mut exits)
+                let spill = IncoherentFallback::new(&mut geometric, self.paths, PATH_LIMITS, &mut random);
+                trace_with_fallback(&mut polygons, state, field, self.waves, WAVE_LIMITS, spill, &mut exits)
             } else {
                 follow_paths(&mut geometric, path, light, self.paths, PATH_LIMITS, &mut random, &mut exits)
             };
-            truncated += done.truncated + exits.settle(&mut tally);
+            truncated += done.truncated + exits.flush(&mut tally);
         }
         truncated += polygons.lost() + geometric.lost();
         let Polarised { s, p } = polygons.absorbed();

@@ -16,7 +16,7 @@ pub mod status;
 pub mod table;
 
 use core::ffi::{CStr, c_char};
-use goniochrome::lanes::simd_level;
+use goniochrome::simd::lanes::simd_level;
 
 #[cfg(panic = "abort")]
 #[panic_handler]

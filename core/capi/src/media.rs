@@ -2,17 +2,17 @@
 
 use crate::memory::list;
 use crate::status::Status;
-use goniochrome::medium::{Dispersion, Extrapolate, Medium as CoreMedium};
+use goniochrome::optics::medium::{Dispersion, Extrapolate, Medium as CoreMedium};
 
 /// Most media of a stack or a cell.
 pub const GONIO_MAX_MEDIA: usize = 16;
 
 /// Most n and k, and least n in its inverse: as on the command line. Squares of squares stay within single precision.
-const MOST_INDEX: f64 = 1e6;
+const MAX_INDEX: f64 = 1e6;
 /// Most of a length, and of a wavelength, in nanometres: a metre.
-pub(crate) const MOST_NM: f64 = 1e9;
+pub(crate) const MAX_NM: f64 = 1e9;
 /// Least wavelength in nanometres.
-const LEAST_NM: f64 = 1e-3;
+const MIN_NM: f64 = 1e-3;
 
 /// n + ik of a medium against vacuum wavelength. The arrays must outlive what is made of them.
 #[repr(C)]
@@ -64,7 +64,7 @@ impl Media {
 
     /// Refuses wavelengths at which a medium cannot be evaluated, or the one that light comes from absorbs too much.
     pub fn check(&self, wavelengths_nm: &[f64], ambient: u16) -> Result<(), Status> {
-        if wavelengths_nm.is_empty() || !wavelengths_nm.iter().all(|nm| (LEAST_NM..=MOST_NM).contains(nm)) {
+        if wavelengths_nm.is_empty() || !wavelengths_nm.iter().all(|nm| (MIN_NM..=MAX_NM).contains(nm)) {
             return Err(Status::Wavelength);
         }
         for &nm in wavelengths_nm {
@@ -90,11 +90,11 @@ unsafe fn checked_medium(medium: &Medium) -> Result<CoreMedium<'static>, Status>
             _ => Dispersion::Table { wavelength_nm: column(medium.wavelength_nm)?, value },
         })
     };
-    let within = |values: &'static [f64], least: f64| match values.iter().all(|x| (least..=MOST_INDEX).contains(x)) {
+    let within = |values: &'static [f64], least: f64| match values.iter().all(|x| (least..=MAX_INDEX).contains(x)) {
         true => Ok(values),
         false => Err(Status::Medium),
     };
-    let n = dispersion(within(column(medium.n)?, MOST_INDEX.recip())?)?;
+    let n = dispersion(within(column(medium.n)?, MAX_INDEX.recip())?)?;
     let k = if medium.k.is_null() { Dispersion::Constant(0.0) } else { dispersion(within(column(medium.k)?, 0.0)?)? };
     Ok(CoreMedium::new(n, k, Extrapolate::Refuse)?)
 }

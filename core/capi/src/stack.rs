@@ -1,15 +1,15 @@
 //! Planar stacks: reflectance, spectral and RGB.
 
 use crate::colour::{Colour, ColourObject};
-use crate::media::{GONIO_MAX_MEDIA, MOST_NM, Media, Medium};
+use crate::media::{GONIO_MAX_MEDIA, MAX_NM, Media, Medium};
 use crate::memory::{Made, Results, list};
 use crate::status::{Status, answer};
-use goniochrome::complex::ComplexLanes;
-use goniochrome::incidence::Incidence;
-use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::{F64, Lanes};
-use goniochrome::medium::MediaLanes;
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack as CoreStack, StackArrays};
+use goniochrome::optics::incidence::Incidence;
+use goniochrome::optics::interface::{Below, Model};
+use goniochrome::optics::medium::MediaLanes;
+use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack as CoreStack, StackArrays};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::{F64, Lanes};
 
 /// Most layers of a stack.
 pub const GONIO_MAX_LAYERS: usize = 31;
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn gonio_stack_make(
         let substrate = if substrate == GONIO_MIRROR { Below::Mirror } else { Below::Medium(media.index(substrate)?) };
         let mut layers = [Film { medium: 0, thickness_nm: 0.0 }; GONIO_MAX_LAYERS];
         for (place, layer) in layers.iter_mut().zip(given) {
-            if !(0.0..=MOST_NM).contains(&layer.thickness_nm) {
+            if !(0.0..=MAX_NM).contains(&layer.thickness_nm) {
                 return Err(Status::Thickness);
             }
             *place = Film { medium: media.index(layer.medium)?, thickness_nm: layer.thickness_nm };
@@ -170,9 +170,9 @@ impl StackObject {
         let eta = eta.get_mut(..media.len()).ok_or(Status::TooMany)?;
         for (group, wavelengths) in wavelengths_nm.chunks(F64::WIDTH).enumerate() {
             let lanes = MediaLanes::<F64>::evaluate(media, wavelengths, eta).map_err(|(_, error)| error)?;
-            let mut memory = OpticsArrays::<F64, PLANES>::new();
+            let mut memory = PreparedStackArrays::<F64, PLANES>::new();
             let incidence = Incidence::from_cosine(cos_theta);
-            let optics = Optics::prepare(stack, &lanes, incidence, Model::Physical, memory.memory())
+            let optics = PreparedStack::prepare(stack, &lanes, incidence, Model::Physical, memory.memory())
                 .map_err(|_| Status::TooMany)?;
             let reflectance = optics.reflectance(optics.reflection());
             for lane in 0..wavelengths.len() {

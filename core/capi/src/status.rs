@@ -1,10 +1,10 @@
 //! What a call answers.
 
 use core::ffi::{CStr, c_char};
-use goniochrome::bvh::BvhError;
-use goniochrome::cell::CellError;
-use goniochrome::medium::MediumError;
-use goniochrome::stack::StackError;
+use goniochrome::geometry::bvh::BvhError;
+use goniochrome::geometry::planar_cell::CellError;
+use goniochrome::optics::medium::MediumError;
+use goniochrome::optics::stack::StackError;
 use goniochrome::table::blob::BlobError;
 
 /// What a call answers; only after GONIO_STATUS_OK are its results written.

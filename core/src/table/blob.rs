@@ -31,7 +31,7 @@
 
 use super::values::{half_is_finite, to_half};
 use super::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable, TableError, Values};
-use crate::bins::DirectionBins;
+use crate::measure::bins::DirectionBins;
 use crc32fast::Hasher;
 
 const MAGIC: [u8; 8] = *b"\x89GONI\r\n\x1a";

@@ -1,7 +1,7 @@
 //! Which directions a [`ScatterTable`](super::ScatterTable) holds, and how it interpolates between them.
 
 use super::TableError;
-use crate::bins::DirectionBins;
+use crate::measure::bins::DirectionBins;
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 
@@ -33,7 +33,7 @@ pub struct Node {
 }
 
 /// Most rows or columns of either grid: indices of a whole table then fit in 64 bits, and single precision tells bins apart.
-const MOST: u32 = 1024;
+const MAX: u32 = 1024;
 
 impl ScatterLayout {
     /// `theta` × `phi` incident directions and bins of outgoing ones, each from 1 to 1024.
@@ -41,7 +41,7 @@ impl ScatterLayout {
     /// # Errors
     /// [`TableError::Layout`].
     pub fn new(theta: u32, phi: u32, bins: DirectionBins) -> Result<Self, TableError> {
-        let in_range = [theta, phi, bins.cos, bins.phi].iter().all(|n| (1..=MOST).contains(n));
+        let in_range = [theta, phi, bins.cos, bins.phi].iter().all(|n| (1..=MAX).contains(n));
         if in_range && bins.phi.is_multiple_of(phi) { Ok(Self { theta, phi, bins }) } else { Err(TableError::Layout) }
     }
 

@@ -105,8 +105,8 @@ impl<'a> ScatterSampler<'a> {
         }
         let memory = self.of_incident(chosen);
         let [rows, columns] = self.sides();
-        let row = take(memory.part(1, rows), &mut u0);
-        let column = take(memory.part(1 + rows + row * columns, columns), &mut u1);
+        let row = invert_cdf(memory.part(1, rows), &mut u0);
+        let column = invert_cdf(memory.part(1 + rows + row * columns, columns), &mut u1);
         let place = row as f32 + 0.5 + held_tent(u0, row == 0, row + 1 == rows, tent_end(rows));
         // Along the normal there is no azimuth, and the column would be lost.
         let cos = (place / rows as f32).clamp(f32::MIN_POSITIVE, BELOW_ONE);
@@ -199,8 +199,8 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
 /// its size: less would be lost where probabilities are summed up in single precision, and what is reflected there
 /// never drawn.
 fn share(part: f64, whole: f64, lit: usize) -> f64 {
-    const LEAST: f64 = f32::EPSILON as f64;
-    if part > 0.0 { (part / whole + LEAST) / (1.0 + lit as f64 * LEAST) } else { 0.0 }
+    const MIN: f64 = f32::EPSILON as f64;
+    if part > 0.0 { (part / whole + MIN) / (1.0 + lit as f64 * MIN) } else { 0.0 }
 }
 
 /// The probability of one place.
@@ -215,7 +215,7 @@ fn before(cumulative: Values<'_>, place: usize) -> f32 {
 
 /// Which place `u` falls on, the first whose sum is larger; `u` becomes uniform again. A place without probability has
 /// the sum of the one before it, and is never the first.
-fn take(cumulative: Values<'_>, u: &mut f32) -> usize {
+fn invert_cdf(cumulative: Values<'_>, u: &mut f32) -> usize {
     let (mut place, mut last) = (0, cumulative.len().saturating_sub(1));
     while place < last {
         let middle = place.midpoint(last);

@@ -67,11 +67,11 @@ pub(super) fn half_is_finite(bits: u16) -> bool {
 
 /// The nearest half-precision number, ties to even; `None` if it would be infinite.
 pub(super) fn to_half(x: f32) -> Option<u16> {
-    const LEAST_NORMAL: f32 = 1.0 / 16384.0;
+    const MIN_NORMAL: f32 = 1.0 / 16384.0;
     /// The step of numbers below that, 2^−24, inverted.
     const STEPS: f32 = 16_777_216.0;
     let (sign, magnitude) = ((x.to_bits() >> 16) as u16 & 0x8000, x.abs());
-    let bits = if magnitude < LEAST_NORMAL {
+    let bits = if magnitude < MIN_NORMAL {
         libm::rintf(magnitude * STEPS) as u32
     } else {
         let bits = magnitude.to_bits();

@@ -3,7 +3,7 @@
 use super::media::Media;
 use super::out::Out;
 use super::program::Program;
-use goniochrome::lanes::{F32, Lanes};
+use goniochrome::simd::lanes::{F32, Lanes};
 use goniochrome_capi::cell::{
     Cell, Interface, Light, Mesh, Power, gonio_cell_make, gonio_cell_memory_size, gonio_cell_trace,
     gonio_trace_memory_size,
@@ -100,7 +100,7 @@ pub fn make(program: &mut Program<'_>, cell: &mut Option<Facets>) {
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
     assert!(status != Status::Memory || size < needed, "the stated memory is too small");
-    if object.settle(status) {
+    if object.flush(status) {
         let (_vertices, _triangles, _media, _memory) = (vertices, triangles, media, memory);
         *cell = Some(Facets { object, _vertices, _triangles, _media, _memory });
     }
@@ -144,9 +144,9 @@ pub fn trace(program: &mut Program<'_>, cell: Option<&Facets>) {
     assert!(cell.is_some() || status != Status::Ok, "nothing was made, and answered");
     // Bins that cannot be have no memory.
     assert!(status != Status::Memory || size < needed || needed == 0, "the stated memory is too small");
-    let done = power.settle(status);
+    let done = power.flush(status);
     if with_bins {
-        bins.settle(status);
+        bins.flush(status);
     }
     if done {
         for (wavelength, power) in power.results().iter().enumerate() {

@@ -60,7 +60,7 @@ pub fn make_films(program: &mut Program<'_>, films: &mut Option<Films>) {
         )
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if object.settle(status) {
+    if object.flush(status) {
         *films = Some(Films { object, media, ambient, layers, substrate });
     }
 }
@@ -72,7 +72,7 @@ pub fn make_colours(program: &mut Program<'_>, colours: &mut Option<Colours>) {
     // SAFETY: the pointer is NULL, misaligned, or to room for an object.
     let status = unsafe { gonio_colour_make(faults.pass_mut(object.pointer()), illuminant, space) };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if object.settle(status) {
+    if object.flush(status) {
         let illuminant = if illuminant == GONIO_ILLUMINANT_D65 { Illuminant::D65 } else { Illuminant::E };
         let space = match space {
             GONIO_SPACE_SRGB => RgbSpace::Srgb,
@@ -102,7 +102,7 @@ pub fn reflectance(program: &mut Program<'_>, films: Option<&Films>) {
         )
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if s.settle(status) & p.settle(status) {
+    if s.flush(status) & p.flush(status) {
         let films = films.expect("nothing was made, and answered");
         for ((&nm, &s), &p) in nm.iter().zip(s.results()).zip(p.results()) {
             films.holds(cos_theta, nm, [s, p].map(f64::from));
@@ -124,7 +124,7 @@ pub fn rgb(program: &mut Program<'_>, films: Option<&Films>, colours: Option<&Co
         )
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if rgb.settle(status) {
+    if rgb.flush(status) {
         let (films, colours) = (films.expect("a stack"), colours.expect("colours"));
         for (&got, [colour, weight]) in rgb.results().iter().zip(colours.of(films, cos_theta)) {
             // The reflectances are rounded before they are summed here, and after it there.

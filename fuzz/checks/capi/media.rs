@@ -1,7 +1,7 @@
 //! Media for C, and what they are.
 
 use super::program::{Faults, Program};
-use goniochrome::medium::{Dispersion, Extrapolate, Medium};
+use goniochrome::optics::medium::{Dispersion, Extrapolate, Medium};
 use goniochrome_capi::media::{GONIO_MAX_MEDIA, Medium as CMedium};
 use num_complex::Complex64;
 

@@ -13,13 +13,13 @@ use program::Program;
 use std::ffi::CStr;
 
 /// Most calls of one sequence.
-const MOST: usize = 24;
+const MAX: usize = 24;
 
 /// Holds for any bytes: a program of letters, each with its arguments.
 pub fn check(bytes: &[u8]) {
     let mut program = Program(bytes);
     let (mut films, mut colours, mut cell, mut table) = (None, None, None, None);
-    for _ in 0..MOST {
+    for _ in 0..MAX {
         let Some(operation) = program.next() else { return };
         let program = &mut program;
         match operation {

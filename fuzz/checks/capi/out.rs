@@ -31,7 +31,7 @@ impl<T> Out<T> {
     }
 
     /// Whether the call succeeded; if it did not, it has written nothing, and in no case beyond the end.
-    pub fn settle(&self, status: Status) -> bool {
+    pub fn flush(&self, status: Status) -> bool {
         let (spare, places) = self.0.split_last().expect("one more");
         assert!(Self::is_untouched(std::slice::from_ref(spare)), "written beyond the end");
         assert!(status == Status::Ok || Self::is_untouched(places), "written in spite of {status:?}");

@@ -35,7 +35,7 @@ pub fn view(program: &mut Program<'_>, table: &mut Option<View>) {
         gonio_table_view(faults.pass_mut(object.pointer()), faults.list(&memory[shift..]), memory.len() - shift)
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if object.settle(status) {
+    if object.flush(status) {
         *table = Some(View { object, _bytes: memory });
     }
 }
@@ -53,7 +53,7 @@ fn ask<T>(
     let status = call(faults, object, place);
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
     assert!(table.is_some() || status != Status::Ok, "nothing was made, and answered");
-    results.settle(status).then_some(results)
+    results.flush(status).then_some(results)
 }
 
 /// A direction, of unit length or of any.

@@ -8,12 +8,12 @@ mod semihosting;
 use core::fmt::Write;
 use core::ptr::addr_of;
 use cortex_m_rt::entry;
-use goniochrome::complex::ComplexLanes;
-use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::{F32, Lanes};
-use goniochrome::layers::{Summation, Workspace, trace_layers};
-use goniochrome::medium::{MediaLanes, Medium};
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
+use goniochrome::optics::interface::{Below, Model};
+use goniochrome::optics::medium::{MediaLanes, Medium};
+use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::{F32, Lanes};
+use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use semihosting::{Console, exit};
 
 /// Planes: five layers and one more.
@@ -43,10 +43,10 @@ fn spectrum(theta_deg: f64) -> Option<()> {
         let nm: [f64; F32::WIDTH] = core::array::from_fn(|lane| first_nm + 5.0 * lane as f64);
         let mut eta = [ComplexLanes::zero(); 2];
         let lanes = MediaLanes::<F32>::evaluate(&media, &nm, &mut eta).ok()?;
-        let mut memory = OpticsArrays::<F32, PLANES>::new();
-        let optics = Optics::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
+        let mut memory = PreparedStackArrays::<F32, PLANES>::new();
+        let optics = PreparedStack::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
         let mut workspace = Workspace::<F32, PLANES>::new();
-        let reflected = trace_layers(&optics, Summation::ClosedLoops, workspace.memory()).ok()?.ledger.reflected;
+        let reflected = trace_planar(&optics, Summation::ClosedLoops, workspace.memory()).ok()?.ledger.reflected;
         for (lane, nm) in nm.iter().enumerate().filter(|(_, nm)| **nm <= 780.0) {
             let (s, p) = (reflected.s.lane(lane) as f32, reflected.p.lane(lane) as f32);
             writeln!(Console, "{theta_deg},{nm},{s},{p}").ok()?;

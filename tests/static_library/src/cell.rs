@@ -1,24 +1,25 @@
 //! Cells of polygons: hierarchy, mesh, coatings, every way to follow rays, every sink, sampling, diffraction orders.
 
 use core::slice;
-use goniochrome::bins::{BinFields, DirectionBins, Exit, Exits, Histogram};
-use goniochrome::bvh::{Bvh, Hit, Node, Ray};
-use goniochrome::cell::Facet;
-use goniochrome::coherence::Side;
-use goniochrome::complex::{ComplexLanes, Polarised};
-use goniochrome::geometric::{self, Geometric};
+use goniochrome::geometry::bvh::{Bvh, Hit, Node, Ray};
+use goniochrome::geometry::mesh_cell::MeshCell;
+use goniochrome::geometry::planar_cell::Facet;
+use goniochrome::geometry::side::Side;
 use goniochrome::glam::DVec3;
-use goniochrome::interface::Interface;
-use goniochrome::lanes::{F32, F64, Lanes};
-use goniochrome::medium::{Dispersion, Extrapolate, Formula, MediaLanes, Medium};
-use goniochrome::mesh::MeshCell;
-use goniochrome::orders::{Order, Orders, largest_order};
-use goniochrome::paths::{Spill, follow_paths, trace_spilling};
-use goniochrome::polygons::{Incident, Polygons, free_slot};
-use goniochrome::sampling::{Random, sobol};
-use goniochrome::stack::Film;
-use goniochrome::trace::{Limits, trace};
-use goniochrome::vector::VectorLanes;
+use goniochrome::measure::bins::{BinFields, DirectionBins, ExitBuffer, ExitRecord, Histogram};
+use goniochrome::measure::orders::{Order, Orders, largest_order};
+use goniochrome::optics::interface::Interface;
+use goniochrome::optics::medium::{Dispersion, Extrapolate, Formula, MediaLanes, Medium};
+use goniochrome::optics::stack::Film;
+use goniochrome::simd::complex::{ComplexLanes, Polarised};
+use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::simd::vector::VectorLanes;
+use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
+use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
+use goniochrome::trace::random::Random;
+use goniochrome::trace::sobol::sobol;
+use goniochrome::trace::waves::{Limits, trace};
 
 /// What a caller has: any numbers.
 pub struct Scene<'a> {
@@ -69,7 +70,7 @@ pub extern "C" fn cell_power(scene: &Scene<'_>, memory: &mut Memory<'_>) -> f64 
 
 fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let bvh = Bvh::build(scene.vertices_nm, scene.triangles, memory.nodes, memory.order, memory.corners).ok()?;
-    bvh.closest_each(scene.straight, memory.hits, |_, hit| hit.front);
+    bvh.intersect_batch(scene.straight, memory.hits, |_, hit| hit.front);
     let cell =
         MeshCell::new(bvh, scene.facet_of, scene.facets, scene.interfaces, scene.period_nm, scene.medium).ok()?;
     let coatings = [scene.films];
@@ -82,10 +83,11 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let media = MediaLanes::<V>::evaluate(&media, scene.wavelengths_nm, &mut eta).ok()?;
     let ambient = media.eta().first().copied()?;
     let incident = Incident::new(scene.wi, ambient);
-    let (mut polygons, mut geometric) = (Polygons::new(cell, media, incident), Geometric::new(cell, media, incident));
-    let (mut slots, mut paths) = ([free_slot::<V>(); 26], [geometric::free_slot::<V>(); 10]);
-    let mut exit_memory = [Exit::<V>::none(); 64];
-    let mut exits = Exits::new(&mut exit_memory, scene.grid, &media);
+    let (mut polygons, mut geometric) =
+        (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
+    let (mut slots, mut paths) = ([free_slot::<V>(); 26], [incoherent_mesh::free_slot::<V>(); 10]);
+    let mut exit_memory = [ExitRecord::<V>::none(); 64];
+    let mut exits = ExitBuffer::new(&mut exit_memory, scene.grid, &media);
     let mut fields = [Polarised::both(VectorLanes::zero()); 64];
     let mut bins = BinFields::new(&mut fields, scene.grid, &media, incident.wavevector());
     let most = largest_order(scene.period_nm[0], 1.0, 380.0);
@@ -100,8 +102,8 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
         exits.begin(state.point_nm());
         if scene.interference {
             let few = Limits { in_flight: 0.01, ..limits };
-            let spill = Spill::new(&mut geometric, &mut paths, few, &mut random);
-            sum += trace_spilling(&mut polygons, state, field, &mut slots, limits, spill, &mut exits).truncated;
+            let spill = IncoherentFallback::new(&mut geometric, &mut paths, few, &mut random);
+            sum += trace_with_fallback(&mut polygons, state, field, &mut slots, limits, spill, &mut exits).truncated;
             bins.begin(state.point_nm());
             sum += trace(&mut polygons, state, field, &mut slots, limits, &mut bins).truncated;
             orders.begin(state.point_nm());
@@ -109,7 +111,7 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
         } else if let Some((path, light)) = geometric.start(u, v) {
             sum += follow_paths(&mut geometric, path, light, &mut paths, limits, &mut random, &mut exits).truncated;
         }
-        sum += exits.settle(&mut Power(memory.bins));
+        sum += exits.flush(&mut Power(memory.bins));
     }
     for order in slice::from_ref(&order[0]) {
         sum += order.efficiency(f64::from(scene.rays)).s;

@@ -1,13 +1,13 @@
 //! Planar films: closed form, both sums of rays, colour.
 
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
-use goniochrome::complex::ComplexLanes;
-use goniochrome::interface::{Below, Model};
-use goniochrome::lanes::{F32, Lanes};
-use goniochrome::layers::{Summation, Workspace, trace_layers};
-use goniochrome::medium::{MediaLanes, Medium};
-use goniochrome::stack::{Film, Optics, OpticsArrays, Stack, StackArrays};
-use goniochrome::trace::Limits;
+use goniochrome::optics::interface::{Below, Model};
+use goniochrome::optics::medium::{MediaLanes, Medium};
+use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
+use goniochrome::simd::complex::ComplexLanes;
+use goniochrome::simd::lanes::{F32, Lanes};
+use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
+use goniochrome::trace::waves::Limits;
 
 /// Luminance of a film of index `n` in air, traced both ways and in closed form; NaN if something is refused.
 #[unsafe(no_mangle)]
@@ -22,12 +22,12 @@ fn luminance(n: f64, thickness_nm: f64, sin_theta: f64) -> Option<f64> {
     let lanes = MediaLanes::<F32>::evaluate(&media, &wavelengths, &mut eta).ok()?;
     let mut arrays = StackArrays::<2>::new();
     let stack = Stack::new(0, [Film { medium: 1, thickness_nm }], Below::Medium(0), arrays.memory()).ok()?;
-    let mut memory = OpticsArrays::<F32, 2>::new();
-    let optics = Optics::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
+    let mut memory = PreparedStackArrays::<F32, 2>::new();
+    let optics = PreparedStack::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
     let mut workspace = Workspace::<F32>::new();
     let mut sum = optics.reflectance(optics.reflection()).s;
     for summation in [Summation::ClosedLoops, Summation::Generations(Limits::SINGLE)] {
-        sum += trace_layers(&optics, summation, workspace.memory()).ok()?.ledger.reflected.p;
+        sum += trace_planar(&optics, summation, workspace.memory()).ok()?.ledger.reflected.p;
     }
     let mut weights = [[0.0; 3]; F32::WIDTH];
     xyz_weights(&wavelengths, Illuminant::D65, Quadrature::Interpolated, &mut weights).ok()?;

@@ -1,7 +1,7 @@
 //! Tables: made, written, read, looked up and sampled.
 
-use goniochrome::bins::DirectionBins;
 use goniochrome::glam::Vec3;
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, Contents, Precision, Space};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 

@@ -12,7 +12,7 @@ use super::spherical;
 use crate::export::reflection::Evaluator;
 
 /// Most that a channel is scaled by. Where colours out of gamut cancel, there is no albedo to keep.
-const MOST: f64 = 1.1;
+const MAX: f64 = 1.1;
 /// Gauss's two points in an interval from 0 to 1: exact up to cubics.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
@@ -68,7 +68,7 @@ pub fn interpolated(grid: &Grid, wi: DVec3, origin: f64, samples: &[f32]) -> f64
 pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64) {
     let scale = exact / interpolated;
     if scale.is_finite() {
-        let scale = scale.clamp(1.0 / MOST, MOST) as f32;
+        let scale = scale.clamp(1.0 / MAX, MAX) as f32;
         samples.iter_mut().for_each(|value| *value *= scale);
     }
 }
@@ -107,6 +107,6 @@ mod tests {
         keep(&mut samples, 0.0, 0.0);
         assert_eq!(samples, [1.0, 2.0]);
         keep(&mut samples, 5.0, 1.0);
-        assert_eq!(samples, [MOST as f32, 2.0 * MOST as f32]);
+        assert_eq!(samples, [MAX as f32, 2.0 * MAX as f32]);
     }
 }

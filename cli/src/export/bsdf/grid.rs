@@ -21,7 +21,7 @@ const PER_INTERVAL: f64 = 8.0;
 const PER_ROW: f64 = 20.0;
 /// Of φ_i, which along a fixed half vector turns φ_o − φ_i twice as fast.
 const PER_TURN: f64 = 12.0;
-const LEAST: f64 = 4.0;
+const MIN: f64 = 4.0;
 /// θ_i close to the horizon, where masking changes over a scale of cos θ_i, lie closer by (1 + e)/e.
 const GRAZING: f64 = 0.3;
 /// Directions at 90° see nothing.
@@ -73,8 +73,8 @@ impl Grid {
                 let scale = (room / (most * most * PER_ROW * rows * turns)).powf(1.0 / axes).min(1.0);
                 // Nodes at the kinks, which are in the middle of each row.
                 let steps = 2.0 * rows * (0.5 * PER_ROW * scale).round().max(1.0);
-                let turns = if isotropic { 1.0 } else { (turns * scale).floor().max(LEAST) };
-                let side = (room / ((steps + 1.0) * turns)).sqrt().clamp(LEAST, most) as usize;
+                let turns = if isotropic { 1.0 } else { (turns * scale).floor().max(MIN) };
+                let side = (room / ((steps + 1.0) * turns)).sqrt().clamp(MIN, most) as usize;
                 let even = |i: usize, steps: f64| i as f64 / steps;
                 let theta = (0..=steps as usize).map(|i| (FRAC_PI_2 * even(i, steps)).min(LAST)).collect();
                 let turn = |i: usize| TAU * even(i, turns - 1.0) - PI;

@@ -21,15 +21,15 @@ use self::grid::Grid;
 use self::tensor::{Field, Values};
 use super::Reflection;
 use super::reflection::{Evaluator, Kind};
-use crate::error::Result;
-use crate::memory::filled;
-use crate::parallel;
-use crate::table_file::Table;
+use crate::support::error::Result;
+use crate::support::memory::filled;
+use crate::support::parallel;
+use crate::table::file::Table;
 
 /// Samples of D and σ over u: interpolation of D at α = 0.001 errs by 1e-4.
 const FINE: usize = 4096;
 /// Least density of samples over its mean, so that where interpolation leaves some reflection some samples go.
-const LEAST_LUMINANCE: f32 = 1e-4;
+const MIN_LUMINANCE: f32 = 1e-4;
 /// How far below the horizon a lobe goes on as the same function, over cos θ_i; it is infinite at 1.
 const EXTENSION: f64 = 0.5;
 
@@ -97,7 +97,7 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &Grid, [theta, phi]: [f64; 2], slic
     }
     let mean = slice.luminance.iter().sum::<f32>() / area as f32;
     // A black direction still needs a density.
-    let least = if mean > 0.0 { LEAST_LUMINANCE * mean } else { 1.0 };
+    let least = if mean > 0.0 { MIN_LUMINANCE * mean } else { 1.0 };
     slice.luminance.iter_mut().for_each(|value| *value = value.max(least));
 }
 

@@ -122,7 +122,7 @@ mod tests {
         let last = file["bufferViews"].as_array().unwrap().last().unwrap();
         assert_eq!(last["byteOffset"].as_u64().unwrap() + last["byteLength"].as_u64().unwrap(), bytes.len() as u64);
         /// A file by mail.
-        const MOST_BYTES: usize = 50_000;
-        assert!(uri.len() < MOST_BYTES, "{}", uri.len());
+        const MAX_BYTES: usize = 50_000;
+        assert!(uri.len() < MAX_BYTES, "{}", uri.len());
     }
 }

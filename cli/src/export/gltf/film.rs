@@ -1,12 +1,12 @@
 //! Which scenes are what `KHR_materials_iridescence` describes: one clear film in air, on a base of any kind, and what
 //! becomes of the light that the film lets through.
 
-use goniochrome::interface::Below;
-use goniochrome::medium::MediumIndex;
+use goniochrome::optics::interface::Below;
+use goniochrome::optics::medium::MediumIndex;
 use num_complex::Complex64;
 
-use crate::error::{Error, Result};
-use crate::planar::Planar;
+use crate::solve::planar::Planar;
+use crate::support::error::{Error, Result};
 
 /// A film as the extension sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! The parameters of `KHR_materials_iridescence` whose colours come nearest to exact ones.
 
-use super::difference::{Colour, Summary, delta_e, lab};
 use super::film::{Base, Film};
 use super::iridescence::{eval_iridescence, schlick};
 use super::simplex::minimise;
+use crate::colour::difference::{Colour, Summary, delta_e, lab};
 
 /// Last angle at which colours are compared, in whole degrees from 0.
 pub const LAST_DEG: u16 = 85;

@@ -11,7 +11,6 @@
 //! colours may leave the gamut of sRGB and are not clipped.
 
 pub mod body;
-pub mod difference;
 pub mod film;
 pub mod fit;
 pub mod iridescence;
@@ -21,15 +20,15 @@ pub mod transmission;
 use goniochrome::colour::VISIBLE_NM;
 use serde_json::{Value, json};
 
-use self::difference::{Colour, Summary, lab};
 use self::film::{Base, Behind, Film};
 use self::fit::{LAST_DEG, Parameters, angles, fit, round};
 use self::transmission::transmitted;
 use super::lut::exact_rgb;
-use crate::error::{Error, Result};
-use crate::planar::Planar;
+use crate::colour::difference::{Colour, Summary, lab};
 use crate::scene::Scene;
-use crate::text;
+use crate::solve::planar::Planar;
+use crate::support::error::{Error, Result};
+use crate::support::text;
 
 /// Angles at which `extras` and the terminal show both colours.
 const SHOWN_DEG: [u16; 7] = [0, 15, 30, 45, 60, 75, 85];
@@ -149,7 +148,7 @@ impl Fitted {
         SHOWN_DEG.into_iter().map(|theta| {
             let exact = self.exact[usize::from(theta)];
             let gltf = self.parameters.rgb(theta.into()).map(f64::from);
-            (theta, exact, gltf, difference::delta_e(lab(exact), lab(gltf)))
+            (theta, exact, gltf, crate::colour::difference::delta_e(lab(exact), lab(gltf)))
         })
     }
 

@@ -4,9 +4,9 @@
 //! last height is not the first, a vertical wall stands on the border of the period.
 
 use super::{Builder, bounded, list};
-use crate::error::Result;
 use crate::scene::MAX_LENGTH_NM;
-use crate::scene::item::Table;
+use crate::scene::toml_value::Table;
+use crate::support::error::Result;
 
 pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "points_nm"])?;

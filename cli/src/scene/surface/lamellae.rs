@@ -6,8 +6,8 @@
 //! highest shelf. Shelves and trunk are one body of rectangles, without faces inside.
 
 use super::{Builder, bounded, count, length, positive, within};
-use crate::error::Result;
-use crate::scene::item::Table;
+use crate::scene::toml_value::Table;
+use crate::support::error::Result;
 
 pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
     let keys = ["kind", "shelves", "width_nm", "top_width_nm", "shelf_nm", "gap_nm", "trunk_nm", "stagger_nm"];

@@ -39,11 +39,11 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::MAX_LENGTH_NM;
-use super::item::{Item, Table};
-use super::obj::{Mesh, Triangle};
-use super::source::nearest;
-use crate::error::Result;
-use crate::text::toml_key;
+use super::diagnostics::nearest;
+use super::mesh::{Mesh, Triangle};
+use super::toml_value::{Item, Table};
+use crate::support::error::Result;
+use crate::support::text::toml_key;
 
 /// Far finer than any microscopic surface needs; a slip in a count asks for billions.
 const MAX_TRIANGLES: u64 = 1_000_000;

@@ -13,8 +13,8 @@ use std::f64::consts::{FRAC_PI_3, TAU};
 use glam::{DQuat, DVec3};
 
 use super::{Builder, bounded, count, counts, length, list, positive, random, within};
-use crate::error::Result;
-use crate::scene::item::Table;
+use crate::scene::toml_value::Table;
+use crate::support::error::Result;
 
 /// A part of its box that each particle leaves free on every side, so that none touch.
 const MARGIN: f64 = 0.01;

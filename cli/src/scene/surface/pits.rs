@@ -7,8 +7,8 @@
 use glam::DVec3;
 
 use super::{Builder, bounded, count, length};
-use crate::error::Result;
-use crate::scene::item::Table;
+use crate::scene::toml_value::Table;
+use crate::support::error::Result;
 
 /// The period may differ from √3 to 1 by this fraction: numbers rounded to whole nanometres.
 const RATIO: f64 = 1e-3;

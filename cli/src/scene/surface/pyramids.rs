@@ -7,8 +7,8 @@
 use glam::DVec3;
 
 use super::{Builder, bounded, counts, list, random, within};
-use crate::error::Result;
-use crate::scene::item::Table;
+use crate::scene::toml_value::Table;
+use crate::support::error::Result;
 
 /// arctan √2: between the planes (111) and (100) of a cubic crystal.
 const ETCHED_SILICON_DEG: f64 = 54.735_610_317_245_35;

@@ -4,8 +4,8 @@
 //! they add up to no rise over the period.
 
 use super::{Builder, bounded, count, random, within};
-use crate::error::Result;
-use crate::scene::item::Table;
+use crate::scene::toml_value::Table;
+use crate::support::error::Result;
 
 pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "segments", "rms_slope", "seed"])?;

@@ -8,8 +8,8 @@
 use std::f64::consts::TAU;
 
 use super::{Builder, bounded, count, counts, positive, random, within};
-use crate::error::Result;
-use crate::scene::item::Table;
+use crate::scene::toml_value::Table;
+use crate::support::error::Result;
 
 pub(super) fn interfaces(table: &Table<'_>) -> &'static [&'static str] {
     if table.get("offset_nm").is_some() { &["upper", "lower"] } else { &["upper"] }

@@ -1,0 +1,131 @@
+//! Values that options of several commands take.
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+use goniochrome::colour::{Illuminant, RgbSpace};
+use goniochrome::optics::interface::Model;
+
+use crate::colour::{SPACES, space_name};
+use crate::obj::Axes;
+use crate::render::tone::ToneMap;
+use crate::solve::scatter::Coherence;
+use crate::solve::spectra::{Method, Precision};
+
+/// `--model`.
+#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
+pub enum ModelArg {
+    /// Complex amplitudes of s and p, power |Σ|²
+    Physical,
+    /// Fresnel power ratios as weights, flux |Σ|
+    Paper,
+}
+
+impl From<ModelArg> for Model {
+    fn from(model: ModelArg) -> Self {
+        match model {
+            ModelArg::Physical => Self::Physical,
+            ModelArg::Paper => Self::Paper,
+        }
+    }
+}
+
+/// `--illuminant`.
+#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
+pub enum IlluminantArg {
+    /// Daylight, 6504 K
+    #[value(name = "D65")]
+    D65,
+    /// Equal energy
+    #[value(name = "E")]
+    E,
+}
+
+impl From<IlluminantArg> for Illuminant {
+    fn from(illuminant: IlluminantArg) -> Self {
+        match illuminant {
+            IlluminantArg::D65 => Self::D65,
+            IlluminantArg::E => Self::E,
+        }
+    }
+}
+
+/// `--space`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SpaceArg(pub RgbSpace);
+
+impl ValueEnum for SpaceArg {
+    fn value_variants<'a>() -> &'a [Self] {
+        const VARIANTS: &[SpaceArg] =
+            &[SpaceArg(SPACES[0]), SpaceArg(SPACES[1]), SpaceArg(SPACES[2]), SpaceArg(SPACES[3])];
+        VARIANTS
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            RgbSpace::Srgb => "Linear sRGB (Rec. 709 primaries), white D65",
+            RgbSpace::Paper => "The matrix printed in the paper",
+            RgbSpace::Rec2020 => "Linear Rec. 2020, white D65",
+            RgbSpace::AcesCg => "ACEScg (AP1 primaries), white D60",
+        };
+        Some(PossibleValue::new(space_name(self.0)).help(help))
+    }
+}
+
+impl From<SpaceArg> for RgbSpace {
+    fn from(space: SpaceArg) -> Self {
+        space.0
+    }
+}
+
+/// Teaches the command line the values of a type that knows nothing of it: variant, name, help.
+macro_rules! value_enum {
+    ($type:ty: $($variant:ident => $name:expr, $help:literal;)+) => {
+        impl ValueEnum for $type {
+            fn value_variants<'a>() -> &'a [Self] {
+                &[$(Self::$variant),+]
+            }
+
+            fn to_possible_value(&self) -> Option<PossibleValue> {
+                let (name, help) = match self {
+                    $(Self::$variant => ($name, $help),)+
+                };
+                Some(PossibleValue::new(name).help(help))
+            }
+        }
+    };
+}
+
+value_enum! { Method:
+    Stack => "stack", "The closed form of the planar stack";
+    Trace => "trace", "Ray splitting, every loop summed exactly";
+    Hits => "hits", "Ray splitting hit by hit; samples whose sum diverges or takes too long fall back to closed loops, and are counted";
+}
+
+value_enum! { Precision:
+    F32 => "f32", "Single precision. R and T of planes to 1e-5: samples that it cannot hold are computed again with more digits";
+    F64 => "f64", "Double precision. R and T of planes to 1e-11, likewise";
+}
+
+value_enum! { Coherence:
+    Ray => Coherence::Ray.name(), "Paths of one starting ray that leave in one bin interfere; starting rays add as powers";
+    None => Coherence::None.name(), "Every path adds as power: classic geometric optics";
+    Bin => Coherence::Bin.name(), "All exits in a bin interfere, whatever starting ray they come from: the paper's section 2.2, literally";
+    Cell => Coherence::Cell.name(), "The period is one coherent field, which leaves in diffraction orders; reflection alone";
+}
+
+value_enum! { Axes:
+    ZUp => "z-up", "z, as everywhere in this program";
+    YUp => "y-up", "y, as modelling programs export unless told otherwise: x, y, z become x, −z, y";
+}
+
+value_enum! { ToneMap:
+    None => "none", "As it is; colours out of range are desaturated, then scaled, as in every picture of this program";
+    Reinhard => "reinhard", "Reinhard's curve on luminance, L (1 + L/16)/(1 + L): radiance 4 becomes white";
+    Filmic => "filmic", "A film-like curve for each of R, G and B (Narkowicz's fit of ACES): highlights bleach";
+}
+
+/// The name of a value as the command line spells it.
+#[must_use]
+pub fn spelled(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}

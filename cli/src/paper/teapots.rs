@@ -1,0 +1,82 @@
+//! The teapots of the paper's figures 3, 4 and 5, for `goniochrome figures`.
+
+use std::path::Path;
+
+use goniochrome::colour::RgbSpace;
+
+use crate::paper::html::Section;
+use crate::render::body::{Body, Memory, Shape};
+use crate::render::camera::{Camera, View};
+use crate::render::environment::{Environment, Light};
+use crate::render::mesh::{DEFAULT_LEVEL, Mesh};
+use crate::render::surface::Surface;
+use crate::render::tone::ToneMap;
+use crate::render::{Background, Quality, Stage, render};
+use crate::solve::colours::Colour;
+use crate::support::error::Result;
+use crate::support::output;
+use crate::table::mirror::MirrorTable;
+
+const SIZE: [u32; 2] = [640, 480];
+const SAMPLES: u32 = 8;
+/// The pot is twice as wide as high, and fills the picture from here.
+const DISTANCE: f64 = 3.1;
+
+/// Colours at every degree as the table of a surface, as a screen shows them.
+pub(super) fn table(colours: &[Colour], space: RgbSpace) -> MirrorTable {
+    let count = colours.len();
+    MirrorTable {
+        theta_deg: (0..count).map(|degree| degree as f64).collect(),
+        wavelength_nm: vec![550.0],
+        // Only the colours are shown.
+        reflectance_s: vec![0.0; count],
+        reflectance_p: vec![0.0; count],
+        rgb: colours.iter().map(|colour| colour.display(space)).collect(),
+        ..MirrorTable::default()
+    }
+}
+
+/// One pot for each light, in files of the folder.
+pub(super) fn draw(
+    folder: &Path,
+    table: MirrorTable,
+    lights: Vec<(&str, Light)>,
+    threads: usize,
+) -> Result<Vec<String>> {
+    let surface = Surface::new(&table.into(), false)?;
+    let shape = Shape::Mesh(Mesh::teapot(DEFAULT_LEVEL));
+    let mut memory = Memory::default();
+    let body = Body::new(&shape, &mut memory)?;
+    let (centre, radius) = body.bounds();
+    let view = View { size: SIZE, distance: Some(DISTANCE), ..View::default() };
+    let camera = Camera::new(&view, centre, radius)?;
+    let quality = Quality { samples: SAMPLES, reflections: 3, threads };
+    lights
+        .into_iter()
+        .map(|(file, light)| {
+            // A white surrounding is shown grey, for white edges to be seen.
+            let white = matches!(light, Light::White);
+            let background = if white { Background::Colour([0.2; 3]) } else { Background::Environment };
+            let environment = Environment::new(light, 0.0);
+            let stage =
+                Stage { body: &body, surface: &surface, environment: &environment, camera: &camera, background };
+            let film = render(&stage, &quality, &|| ())?;
+            output::write_file(&folder.join(file), &film.png(0.0, ToneMap::None).0)?;
+            Ok(file.to_owned())
+        })
+        .collect()
+}
+
+/// Figure 5: one surface in the studio and in white light.
+pub(super) fn figure_5(folder: &Path, table: MirrorTable, threads: usize) -> Result<Section> {
+    let lights = vec![("figure-5-studio.png", Light::Studio(Box::default())), ("figure-5-white.png", Light::White)];
+    Ok(Section {
+        heading: "Figure 5: an environment against white light".into(),
+        images: draw(folder, table, lights, threads)?,
+        caption_html: "<p>The three films of figure 4 on Newell’s teapot, exact physics, D65 and sRGB. Left the built-in \
+                       studio, looked up in the mirror direction and multiplied by the table; right light of radiance 1 from \
+                       everywhere, in which each point has the colour of its angle of view. Light is followed over three \
+                       reflections by the pot.</p>"
+            .into(),
+    })
+}

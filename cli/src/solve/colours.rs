@@ -1,0 +1,46 @@
+//! The colours of spectra.
+
+use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz};
+
+use crate::colour::visible_weights;
+use crate::solve::spectra::Spectra;
+use crate::support::error::Result;
+
+/// A colour at one angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour {
+    /// CIE 1931, Y = 1 for ρ = 1.
+    pub xyz: [f64; 3],
+    /// Linear, unclipped, in the space asked for.
+    pub rgb: [f64; 3],
+}
+
+impl Colour {
+    /// What a screen shows: linear sRGB, except that the paper's matrix is its own display.
+    #[must_use]
+    pub fn display(&self, space: RgbSpace) -> [f32; 3] {
+        let rgb = match space {
+            RgbSpace::Srgb | RgbSpace::Paper => self.rgb,
+            RgbSpace::Rec2020 | RgbSpace::AcesCg => RgbSpace::Srgb.from_xyz(self.xyz),
+        };
+        rgb.map(|c| c as f32)
+    }
+}
+
+/// The colour of unpolarised reflectance at each angle of a grid.
+///
+/// # Errors
+/// If none of the wavelengths is visible.
+pub fn colours(
+    spectra: &Spectra,
+    illuminant: Illuminant,
+    space: RgbSpace,
+    quadrature: Quadrature,
+) -> Result<Vec<Colour>> {
+    let weights = visible_weights(&spectra.wavelength_nm, illuminant, quadrature)?;
+    let colour = |angle| {
+        let xyz = xyz(&weights, spectra.row(angle).iter().map(|sample| sample.mean_reflectance()));
+        Colour { xyz, rgb: space.from_xyz(xyz) }
+    };
+    Ok((0..spectra.theta_deg.len()).map(colour).collect())
+}

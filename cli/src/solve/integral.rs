@@ -1,0 +1,245 @@
+//! A planar scene's reflectance so finely sampled over the wavelength that its colour is that of the integral.
+//!
+//! Samples lie on a tree: [`BASE_STEP_NM`], halved as often as the optical path asks for, and further where the
+//! spectrum is found to be narrower than that. They are taken in closed form and double precision, which costs less
+//! than a microsecond each. [`crate::solve::refine`] chooses from them those that a table keeps.
+
+use std::borrow::Cow;
+
+use goniochrome::colour::{Illuminant, Quadrature, SpectrumCubic, VISIBLE_NM, xyz, xyz_weights};
+
+use crate::solve::planar::Planar;
+use crate::solve::spectra::{Method, Precision, Request, Sample, spectra};
+use crate::support::error::{Error, Result};
+
+/// The coarsest step. Observer, illuminants and the dispersion of materials are smooth over it.
+pub const BASE_STEP_NM: f64 = 5.0;
+
+/// Samples in each fringe of the longest optical path, so that some lie in its line: a film of n = 3 on a good metal
+/// has lines of a tenth of the fringe at 88°.
+const SAMPLES_PER_FRINGE: f64 = 32.0;
+/// Halvings of [`BASE_STEP_NM`] for a single film, whose lines are as wide as its fringes tell.
+const LEVELS_OF_A_FILM: u32 = 2;
+/// Halvings for several films, whose mirrors may make lines of any width: 0.16 nm. A line of 0.006 nm or more still
+/// lifts a sample enough to be found, and a narrower one is less than 10⁻⁴ of the visible range.
+const LEVELS_OF_FILMS: u32 = 5;
+/// Halvings at most: 0.15 pm, more than the six decimals that name a channel can tell apart.
+const MAX_LEVELS: u32 = 15;
+/// Samples at most, at one angle: 32 in each fringe of an optical path of 12 mm.
+const MAX_FINE: usize = 1 << 20;
+/// An interval is halved while the error of its cubic is more than this part of white: a thousand such lie below a
+/// ΔE2000 of 0.1 for a colour half as bright as white, even where all have one sign.
+const INTERVAL_ERROR: f64 = 1e-6;
+/// A cubic through the four neighbours of a sample misses it by seven times what the cubic through it misses half-way.
+const LEFT_OUT: f64 = 7.0;
+/// Samples of all angles that are held at once.
+const MAX_HELD: usize = 1 << 20;
+
+/// Unpolarised reflectance at one angle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    /// Increasing.
+    pub wavelength_nm: Vec<f64>,
+    /// One for each.
+    pub reflectance: Vec<f64>,
+}
+
+/// What the samples of a list of wavelengths count.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// In X, Y and Z; all 0 where no wavelength is visible.
+    pub xyz: Vec<[f64; 3]>,
+    /// In the mean reflectance at invisible wavelengths.
+    pub invisible: Vec<f64>,
+}
+
+impl Weights {
+    /// For increasing wavelengths.
+    #[must_use]
+    pub fn new(wavelength_nm: &[f64], illuminant: Illuminant) -> Self {
+        let mut of_colour = vec![[0.0; 3]; wavelength_nm.len()];
+        if xyz_weights(wavelength_nm, illuminant, Quadrature::Interpolated, &mut of_colour).is_err() {
+            of_colour.fill([0.0; 3]);
+        }
+        let [first, last] = VISIBLE_NM.map(f64::from);
+        let mut invisible = vec![0.0; wavelength_nm.len()];
+        let mut width = 0.0;
+        for (i, pair) in wavelength_nm.windows(2).enumerate() {
+            if pair[1] <= first || pair[0] >= last {
+                let step = pair[1] - pair[0];
+                width += step;
+                invisible[i] += 0.5 * step;
+                invisible[i + 1] += 0.5 * step;
+            }
+        }
+        invisible.iter_mut().for_each(|weight| *weight /= f64::max(width, f64::MIN_POSITIVE));
+        Self { xyz: of_colour, invisible }
+    }
+
+    /// The largest part of white that an error of 1 in a sample makes.
+    fn largest(&self, i: usize) -> f64 {
+        self.xyz[i].iter().fold(self.invisible[i], |most, x| most.max(x.abs()))
+    }
+}
+
+/// A planar scene over a range of wavelengths, in the light of an illuminant.
+#[derive(Debug)]
+pub struct Integral<'p, 's> {
+    planar: &'p Planar<'s>,
+    request: Request,
+    illuminant: Illuminant,
+    base: Vec<f64>,
+    /// Of the base.
+    weights: Weights,
+}
+
+impl<'p, 's> Integral<'p, 's> {
+    /// Lays the samples that the optical path asks for.
+    ///
+    /// # Errors
+    /// A medium without data in the range, an optical path beyond some centimetres.
+    pub fn new(planar: &'p Planar<'s>, range_nm: [f64; 2], illuminant: Illuminant, request: &Request) -> Result<Self> {
+        // Light crosses the stack and returns.
+        let path_nm = 2.0 * planar.longest_optical_path_nm(range_nm)?;
+        let fewest = if planar.layers() > 1 { LEVELS_OF_FILMS } else { LEVELS_OF_A_FILM };
+        let mut base = Vec::new();
+        for pair in even(range_nm).windows(2) {
+            let width = pair[1] - pair[0];
+            let fringe = pair[0] * pair[0] / path_nm.max(f64::MIN_POSITIVE);
+            let levels = (width * SAMPLES_PER_FRINGE / fringe).log2().ceil().max(f64::from(fewest));
+            let parts = levels.exp2();
+            if base.len() as f64 + parts > MAX_FINE as f64 {
+                return Err(Error::failed(format_args!(
+                    "{}: an optical path of {:.0} nm has more fringes than can be summed; make the layer the substrate, or give \
+                     the wavelengths by start:end:step",
+                    planar.scene().name,
+                    path_nm / 2.0
+                )));
+            }
+            base.extend((0..parts as u32).map(|i| pair[0] + width * f64::from(i) / parts));
+        }
+        base.push(range_nm[1]);
+        let weights = Weights::new(&base, illuminant);
+        let request = Request { method: Method::Stack, precision: Precision::F64, ..*request };
+        Ok(Self { planar, request, illuminant, base, weights })
+    }
+
+    /// Hands over the spectrum at each angle, in their order, with what its samples count. `also` names wavelengths
+    /// that the next spectrum must contain: nodes of the same tree.
+    ///
+    /// # Errors
+    /// As [`spectra`].
+    pub fn each<S>(
+        &self,
+        theta_deg: &[f64],
+        state: &mut S,
+        also: impl Fn(&S) -> &[f64],
+        mut take: impl FnMut(&mut S, &Spectrum, &Weights),
+    ) -> Result<()> {
+        for some in theta_deg.chunks((MAX_HELD / self.base.len()).max(1)) {
+            let shared = spectra(self.planar, some, &self.base, &self.request, &|| ())?;
+            for (angle, &theta) in some.iter().enumerate() {
+                let reflectance = shared.row(angle).iter().map(Sample::mean_reflectance).collect();
+                let mut spectrum = Spectrum { wavelength_nm: self.base.clone(), reflectance };
+                let missing: Vec<f64> = also(state)
+                    .iter()
+                    .copied()
+                    .filter(|nm| spectrum.wavelength_nm.binary_search_by(|x| x.total_cmp(nm)).is_err())
+                    .collect();
+                self.insert(&mut spectrum, theta, &missing)?;
+                let weights = self.resolve(&mut spectrum, theta)?;
+                take(state, &spectrum, &weights);
+            }
+        }
+        Ok(())
+    }
+
+    /// XYZ at each angle, by the integral.
+    ///
+    /// # Errors
+    /// As [`spectra`].
+    pub fn colours(&self, theta_deg: &[f64]) -> Result<Vec<[f64; 3]>> {
+        let mut colours = Vec::with_capacity(theta_deg.len());
+        self.each(
+            theta_deg,
+            &mut colours,
+            |_| &[],
+            |colours, spectrum, weights| {
+                colours.push(xyz(&weights.xyz, spectrum.reflectance.iter().copied()));
+            },
+        )?;
+        Ok(colours)
+    }
+
+    /// Adds samples; both lists increase and have none in common.
+    fn insert(&self, spectrum: &mut Spectrum, theta: f64, nm: &[f64]) -> Result<()> {
+        if nm.is_empty() {
+            return Ok(());
+        }
+        let found = spectra(self.planar, &[theta], nm, &Request { threads: 1, ..self.request }, &|| ())?;
+        let count = spectrum.wavelength_nm.len() + nm.len();
+        let mut all = Spectrum { wavelength_nm: Vec::with_capacity(count), reflectance: Vec::with_capacity(count) };
+        let mut push = |(nm, rho): (f64, f64)| {
+            all.wavelength_nm.push(nm);
+            all.reflectance.push(rho);
+        };
+        let new = nm.iter().copied().zip(found.samples.iter().map(Sample::mean_reflectance));
+        let mut old = spectrum.wavelength_nm.iter().copied().zip(spectrum.reflectance.iter().copied()).peekable();
+        for sample in new {
+            while let Some(before) = old.next_if(|before| before.0 < sample.0) {
+                push(before);
+            }
+            push(sample);
+        }
+        old.for_each(&mut push);
+        *spectrum = all;
+        Ok(())
+    }
+
+    /// Halves intervals until cubics hold between all samples; what these count then.
+    fn resolve(&self, spectrum: &mut Spectrum, theta: f64) -> Result<Weights> {
+        let weigh = |spectrum: &Spectrum| match spectrum.wavelength_nm.len() == self.base.len() {
+            true => Cow::Borrowed(&self.weights),
+            false => Cow::Owned(Weights::new(&spectrum.wavelength_nm, self.illuminant)),
+        };
+        for _ in 0..MAX_LEVELS {
+            let weights = weigh(spectrum);
+            let halves = unresolved(spectrum, &weights);
+            if halves.is_empty() || spectrum.wavelength_nm.len() + halves.len() > MAX_FINE {
+                return Ok(weights.into_owned());
+            }
+            self.insert(spectrum, theta, &halves)?;
+        }
+        Ok(weigh(spectrum).into_owned())
+    }
+}
+
+/// The fewest even intervals of at most [`BASE_STEP_NM`]: their ends.
+#[must_use]
+pub fn even([first, last]: [f64; 2]) -> Vec<f64> {
+    // The division may miss a whole number by its rounding.
+    let intervals = ((last - first) / BASE_STEP_NM * (1.0 - 4.0 * f64::EPSILON)).ceil();
+    let inner = (0..intervals as u32).map(|i| first + (last - first) * f64::from(i) / intervals);
+    inner.chain([last]).collect()
+}
+
+/// Where samples are missing: the middles of intervals beside a sample that its neighbours do not tell.
+fn unresolved(spectrum: &Spectrum, weights: &Weights) -> Vec<f64> {
+    const NARROWEST_NM: f64 = BASE_STEP_NM / (1_u32 << MAX_LEVELS) as f64;
+    let (nm, rho) = (&spectrum.wavelength_nm, &spectrum.reflectance);
+    let mut halves: Vec<f64> = Vec::new();
+    for i in 2..nm.len().saturating_sub(2) {
+        let around = [i - 2, i - 1, i + 1, i + 2];
+        let Some(cubic) = SpectrumCubic::new(&around.map(|j| nm[j]), 1) else { continue };
+        let told: f64 = cubic.index().iter().zip(cubic.shares(nm[i])).map(|(&j, share)| share * rho[around[j]]).sum();
+        if (told - rho[i]).abs() / LEFT_OUT * weights.largest(i) > INTERVAL_ERROR {
+            for j in [i - 1, i] {
+                let middle = 0.5 * (nm[j] + nm[j + 1]);
+                if nm[j + 1] - nm[j] >= 2.0 * NARROWEST_NM && halves.last().is_none_or(|&last| last < middle) {
+                    halves.push(middle);
+                }
+            }
+        }
+    }
+    halves
+}

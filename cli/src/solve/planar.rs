@@ -1,0 +1,139 @@
+//! A scene as a planar multilayer: what the tracer and the closed form are given.
+
+use goniochrome::geometry::planar_cell::{Cell, Facet};
+use goniochrome::optics::interface::{Below, Interface};
+use goniochrome::optics::medium::{Medium, MediumIndex};
+use goniochrome::optics::stack::{Boundary, Film, Stack, StackMemory};
+
+use crate::scene::{Layer, Plane, Scene, Shape};
+use crate::support::error::{Error, Result};
+
+/// A planar scene as a multilayer: that of its stack, or the planes of its mesh.
+#[derive(Debug, Clone)]
+pub struct Planar<'s> {
+    scene: &'s Scene,
+    ambient: MediumIndex,
+    layers: Vec<Film>,
+    substrate: Below,
+}
+
+/// Memory that a [`Stack`] borrows.
+#[derive(Debug)]
+pub struct StackBuffer {
+    interfaces: Vec<Interface>,
+    films: Vec<Film>,
+    boundaries: Vec<Boundary>,
+}
+
+impl StackBuffer {
+    fn for_planes(planes: usize) -> Self {
+        Self {
+            interfaces: vec![Interface { above: 0, below: Below::Mirror }; planes],
+            films: vec![Film { medium: 0, thickness_nm: 0.0 }; planes],
+            boundaries: vec![Boundary::default(); planes],
+        }
+    }
+}
+
+impl<'s> Planar<'s> {
+    /// The planes of a scene: those of a mesh, or those between the layers of a stack.
+    ///
+    /// # Errors
+    /// A mesh of tilted facets.
+    pub fn new(scene: &'s Scene) -> Result<Self> {
+        let planar = match &scene.shape {
+            // As written: heights, of which a layer would be a difference, round.
+            Shape::Stack { ambient, layers, substrate } => {
+                let film = |layer: &Layer| Film { medium: layer.medium, thickness_nm: layer.thickness_nm };
+                Self { scene, ambient: *ambient, layers: layers.iter().map(film).collect(), substrate: *substrate }
+            }
+            Shape::Planes(flat) => Self::of_planes(scene, flat.planes())?,
+            Shape::Mesh(_) => {
+                return Err(Error::failed(format_args!(
+                    "{}: has tilted facets, which scatter light; use estimate for its BRDF table and colours, scatter or orders \
+                     for one direction of the light",
+                    scene.name
+                )));
+            }
+        };
+        planar.stack(&mut planar.buffer())?;
+        Ok(planar)
+    }
+
+    fn of_planes(scene: &'s Scene, planes: &[Plane]) -> Result<Self> {
+        let mut interfaces: Vec<Interface> = Vec::new();
+        let mut facets = Vec::with_capacity(planes.len());
+        for &Plane { z_nm, interface } in planes {
+            let place = interfaces.iter().position(|known| *known == interface).unwrap_or_else(|| {
+                interfaces.push(interface);
+                interfaces.len() - 1
+            });
+            let place = u16::try_from(place).map_err(|_| Error::failed("the scene has more than 65535 interfaces"))?;
+            facets.push(Facet::horizontal(z_nm, place));
+        }
+        let named = |error: &dyn std::fmt::Display| Error::failed(format_args!("{}: {error}", scene.name));
+        let cell = Cell::new(&facets, &interfaces).map_err(|error| named(&error))?;
+        let StackBuffer { mut interfaces, mut films, mut boundaries } = StackBuffer::for_planes(facets.len());
+        let memory = StackMemory { interfaces: &mut interfaces, films: &mut films, boundaries: &mut boundaries };
+        let stack = cell.stack(memory).map_err(|error| named(&error))?;
+        let layers = (0..stack.planes() - 1).map(|j| stack.film(j)).collect();
+        Ok(Self { scene, ambient: stack.ambient(), layers, substrate: stack.substrate() })
+    }
+
+    /// Memory for [`Planar::stack`].
+    #[must_use]
+    pub fn buffer(&self) -> StackBuffer {
+        StackBuffer::for_planes(self.layers.len() + 1)
+    }
+
+    /// The scene as a multilayer.
+    ///
+    /// # Errors
+    /// None for a buffer of this scene.
+    pub fn stack<'b>(&self, buffer: &'b mut StackBuffer) -> Result<Stack<'b>> {
+        let StackBuffer { interfaces, films, boundaries } = buffer;
+        let memory = StackMemory { interfaces, films, boundaries };
+        Stack::new(self.ambient, self.layers.iter().copied(), self.substrate, memory)
+            .map_err(|error| Error::failed(format_args!("{}: {error}", self.scene.name)))
+    }
+
+    /// The media, in the scene's order.
+    #[must_use]
+    pub fn media(&self) -> Vec<Medium<'s>> {
+        self.scene.media.iter().map(|named| named.medium.borrow()).collect()
+    }
+
+    /// Σ n d of the layers, with the largest n that each shows in a range of wavelengths.
+    ///
+    /// # Errors
+    /// If a medium has no data there.
+    pub fn longest_optical_path_nm(&self, [first, last]: [f64; 2]) -> Result<f64> {
+        const MAX_PROBES: u32 = 16;
+        let mut buffer = self.buffer();
+        let stack = self.stack(&mut buffer)?;
+        let media = self.media();
+        let mut largest = Vec::with_capacity(media.len());
+        for (index, medium) in media.iter().enumerate() {
+            let mut most: f64 = 0.0;
+            for i in 0..=MAX_PROBES {
+                let nm = first + (last - first) * f64::from(i) / f64::from(MAX_PROBES);
+                most = most.max(medium.eta(nm).map_err(|error| self.scene.medium_error(index, &error))?.re);
+            }
+            largest.push(most);
+        }
+        let path = |j| largest[usize::from(stack.film(j).medium)] * stack.film(j).thickness_nm;
+        Ok((0..stack.planes() - 1).map(path).sum())
+    }
+
+    /// Layers between the outer media.
+    #[must_use]
+    pub fn layers(&self) -> usize {
+        self.layers.len()
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &'s Scene {
+        self.scene
+    }
+}

@@ -1,0 +1,194 @@
+//! Which wavelengths a scene's colours need.
+//!
+//! Intervals are halved, the worst first, until the colour at every angle stands still. Two things are asked of the
+//! samples that are kept, both by ΔE2000 against the integral over the wavelength ([`crate::solve::integral`]): the colour
+//! that they sum to, and the error to be expected if those of the intervals had independent signs. The second keeps
+//! errors that cancel by luck from passing for resolution.
+
+use goniochrome::colour::{Illuminant, SpectrumCubic, xyz};
+
+use crate::colour::difference::{delta_e, lab_of_xyz};
+use crate::solve::integral::{Integral, Spectrum, Weights, even};
+use crate::solve::planar::Planar;
+use crate::solve::spectra::Request;
+use crate::support::error::Result;
+use crate::table::mirror::{MAX_SAMPLES, MAX_WAVELENGTHS};
+
+/// ΔE2000 below which a colour stands still. Differences below 1 are hardly seen.
+pub const STANDS_STILL: f64 = 0.05;
+/// Each round halves the intervals that make this part of the sum of squared errors.
+const WORST: f64 = 0.75;
+/// Looks at all angles: the first finds nearly everything.
+const MAX_PASSES: usize = 4;
+/// L* of white, for errors of invisible reflectance.
+const WHITE: f64 = 100.0;
+
+/// Wavelengths, and the colours that they are to give.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// Increasing, at most [`MAX_WAVELENGTHS`].
+    pub wavelength_nm: Vec<f64>,
+    /// XYZ of the integral at each angle.
+    pub xyz: Vec<[f64; 3]>,
+}
+
+/// The wavelengths in a range that a scene's colours need at all of some angles.
+///
+/// # Errors
+/// As [`Integral::new`].
+pub fn choose(
+    planar: &Planar<'_>,
+    theta_deg: &[f64],
+    range_nm: [f64; 2],
+    illuminant: Illuminant,
+    request: &Request,
+) -> Result<Choice> {
+    let most = most(theta_deg.len());
+    let integral = Integral::new(planar, range_nm, illuminant, request)?;
+    let mut choice = Choice { wavelength_nm: even(range_nm), xyz: Vec::new() };
+    // What one angle adds changes the cubics of the others.
+    for _ in 0..MAX_PASSES {
+        let before = choice.wavelength_nm.len();
+        choice.xyz.clear();
+        integral.each(
+            theta_deg,
+            &mut choice,
+            |choice| &choice.wavelength_nm,
+            |choice, spectrum, weights| {
+                choice.xyz.push(xyz(&weights.xyz, spectrum.reflectance.iter().copied()));
+                refine(&mut choice.wavelength_nm, spectrum, weights, most);
+            },
+        )?;
+        if choice.wavelength_nm.len() == before || choice.wavelength_nm.len() == most || theta_deg.len() == 1 {
+            break;
+        }
+    }
+    Ok(choice)
+}
+
+/// As many wavelengths as a table of so many angles holds.
+#[must_use]
+pub fn most(angles: usize) -> usize {
+    MAX_WAVELENGTHS.min(MAX_SAMPLES / angles.max(1))
+}
+
+/// Adds wavelengths of a spectrum to those that are kept until its colour stands still.
+fn refine(kept: &mut Vec<f64>, spectrum: &Spectrum, weights: &Weights, most: usize) {
+    while let Some(halves) = Errors::new(kept, spectrum, weights).worst_halves() {
+        let room = most.saturating_sub(kept.len());
+        if room == 0 {
+            return;
+        }
+        kept.extend(halves.into_iter().take(room));
+        kept.sort_by(f64::total_cmp);
+    }
+}
+
+/// An interval between two samples that are kept, and what its cubic misses.
+struct Interval {
+    /// In XYZ.
+    colour: [f64; 3],
+    /// In the mean of invisible reflectance.
+    invisible: f64,
+    /// The sample nearest to its middle; none if there is none between.
+    half_nm: Option<f64>,
+}
+
+impl Interval {
+    fn square(&self) -> f64 {
+        self.colour.iter().map(|x| x * x).sum::<f64>() + self.invisible * self.invisible
+    }
+}
+
+/// What a choice of samples misses of a finely sampled spectrum.
+struct Errors {
+    intervals: Vec<Interval>,
+    /// ΔE2000 of the sum of errors, or of what is expected of it.
+    delta_e: f64,
+}
+
+impl Errors {
+    /// `kept` are wavelengths of the spectrum.
+    fn new(kept: &[f64], spectrum: &Spectrum, weights: &Weights) -> Self {
+        let (nm, rho) = (&spectrum.wavelength_nm, &spectrum.reflectance);
+        let at = |wanted: f64| nm.partition_point(|&x| x < wanted);
+        let values: Vec<f64> = kept.iter().map(|&wanted| rho[at(wanted)]).collect();
+        let mut intervals = Vec::with_capacity(kept.len());
+        for (i, pair) in kept.windows(2).enumerate() {
+            let Some(cubic) = SpectrumCubic::new(kept, i) else { continue };
+            let corners = cubic.index().map(|j| values[j]);
+            let (from, to) = (at(pair[0]) + 1, at(pair[1]));
+            let mut interval = Interval { colour: [0.0; 3], invisible: 0.0, half_nm: None };
+            for j in from..to {
+                let told: f64 = cubic.shares(nm[j]).iter().zip(corners).map(|(share, corner)| share * corner).sum();
+                let missed = rho[j] - told;
+                for (sum, weight) in interval.colour.iter_mut().zip(weights.xyz[j]) {
+                    *sum += weight * missed;
+                }
+                interval.invisible += weights.invisible[j] * missed;
+            }
+            let middle = 0.5 * (pair[0] + pair[1]);
+            interval.half_nm =
+                nm[from..to].iter().copied().min_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs()));
+            intervals.push(interval);
+        }
+        let colour = xyz(&weights.xyz, rho.iter().copied());
+        let white = xyz(&weights.xyz, rho.iter().map(|_| 1.0));
+        let delta_e = difference(&intervals, colour, white);
+        Self { intervals, delta_e }
+    }
+
+    /// Where to sample next; none if the colour stands still or there is nothing finer.
+    fn worst_halves(&self) -> Option<Vec<f64>> {
+        if self.delta_e <= STANDS_STILL {
+            return None;
+        }
+        let mut worst: Vec<(f64, f64)> = self
+            .intervals
+            .iter()
+            .filter_map(|interval| Some((interval.square(), interval.half_nm?)))
+            .filter(|(square, _)| *square > 0.0)
+            .collect();
+        worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let enough = WORST * worst.iter().map(|(square, _)| square).sum::<f64>();
+        let mut sum = 0.0;
+        let halves: Vec<f64> = worst
+            .into_iter()
+            .take_while(|(square, _)| {
+                let before = sum;
+                sum += square;
+                before < enough
+            })
+            .map(|(_, half)| half)
+            .collect();
+        (!halves.is_empty()).then_some(halves)
+    }
+}
+
+/// The larger of the ΔE2000 of all errors together and of their root sum of squares, with any signs of X and Z beside
+/// Y.
+fn difference(intervals: &[Interval], colour: [f64; 3], white: [f64; 3]) -> f64 {
+    let mut sum = [0.0; 3];
+    let mut squares = [0.0; 3];
+    let mut invisible = 0.0;
+    for interval in intervals {
+        for c in 0..3 {
+            sum[c] += interval.colour[c];
+            squares[c] += interval.colour[c] * interval.colour[c];
+        }
+        invisible += interval.invisible * interval.invisible;
+    }
+    let invisible = WHITE * f64::sqrt(invisible);
+    if white[1] <= 0.0 {
+        return invisible;
+    }
+    let [x, y, z] = squares.map(f64::sqrt);
+    let exact = lab_of_xyz(colour, white);
+    let moved = [sum, [x, y, z], [x, y, -z], [-x, y, z], [-x, y, -z]];
+    let moved = moved.map(|by| delta_e(exact, lab_of_xyz(std::array::from_fn(|c| colour[c] - by[c]), white)));
+    moved.into_iter().fold(invisible, f64::max)
+}
+
+#[cfg(test)]
+#[path = "refine_tests.rs"]
+mod tests;

@@ -1,0 +1,184 @@
+//! The BRDF of a cell of tilted facets in memory: what an estimate produces, and pictures and files take.
+
+use std::collections::BTreeMap;
+
+use goniochrome::table::ScatterLayout;
+
+use crate::support::error::{Error, Result};
+use crate::table::mirror::{MAX_WAVELENGTHS, check_wavelengths};
+use crate::table::statistics::MeanWithError;
+
+/// Pairs of directions that one table may hold: 16 × 32 incident by 64 × 128 outgoing.
+pub const MAX_PAIRS: usize = 1 << 22;
+
+/// Pairs of directions times wavelengths that one table may hold: 512 MiB.
+pub const MAX_VALUES: usize = 1 << 27;
+
+/// Where the light of one incident direction goes, weighted by luminance; fractions of the incident light.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Through the top: the directional albedo.
+    pub reflected: MeanWithError,
+    /// Through the bottom.
+    pub transmitted: f64,
+    /// By media.
+    pub absorbed: f64,
+    /// Of rays that were dropped or lost.
+    pub truncated: f64,
+    /// 1 less all of these: rounding without interference; where paths interfere, power balances only on average.
+    pub imbalance: MeanWithError,
+    /// Of starting rays that were followed without interference, since their waves have no sum.
+    pub without_interference: f64,
+    /// Starting rays.
+    pub rays: u64,
+}
+
+/// f(wi, wo) on a grid of directions, spectral and RGB, in 1/sr, unpolarised; the mean over each outgoing bin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatterTable {
+    /// The grid of directions.
+    pub layout: ScatterLayout,
+    /// Vacuum wavelengths in nanometres, strictly increasing and positive.
+    pub wavelength_nm: Vec<f64>,
+    /// f, `[incident][wavelength][bin]`, row-major, not negative.
+    pub brdf: Vec<f32>,
+    /// Linear RGB of f, `[incident][bin]`; components may be negative.
+    pub rgb: Vec<[f32; 3]>,
+    /// Standard error of the luminance of f, `[incident][bin]`, not negative.
+    pub luminance_error: Vec<f32>,
+    /// One for each incident direction.
+    pub energy: Vec<Energy>,
+    /// What made the table: scene, seed, colour space.
+    pub metadata: BTreeMap<String, String>,
+}
+
+impl ScatterTable {
+    /// f at each bin for one incident direction and wavelength.
+    #[must_use]
+    pub fn row(&self, incident: usize, wavelength: usize) -> &[f32] {
+        let bins = self.layout.bins().count();
+        &self.brdf[(incident * self.wavelength_nm.len() + wavelength) * bins..][..bins]
+    }
+
+    /// Refuses sizes that do not fit together and numbers that are no BRDF.
+    pub fn check(&self) -> Result<()> {
+        check_scatter_size(&self.layout, self.wavelength_nm.len())?;
+        let pairs = self.layout.count();
+        for (name, found, expected) in [
+            ("values", self.brdf.len(), pairs * self.wavelength_nm.len()),
+            ("RGB colours", self.rgb.len(), pairs),
+            ("errors", self.luminance_error.len(), pairs),
+            ("energies", self.energy.len(), self.layout.incident_count()),
+        ] {
+            if found != expected {
+                return Err(Error::failed(format_args!("the table has {found} {name} where {expected} belong")));
+            }
+        }
+        check_wavelengths(&self.wavelength_nm)?;
+        if let Some(value) = bad_value(&self.brdf) {
+            return Err(Error::failed(format_args!("a value of the BRDF is {value}")));
+        }
+        if let Some(value) = bad_value(&self.luminance_error) {
+            return Err(Error::failed(format_args!("a standard error is {value}")));
+        }
+        if self.rgb.iter().flatten().any(|c| !c.is_finite()) {
+            return Err(Error::failed("a colour is not finite"));
+        }
+        let numbers = |e: &Energy| {
+            let (reflected, imbalance) = (e.reflected, e.imbalance);
+            let rest =
+                [e.transmitted, e.absorbed, e.truncated, imbalance.value, imbalance.std_error, e.without_interference];
+            [reflected.value, reflected.std_error].into_iter().chain(rest)
+        };
+        if self.energy.iter().flat_map(numbers).any(|x| !x.is_finite()) {
+            return Err(Error::failed("an energy is not finite"));
+        }
+        Ok(())
+    }
+
+    /// The imbalance of largest size, among those that count.
+    #[must_use]
+    pub fn worst_imbalance(&self, counts: impl Fn(MeanWithError) -> bool) -> MeanWithError {
+        let larger = |a: MeanWithError, b: MeanWithError| if b.value.abs() > a.value.abs() { b } else { a };
+        let imbalances = self.energy.iter().map(|energy| energy.imbalance);
+        imbalances.filter(|imbalance| counts(*imbalance)).fold(MeanWithError::default(), larger)
+    }
+
+    /// The largest standard error of a directional albedo.
+    #[must_use]
+    pub fn worst_error(&self) -> f64 {
+        self.energy.iter().map(|energy| energy.reflected.std_error).fold(0.0, f64::max)
+    }
+}
+
+/// A number that is negative or not finite. Most tables have none: all of a chunk are asked at once.
+fn bad_value(values: &[f32]) -> Option<f32> {
+    let good = |x: &f32| (0.0..f32::INFINITY).contains(x);
+    let sound = |chunk: &&[f32]| chunk.iter().fold(true, |sound, x| sound & good(x));
+    values.chunks(1024).find(|chunk| !sound(chunk))?.iter().copied().find(|x| !good(x))
+}
+
+/// Refuses sizes that only a damaged file, or a slip of the keyboard, would ask memory for.
+pub(crate) fn check_scatter_size(layout: &ScatterLayout, wavelengths: usize) -> Result<()> {
+    if wavelengths == 0 {
+        return Err(Error::failed("the table is empty: it has no wavelengths"));
+    }
+    let pairs = layout.count();
+    if pairs > MAX_PAIRS || wavelengths > MAX_WAVELENGTHS || pairs.saturating_mul(wavelengths) > MAX_VALUES {
+        return Err(Error::failed(format_args!(
+            "{pairs} pairs of directions × {wavelengths} wavelengths are too many; \
+             limits are {MAX_PAIRS}, {MAX_WAVELENGTHS} and {MAX_VALUES} together"
+        )));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use goniochrome::measure::bins::DirectionBins;
+
+    use super::*;
+
+    /// 2 × 2 incident directions, 2 × 4 bins, 2 wavelengths, every value its own.
+    pub(crate) fn sample() -> ScatterTable {
+        let layout = ScatterLayout::new(2, 2, DirectionBins { cos: 2, phi: 4 }).unwrap();
+        let pairs = layout.count();
+        let own = |i: usize| 1.0 / (i as f32 + 3.0);
+        let energy = |i: usize| Energy {
+            reflected: MeanWithError { value: 1.0 / (i as f64 + 3.0), std_error: 1e-3 / 7.0 },
+            transmitted: 0.25,
+            absorbed: -1e-17,
+            truncated: 1.0 / 3.0,
+            imbalance: MeanWithError { value: -1e-3 / 7.0, std_error: 1e-4 / 3.0 },
+            without_interference: 1.0 / 7.0,
+            rays: 4096 << i,
+        };
+        ScatterTable {
+            layout,
+            wavelength_nm: vec![435.833_333_333_333_3, 700.0],
+            brdf: (0..2 * pairs).map(own).collect(),
+            rgb: (0..pairs).map(|i| [own(i), -own(i), 2.0 * own(i)]).collect(),
+            luminance_error: (0..pairs).map(|i| 0.1 * own(i)).collect(),
+            energy: (0..4).map(energy).collect(),
+            metadata: [("scene".to_owned(), "bumps".to_owned())].into(),
+        }
+    }
+
+    #[test]
+    fn each_kind_of_damage_is_named() {
+        sample().check().unwrap();
+        let refusal = |damage: fn(&mut ScatterTable)| {
+            let mut table = sample();
+            damage(&mut table);
+            table.check().unwrap_err().to_string()
+        };
+        assert_eq!(refusal(|t| t.brdf[5] = -1.0), "a value of the BRDF is -1");
+        assert_eq!(refusal(|t| t.luminance_error[5] = f32::NAN), "a standard error is NaN");
+        assert_eq!(refusal(|t| t.rgb[0][1] = f32::INFINITY), "a colour is not finite");
+        assert_eq!(refusal(|t| t.energy[3].truncated = f64::NAN), "an energy is not finite");
+        assert_eq!(refusal(|t| t.rgb.truncate(3)), "the table has 3 RGB colours where 32 belong");
+        assert!(refusal(|t| t.wavelength_nm.clear()).contains("no wavelengths"));
+        assert!(refusal(|t| t.wavelength_nm[1] = 1.0).contains("does not increase"));
+        assert!(refusal(|t| t.wavelength_nm = vec![1.0; MAX_WAVELENGTHS + 1]).contains("too many"));
+    }
+}

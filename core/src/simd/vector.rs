@@ -1,0 +1,214 @@
+//! Vectors with a number per wavelength in each component: complex ones for wavevectors and electric fields, real ones for the
+//! directions of light that does not interfere.
+
+use crate::simd::complex::ComplexLanes;
+use crate::simd::lanes::Lanes;
+use core::ops::{Add, Mul, Sub};
+use glam::DVec3;
+
+/// A vector of numbers of lanes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vector<T> {
+    /// Along the tangent.
+    pub x: T,
+    /// Along the binormal.
+    pub y: T,
+    /// Along the macroscopic normal.
+    pub z: T,
+}
+
+/// A complex vector for each wavelength of a group.
+pub type VectorLanes<V> = Vector<ComplexLanes<V>>;
+
+/// A real vector for each wavelength of a group.
+pub type RealLanes<V> = Vector<V>;
+
+/// What components have in common: lanes, and complex numbers of them.
+pub trait Component: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    /// self · m + a.
+    fn mul_add(self, m: Self, a: Self) -> Self;
+    /// a − self · m.
+    fn neg_mul_add(self, m: Self, a: Self) -> Self;
+}
+
+impl<V: Lanes> Component for V {
+    #[inline]
+    fn mul_add(self, m: Self, a: Self) -> Self {
+        Lanes::mul_add(self, m, a)
+    }
+    #[inline]
+    fn neg_mul_add(self, m: Self, a: Self) -> Self {
+        Lanes::neg_mul_add(self, m, a)
+    }
+}
+
+impl<V: Lanes> Component for ComplexLanes<V> {
+    #[inline]
+    fn mul_add(self, m: Self, a: Self) -> Self {
+        self.mul_add(m, a)
+    }
+    #[inline]
+    fn neg_mul_add(self, m: Self, a: Self) -> Self {
+        self.neg_mul_add(m, a)
+    }
+}
+
+impl<T: Component> Vector<T> {
+    /// Σ aᵢbᵢ, without conjugation: q·q = η² holds for this product.
+    #[inline]
+    pub fn dot(self, other: Self) -> T {
+        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
+    }
+
+    /// Vector product.
+    #[inline]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.z.neg_mul_add(other.y, self.y * other.z),
+            y: self.x.neg_mul_add(other.z, self.z * other.x),
+            z: self.y.neg_mul_add(other.x, self.x * other.y),
+        }
+    }
+
+    /// Each component times a number.
+    #[inline]
+    pub fn scale(self, by: T) -> Self {
+        self.map(|component| component * by)
+    }
+
+    /// f applied to each component.
+    #[inline]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Vector<U> {
+        Vector { x: f(self.x), y: f(self.y), z: f(self.z) }
+    }
+
+    /// f applied to each pair of components.
+    #[inline]
+    pub fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+        Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }
+    }
+}
+
+impl<T: Component> Add for Vector<T> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl<T: Component> Sub for Vector<T> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl<V: Lanes> VectorLanes<V> {
+    /// The same real vector in every lane.
+    pub fn splat(v: DVec3) -> Self {
+        RealLanes::<V>::splat(v).map(ComplexLanes::real)
+    }
+
+    /// 0.
+    pub fn zero() -> Self {
+        Self { x: ComplexLanes::zero(), y: ComplexLanes::zero(), z: ComplexLanes::zero() }
+    }
+
+    /// Rounds double precision to the lanes' own.
+    #[inline]
+    pub fn narrow(precise: VectorLanes<V::Precise>) -> Self {
+        precise.map(ComplexLanes::narrow)
+    }
+
+    /// Product with a real vector.
+    #[inline]
+    pub fn dot_real(self, v: DVec3) -> ComplexLanes<V> {
+        self.dot_lanes(RealLanes::<V>::splat(v))
+    }
+
+    /// Product with a real vector for each lane.
+    #[inline]
+    pub fn dot_lanes(self, v: RealLanes<V>) -> ComplexLanes<V> {
+        ComplexLanes { re: self.map(|c| c.re).dot(v), im: self.map(|c| c.im).dot(v) }
+    }
+
+    /// self + v·by for a real vector v.
+    #[inline]
+    pub fn add_scaled(self, v: DVec3, by: ComplexLanes<V>) -> Self {
+        let along = |c: ComplexLanes<V>, v: f64| c + by.scale(V::splat(v));
+        Self { x: along(self.x, v.x), y: along(self.y, v.y), z: along(self.z, v.z) }
+    }
+
+    /// Σ |aᵢ|².
+    #[inline]
+    pub fn norm_sqr(self) -> V {
+        self.x.norm_sqr() + self.y.norm_sqr() + self.z.norm_sqr()
+    }
+
+    /// The real part in one lane.
+    pub fn direction(self, lane: usize) -> DVec3 {
+        self.map(|c| c.re).lane(lane)
+    }
+}
+
+impl<V: Lanes> RealLanes<V> {
+    /// The same vector in every lane.
+    #[inline]
+    pub fn splat(v: DVec3) -> Self {
+        Self { x: V::splat(v.x), y: V::splat(v.y), z: V::splat(v.z) }
+    }
+
+    /// self + v·by.
+    #[inline]
+    pub fn add_scaled(self, v: Self, by: V) -> Self {
+        self.zip(v, |component, v| v.mul_add(by, component))
+    }
+
+    /// Of length 1 where it has a length.
+    #[inline]
+    pub fn normalize_or_zero(self) -> Self {
+        let square = self.dot(self);
+        self.scale(V::zero().select_lt(square, V::one() / square.sqrt(), V::zero()))
+    }
+
+    /// The vector in one lane.
+    #[inline]
+    pub fn lane(self, lane: usize) -> DVec3 {
+        DVec3::new(self.x.lane(lane), self.y.lane(lane), self.z.lane(lane))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::lanes::F64;
+    use num_complex::Complex64;
+
+    fn vector(v: [Complex64; 3]) -> VectorLanes<F64> {
+        let [x, y, z] = v.map(|c| ComplexLanes::from_fn(|_| c));
+        VectorLanes { x, y, z }
+    }
+
+    #[test]
+    fn products_match_their_definitions() {
+        let c = Complex64::new;
+        let (a, b) = ([c(1.0, 2.0), c(-0.5, 0.1), c(0.3, -1.0)], [c(0.2, 0.0), c(1.5, -2.0), c(-1.0, 0.7)]);
+        let (va, vb) = (vector(a), vector(b));
+        let near = |got: ComplexLanes<F64>, want: Complex64| assert!((got.lane(0) - want).norm() < 1e-14);
+        near(va.dot(vb), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+        let cross = va.cross(vb);
+        near(cross.x, a[1] * b[2] - a[2] * b[1]);
+        near(cross.y, a[2] * b[0] - a[0] * b[2]);
+        near(cross.z, a[0] * b[1] - a[1] * b[0]);
+        near(va.dot_real(DVec3::new(1.0, -2.0, 0.5)), a[0] - 2.0 * a[1] + 0.5 * a[2]);
+        let real = |v: [Complex64; 3]| RealLanes::<F64>::splat(DVec3::from_array(v.map(|c| c.re)));
+        let (ra, rb) = (real(a), real(b));
+        assert!((Lanes::lane(ra.dot(rb), 0) - ra.lane(0).dot(rb.lane(0))).abs() < 1e-14);
+        assert!((ra.cross(rb).lane(0) - ra.lane(0).cross(rb.lane(0))).length() < 1e-14);
+        near(va.dot_lanes(rb), a[0] * b[0].re + a[1] * b[1].re + a[2] * b[2].re);
+        let norm = a.iter().map(|c| c.norm_sqr()).sum::<f64>();
+        assert!((Lanes::lane(va.norm_sqr(), 0) - norm).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,436 @@
+//! The tracer's view of a planar cell, and the exact sum of its rays.
+//!
+//! Two ways to add the same rays:
+//!
+//! - [`Summation::Generations`] follows them hit by hit ([`crate::trace::waves`]). It converges where light travels without
+//!   loss in every film, but a resonance rings for as long as light does: visits grow like layers^3.7 (measured,
+//!   contrast 1.56/1.0). With absorbing or evanescent waves a passive stack may have loops of gain above 1; then the
+//!   sum diverges (one in eleven of random stacks with a third of their media absorbing).
+//! - [`Summation::ClosedLoops`] (default) notes that a ray that comes back to a state it has passed is the same plane wave
+//!   times the loop's gain g, and adds all its rounds at once, 1 + g + g² + … = 1/(1 − g). From the bottom upwards
+//!   every loop is closed before the next is met, so each state is visited once: visits grow like layers.
+//!
+//! The second is the limit of the first where that has one. So the error of a sum of generations is known: its distance
+//! from the closed loops, [`Ledger::truncated`].
+//!
+//! Adding ray by ray in another order than that of generations is not safe. Sweeping down and up through the layers, so
+//! that an amplitude merged now is used in the same sweep, orders the rays by their number of reversals; that is the
+//! Bremmer series, which diverges for strong mirrors (it overflows on a 20-layer quarter-wave mirror).
+
+use crate::geometry::side::Side;
+use crate::optics::interface::{Below, Model, flux, transmission};
+use crate::optics::stack::{PreparedStack, Response};
+use crate::simd::complex::{ComplexLanes, Polarised};
+use crate::simd::lanes::Lanes;
+use crate::trace::ledger::{Ledger, Specular};
+use crate::trace::waves::{Limits, OnFull, Sink, Slot, Split, Target, Trace, Waves, generations};
+
+/// Amplitudes of s and p, which do not mix where all facets share the plane of incidence.
+pub type Field<V> = Polarised<ComplexLanes<V>>;
+
+/// About to meet `facet` from `side`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct State {
+    facet: u32,
+    side: Side,
+}
+
+/// A slot of the tracer's workspace for planar cells.
+pub type LayerSlot<V> = Slot<State, Field<V>>;
+
+/// All that has met one facet, from above (travelling down) and from below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Totals<V> {
+    down: Field<V>,
+    up: Field<V>,
+}
+
+impl<V: Lanes> Totals<V> {
+    /// Nothing yet.
+    #[must_use]
+    pub fn none() -> Self {
+        let nothing = Polarised::both(ComplexLanes::zero());
+        Self { down: nothing, up: nothing }
+    }
+}
+
+/// How rays are added: see the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Summation {
+    /// Close every loop by its geometric series.
+    ClosedLoops,
+    /// Hit by hit. The sum of a lane ends when its power in flight is below the limit, when it diverges, or when its
+    /// decline shows that it would take more generations than the limit; the others go on. [`Ledger::truncated`] is its
+    /// error.
+    Generations(Limits),
+}
+
+/// The tracer's memory for planar cells of up to `PLANES` planes.
+#[derive(Clone, Debug)]
+pub struct Workspace<V: Lanes, const PLANES: usize = DEFAULT_PLANES> {
+    totals: [Totals<V>; PLANES],
+    slots: [[LayerSlot<V>; 2]; PLANES],
+}
+
+/// Planes that the default workspace holds: 31 layers.
+pub const DEFAULT_PLANES: usize = 32;
+
+/// Upper bound of the default workspace, which is meant to live on the stack.
+pub const DEFAULT_WORKSPACE_BYTES: usize = 64 * 1024;
+
+const _: () = assert!(size_of::<Workspace<crate::simd::lanes::F32>>() <= DEFAULT_WORKSPACE_BYTES);
+const _: () = assert!(size_of::<Workspace<crate::simd::lanes::F64>>() <= DEFAULT_WORKSPACE_BYTES);
+
+impl<V: Lanes, const PLANES: usize> Workspace<V, PLANES> {
+    /// Empty.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { totals: [Totals::none(); PLANES], slots: [[free_slot(); 2]; PLANES] }
+    }
+
+    /// Lends the memory.
+    pub fn memory(&mut self) -> TraceMemory<'_, V> {
+        TraceMemory { totals: &mut self.totals, slots: self.slots.as_flattened_mut() }
+    }
+}
+
+impl<V: Lanes, const PLANES: usize> Default for Workspace<V, PLANES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A slot in which no ray waits.
+#[must_use]
+pub fn free_slot<V: Lanes>() -> LayerSlot<V> {
+    Slot::free(State { facet: 0, side: Side::Above }, Polarised::both(ComplexLanes::zero()))
+}
+
+/// Memory of a trace through a planar cell.
+#[derive(Debug)]
+pub struct TraceMemory<'m, V: Lanes> {
+    /// One for each plane.
+    pub totals: &'m mut [Totals<V>],
+    /// Two for each plane; needed by [`Summation::Generations`] alone. Fewer cost rays, which the ledger accounts for.
+    pub slots: &'m mut [LayerSlot<V>],
+}
+
+/// Planes for which there is room are fewer than the stack has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooFewPlanes {
+    /// Planes of the stack.
+    pub needed: usize,
+}
+
+impl core::fmt::Display for TooFewPlanes {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "the workspace must have room for {} planes", self.needed)
+    }
+}
+
+impl core::error::Error for TooFewPlanes {}
+
+/// What a trace through a planar cell found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Traced<V> {
+    /// Amplitudes that left, as the closed form gives them.
+    pub response: Response<V>,
+    /// Where the power went.
+    pub ledger: Ledger<V>,
+    /// What it cost.
+    pub trace: Trace<V>,
+}
+
+/// Traces a plane wave of unit amplitude in both polarisations through a planar cell.
+///
+/// # Errors
+/// [`TooFewPlanes`] if `memory` is smaller than the stack.
+pub fn trace_planar<V: Lanes>(
+    optics: &PreparedStack<'_, V>,
+    summation: Summation,
+    memory: TraceMemory<'_, V>,
+) -> Result<Traced<V>, TooFewPlanes> {
+    let needed = optics.stack().planes();
+    let totals = memory.totals.get_mut(..needed).ok_or(TooFewPlanes { needed })?;
+    let mut layers = Layers { optics, totals, reversal: optics.reversal() };
+    let unit = Polarised::both(ComplexLanes::one());
+    let mut sink = Specular::new();
+    let closing = layers.close_loops(unit, &mut sink);
+    let closed = sink.response();
+    let (response, trace, truncated) = match summation {
+        Summation::ClosedLoops => (closed, closing, V::zero()),
+        Summation::Generations(limits) => {
+            let (response, trace) = layers.generations(unit, memory.slots, limits);
+            (response, trace, distance(optics, &response, &closed))
+        }
+    };
+    let absorbed = layers.absorbed();
+    let (reflected, transmitted) =
+        (optics.reflectance(response.reflection), optics.transmittance(response.transmission));
+    let ledger = Ledger::new(reflected, transmitted, absorbed, truncated);
+    Ok(Traced { response, ledger, trace })
+}
+
+/// The largest difference of two reflectances or transmittances, of either polarisation.
+fn distance<V: Lanes>(optics: &PreparedStack<'_, V>, a: &Response<V>, b: &Response<V>) -> V {
+    let apart = |a: Polarised<V>, b: Polarised<V>| (a.s - b.s).abs().max((a.p - b.p).abs());
+    let reflected = apart(optics.reflectance(a.reflection), optics.reflectance(b.reflection));
+    reflected.max(apart(optics.transmittance(a.transmission), optics.transmittance(b.transmission)))
+}
+
+/// How far rounding may have moved R or T of the worse polarisation in each lane ([`crate::optics::rounding`]), from the totals
+/// that [`Summation::ClosedLoops`] has left in [`TraceMemory::totals`]. It costs a fifth of the trace.
+#[must_use]
+pub fn rounding<V: Lanes>(optics: &PreparedStack<'_, V>, totals: &[Totals<V>]) -> V {
+    let incident = optics.admittance(optics.stack().ambient()).map(ComplexLanes::norm_sqr);
+    let (mut above, mut sum) = (incident, Polarised::both(V::zero()));
+    for (met, below) in totals.iter().zip(optics.admittances_below()) {
+        let below = below.map(ComplexLanes::norm_sqr);
+        // What an error of r does, E H/(κ₀ |1 − r²|), is of the size of (κ₁ |down| + κ₂ |up|)(|down| + |up|)/κ₀.
+        let add = |sum: V, above: V, down: V, below: V, up: V| above.mul_add(down, below * up).mul_add(down + up, sum);
+        sum.s = add(sum.s, above.s, met.down.s.norm_sqr(), below.s, met.up.s.norm_sqr());
+        sum.p = add(sum.p, above.p, met.down.p.norm_sqr(), below.p, met.up.p.norm_sqr());
+        above = below;
+    }
+    // Where κ₁ + κ₂ cancels, r loses digits as 1 + |r|².
+    let relative = sum.zip(incident, |sum, incident| (sum / incident).sqrt());
+    let relative = relative.zip(optics.strongest(), |sum, r_squared| r_squared.mul_add(sum, sum));
+    optics.rounding(relative.s.max(relative.p))
+}
+
+struct Layers<'a, 'm, V: Lanes> {
+    optics: &'a PreparedStack<'m, V>,
+    totals: &'a mut [Totals<V>],
+    /// σ: reflection from below is σ times that from above.
+    reversal: V,
+}
+
+impl<V: Lanes> Layers<'_, '_, V> {
+    fn last(&self) -> usize {
+        self.totals.len() - 1
+    }
+
+    /// The wave that leaves facet `j` downwards, of what met it.
+    fn departing_down(&self, j: usize) -> Field<V> {
+        let Totals { down, up } = self.totals[j];
+        let r = self.optics.reflection_at(j);
+        let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| {
+            transmission(r, self.reversal) * down + r.scale(self.reversal) * up
+        };
+        Polarised { s: side(r.s, down.s, up.s), p: side(r.p, down.p, up.p) }
+    }
+
+    /// The wave that leaves facet `j` upwards.
+    fn departing_up(&self, j: usize) -> Field<V> {
+        let Totals { down, up } = self.totals[j];
+        let r = self.optics.reflection_at(j);
+        let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| r * down + transmission(r, V::one()) * up;
+        Polarised { s: side(r.s, down.s, up.s), p: side(r.p, down.p, up.p) }
+    }
+
+    /// Adds all rays by closing loops from the bottom upwards; leaves the totals of every state.
+    fn close_loops(&mut self, incident: Field<V>, sink: &mut impl Sink<Side, Field<V>>) -> Trace<V> {
+        let (last, sigma, one) = (self.last(), self.reversal, ComplexLanes::one());
+        // Upwards. `rho_below` is all that a facet, with everything below it, returns of a unit wave from above. Totals hold
+        // meanwhile: in `up`, what comes back to the facet of a unit wave that leaves it downwards; in `down`, what
+        // leaves it downwards of a unit wave from above, after all rounds of the film below.
+        let mut rho_below = self.optics.reflection_at(last);
+        for j in (0..last).rev() {
+            let r = self.optics.reflection_at(j);
+            let e = self.optics.propagator_below(j);
+            let round_trip = e.square();
+            let returned = rho_below.map(|rho_below| rho_below * round_trip);
+            let departing = r.zip(returned, |r, returned| {
+                let gain = r.scale(sigma) * returned;
+                transmission(r, sigma).div_or_zero(one - gain)
+            });
+            rho_below.s = transmission(r.s, V::one()).mul_add(returned.s * departing.s, r.s);
+            rho_below.p = transmission(r.p, V::one()).mul_add(returned.p * departing.p, r.p);
+            self.totals[j] = Totals { down: departing, up: returned };
+        }
+        sink.exit(Side::Above, rho_below.zip(incident, |rho_below, incident| rho_below * incident));
+        // Downwards: every state's total follows from that of the one above.
+        let mut down = incident;
+        for j in 0..last {
+            let e = self.optics.propagator_below(j);
+            let departing = self.totals[j].down.zip(down, |departing, down| departing * down);
+            let up = self.totals[j].up.zip(departing, |returned, departing| returned * departing);
+            self.totals[j] = Totals { down, up };
+            down = departing.map(|departing| departing * e);
+        }
+        self.totals[last] = Totals { down, up: Polarised::both(ComplexLanes::zero()) };
+        sink.exit(Side::Below, self.departing_down(last));
+        let states = 2 * last + 1;
+        Trace { truncated: V::zero(), visits: states as u64, generations: 0 }
+    }
+
+    /// Adds rays hit by hit; leaves what met every state.
+    fn generations(
+        &mut self,
+        incident: Field<V>,
+        slots: &mut [LayerSlot<V>],
+        limits: Limits,
+    ) -> (Response<V>, Trace<V>) {
+        self.totals.fill(Totals::none());
+        let mut forecast = Forecast::new(self.totals.len(), limits);
+        let (start, mut sink) = (State { facet: 0, side: Side::Above }, Specular::new());
+        let trace = generations(self, start, incident, slots, limits, &mut forecast, &mut sink);
+        (sink.response(), trace)
+    }
+
+    /// Power lost in absorbing films: the flux into each less the flux out of it, from the fields just inside its faces.
+    fn absorbed(&self) -> Polarised<V> {
+        let zero = Polarised::both(V::zero());
+        let stack = self.optics.stack();
+        if self.optics.model() == Model::Paper {
+            return zero; // the paper's weights are not fields; absorption shows as imbalance
+        }
+        let incident = self.optics.admittance(stack.ambient());
+        (0..self.last()).fold(zero, |sum, j| {
+            let admittance = self.optics.admittance(stack.film(j).medium);
+            if !admittance.s.im.any_above(0.0) {
+                return sum;
+            }
+            let (top_down, top_up) = (self.departing_down(j), self.totals[j].up);
+            let (bottom_down, bottom_up) = (self.totals[j + 1].down, self.departing_up(j + 1));
+            let lost = |k, incident: ComplexLanes<V>, td, tu, bd, bu| (flux(k, td, tu) - flux(k, bd, bu)) / incident.re;
+            Polarised {
+                s: sum.s + lost(admittance.s, incident.s, top_down.s, top_up.s, bottom_down.s, bottom_up.s),
+                p: sum.p + lost(admittance.p, incident.p, top_down.p, top_up.p, bottom_down.p, bottom_up.p),
+            }
+        })
+    }
+}
+
+impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
+    type State = State;
+    type Field = Field<V>;
+    type Exit = Side;
+    const MAX_PROBES: usize = 1;
+
+    fn bucket(&self, state: &State) -> usize {
+        2 * state.facet as usize + usize::from(state.side == Side::Below)
+    }
+
+    fn is_same_wave(&self, a: &State, b: &State) -> bool {
+        a == b
+    }
+
+    fn merge(&self, _: &State, a: Field<V>, _: &State, b: Field<V>) -> Field<V> {
+        a.zip(b, |a, b| a + b)
+    }
+
+    fn power(&self, state: &State, field: &Field<V>) -> V {
+        let stack = self.optics.stack();
+        let interface = stack.interface(state.facet as usize);
+        let medium = match (state.side, interface.below) {
+            (Side::Above, _) => interface.above,
+            (Side::Below, Below::Medium(below)) => below,
+            (Side::Below, Below::Mirror) => return V::zero(),
+        };
+        let (here, incident) = (self.optics.admittance(medium), self.optics.admittance(stack.ambient()));
+        let of =
+            |k: ComplexLanes<V>, incident: ComplexLanes<V>, a: ComplexLanes<V>| a.norm_sqr() * k.norm() / incident.re;
+        of(here.s, incident.s, field.s).max(of(here.p, incident.p, field.p))
+    }
+
+    fn split(&mut self, state: &State, &field: &Field<V>) -> Split<State, Side, Field<V>> {
+        let j = state.facet as usize;
+        if let Some(total) = self.totals.get_mut(j) {
+            let total = if state.side == Side::Above { &mut total.down } else { &mut total.up };
+            *total = total.zip(field, |a, b| a + b);
+        }
+
+        let r = self.optics.reflection_at(j);
+        let (reflected, refracted) = match state.side {
+            Side::Above => (field.zip(r, |a, r| a * r), field.zip(r, |a, r| a * transmission(r, self.reversal))),
+            Side::Below => {
+                (field.zip(r, |a, r| a * r.scale(self.reversal)), field.zip(r, |a, r| a * transmission(r, V::one())))
+            }
+        };
+        let (up, down) = match state.side {
+            Side::Above => (reflected, refracted),
+            Side::Below => (refracted, reflected),
+        };
+        let upwards = match state.facet.checked_sub(1) {
+            None => (Target::Exit(Side::Above), up),
+            Some(facet) => {
+                let e = self.optics.propagator_below(j - 1);
+                (Target::State(State { facet, side: Side::Below }), up.map(|a| a * e))
+            }
+        };
+        let downwards = if j == self.last() {
+            (Target::Exit(Side::Below), down)
+        } else {
+            let e = self.optics.propagator_below(j);
+            (Target::State(State { facet: state.facet + 1, side: Side::Above }), down.map(|a| a * e))
+        };
+        [Some(upwards), Some(downwards)]
+    }
+}
+
+/// Says which lanes to follow no longer: those whose power in flight is below the limit, diverges, or declines too
+/// slowly to come below the limit in time.
+///
+/// Generations are parted into windows, each twice as long as the one before. Power in flight declines at last like
+/// that of the mode that rings longest, so its maxima in the last two windows tell how much will be left.
+struct Forecast<V> {
+    limits: Limits,
+    /// The generation at which the present window ends.
+    end: u32,
+    /// The largest power in flight in the present window.
+    present: V,
+    /// The same in the window before.
+    before: V,
+}
+
+impl<V: Lanes> Forecast<V> {
+    /// Light crosses a stack twice before the first window ends.
+    fn new(planes: usize, limits: Limits) -> Self {
+        const SHORTEST: u32 = 32;
+        let end = u32::try_from(planes).map_or(u32::MAX, |planes| planes.saturating_mul(4).max(SHORTEST));
+        Self { limits, end, present: V::zero(), before: V::splat(f64::INFINITY) }
+    }
+
+    /// 1 in lanes that will have more than the limit in flight after the last generation.
+    fn late(&self) -> V {
+        // The last two windows begin at a half and a quarter of `end`.
+        let steps = (4 * u64::from(self.limits.generations)).checked_div(self.end.into()).unwrap_or(0);
+        let left = self.present * power(self.present / self.before, steps.saturating_sub(2));
+        V::splat(self.limits.in_flight).select_lt(left, V::one(), V::zero())
+    }
+}
+
+/// base^exponent.
+fn power<V: Lanes>(mut base: V, mut exponent: u64) -> V {
+    let mut product = V::one();
+    while exponent > 0 {
+        if exponent % 2 == 1 {
+            product = product * base;
+        }
+        base = base * base;
+        exponent /= 2;
+    }
+    product
+}
+
+impl<V: Lanes, K> OnFull<V, Layers<'_, '_, V>, K> for Forecast<V> {
+    fn review(&mut self, slots: &mut [LayerSlot<V>], generation: u32, in_flight: V) -> V {
+        let (zero, one) = (V::zero(), V::one());
+        self.present = self.present.max(in_flight);
+        // 1 in lanes that end here; where nothing is in flight they have ended.
+        let faint = V::splat(self.limits.in_flight).select_lt(in_flight, zero, zero.select_lt(in_flight, one, zero));
+        let mut ends = V::splat(<Self as OnFull<V, Layers<'_, '_, V>, K>>::DIVERGED).select_lt(in_flight, one, faint);
+        if generation >= self.end {
+            ends = ends.max(self.late());
+            (self.before, self.present, self.end) = (self.present, zero, self.end.saturating_mul(2));
+        }
+        if !ends.any_above(0.0) {
+            return zero;
+        }
+        for slot in slots.iter_mut().filter(|slot| slot.generation == generation) {
+            slot.field = slot.field.map(|a| a.scale(one - ends));
+        }
+        zero.select_lt(ends, in_flight, zero)
+    }
+}

@@ -1,0 +1,91 @@
+//! Where starting rays begin: a scrambled low-discrepancy sequence over the unit square.
+//!
+//! The first two dimensions of Sobol's sequence with Owen scrambling by hashing (L. Burley, "Practical Hash-based Owen
+//! Scrambling", JCGT 9(4), 2020). Each seed gives an independent, unbiased estimate, so the spread over seeds is an honest
+//! standard error; any power of two of points is evenly spread.
+
+/// Point `index` of the sequence `seed`, in [0, 1)².
+#[must_use]
+pub fn sobol(index: u32, seed: u32) -> [f64; 2] {
+    let index = owen(index, hash(seed));
+    let x = owen(index.reverse_bits(), hash(seed ^ 0x5bd1_e995));
+    let y = owen(second_dimension(index), hash(seed ^ 0x9e37_79b9));
+    [x, y].map(|bits| f64::from(bits) / 4_294_967_296.0)
+}
+
+/// The second dimension of Sobol's sequence: direction numbers of Pascal's triangle modulo 2.
+fn second_dimension(mut index: u32) -> u32 {
+    let mut direction = 1u32 << 31;
+    let mut bits = 0;
+    while index != 0 {
+        if index & 1 != 0 {
+            bits ^= direction;
+        }
+        index >>= 1;
+        direction ^= direction >> 1;
+    }
+    bits
+}
+
+/// Nested uniform scrambling: each bit flips by a hash of those above it.
+fn owen(bits: u32, seed: u32) -> u32 {
+    let mut x = bits.reverse_bits();
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
+fn hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x21f0_aaad);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0xd35a_2d97);
+    x ^ (x >> 15)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::random::Random;
+
+    #[test]
+    fn every_elementary_interval_holds_one_point() {
+        // A (0, 2)-sequence: 256 points, one in each box of area 1/256 whatever its shape.
+        for seed in [0, 1, 77] {
+            for log_columns in 0..=8u32 {
+                let (columns, rows) = (1usize << log_columns, 256usize >> log_columns);
+                let mut seen = [false; 256];
+                for index in 0..256 {
+                    let [x, y] = sobol(index, seed);
+                    let place = (x * columns as f64) as usize * rows + (y * rows as f64) as usize;
+                    assert!(!seen[place], "seed {seed}, {columns} columns");
+                    seen[place] = true;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn random_numbers_are_uniform() {
+        let mut random = Random::new(3, 7);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        let count = 100_000;
+        for _ in 0..count {
+            let x = random.next();
+            assert!((0.0..1.0).contains(&x));
+            sum += x;
+            squares += x * x;
+        }
+        // Standard errors of the mean and of the second moment are 1e-3.
+        assert!((sum / f64::from(count) - 0.5).abs() < 5e-3);
+        assert!((squares / f64::from(count) - 1.0 / 3.0).abs() < 5e-3);
+    }
+
+    #[test]
+    fn seeds_differ() {
+        assert!((sobol(3, 1)[0] - sobol(3, 2)[0]).abs() > 1e-6);
+    }
+}
