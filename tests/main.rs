@@ -8,6 +8,7 @@ mod laws;
 mod paper;
 mod planar;
 mod precise;
+mod prose;
 mod reference;
 mod scalar;
 mod scatter_table;
