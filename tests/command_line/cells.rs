@@ -306,7 +306,7 @@ fn orders_say_what_they_do_not_follow() {
          surface = { kind = \"grooves\", points_nm = [[0, 0], [4000, 12000], [8000, 0]] }\n\
          [interface.grooves]\nabove = 1.0\nbelow = \"mirror\"\n",
     )]);
-    let light = "--rays 256 --most-order 1 --wavelengths 550";
+    let light = "--rays 256 --max-order 1 --wavelengths 550";
     let ran = user.ok(&format!("orders roof.toml {light}"));
     assert!(ran.stderr.contains("single scattering: 1.0e0 of the light meets the surface again"), "{}", ran.stderr);
     assert!(ran.stdout.lines().nth(1).expect("an order").ends_with(",1.00e0"), "{}", ran.stdout);
@@ -344,7 +344,7 @@ fn light_reaches_a_cell_through_faint_absorption_in_every_command() {
         let [clear, faint] = ["clear.toml", "faint.toml"].map(|scene| reflected(scene, coherence));
         assert!((clear - faint).abs() <= FAINTLY_LOST, "{coherence}: {clear} {faint}");
     }
-    user.ok("orders faint.toml --wavelengths 550 --rays 64 --most-order 2 --csv orders.csv");
+    user.ok("orders faint.toml --wavelengths 550 --rays 64 --max-order 2 --csv orders.csv");
     user.ok("estimate faint.toml -o t.exr --incident 2x1 --bins 4x8 --rays 32 --wavelengths 450,550 -q");
 }
 

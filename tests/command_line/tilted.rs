@@ -179,7 +179,7 @@ fn light_that_loses_its_way_between_surfaces_that_cross_is_no_result() {
     let base = "v 0 0 20\nv 1000 0 20\nv 1000 800 20\nv 0 800 20\nusemtl base\nf 7 8 9 10\n";
     let user = user(SCENE, &(ROOF.to_owned() + base));
     let says = ["of the light was lost", "more than the 1e-3", "correct the mesh"];
-    for command in [ESTIMATE, "scatter s.toml --coherence none", "orders s.toml --most-order 1"] {
+    for command in [ESTIMATE, "scatter s.toml --coherence none", "orders s.toml --max-order 1"] {
         user.refused(command, 1, &says);
     }
     let interfering = ["of the light was lost", "use --coherence none"];
@@ -210,7 +210,7 @@ fn a_plane_with_noise_is_computed_right_and_half_a_plane_is_refused_by_every_com
     let scene = "[cell]\nmesh = \"m.obj\"\nperiod_nm = [20000, 20000]\n[interface.top]\nabove = 1.0\nbelow = 1.5\n";
     let spectrum = "spectrum s.toml --wavelengths 550";
     let scatter = "scatter s.toml --rays 32 --bins 1x1 -q";
-    let orders = "orders s.toml --rays 32 --most-order 1 -q";
+    let orders = "orders s.toml --rays 32 --max-order 1 -q";
     let estimate = "estimate s.toml -o t.exr -q";
     for noise in [0.0, 0.001, 0.01] {
         let whole = user(scene, &noisy(noise, 40));

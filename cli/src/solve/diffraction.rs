@@ -228,7 +228,7 @@ impl<V: Lanes> Light<'_, V> {
                 if order.cos_theta.any_above(0.0) {
                     if blank.len() == MAX_ORDERS {
                         return Err(Error::failed(format_args!(
-                            "more than {MAX_ORDERS} orders travel at {shortest} nm; orders --most-order keeps to some of them"
+                            "more than {MAX_ORDERS} orders travel at {shortest} nm; orders --max-order keeps to some of them"
                         )));
                     }
                     blank.push(order);

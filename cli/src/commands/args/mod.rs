@@ -326,7 +326,7 @@ pub struct OrdersArgs {
     #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
     pub rays: u32,
     /// Largest |m| and |n| [default: all orders that travel]
-    #[arg(long, value_parser = clap::value_parser!(i32).range(0..))]
+    #[arg(long, alias = "most-order", value_parser = clap::value_parser!(i32).range(0..))]
     pub max_order: Option<i32>,
     /// Hits after which a ray is dropped [default: 1, single scattering, for one surface; 64 for several interfaces]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
