@@ -10,9 +10,8 @@ use goniochrome::table::ScatterLayout;
 
 use crate::colour::{visible, visible_weights};
 use crate::commands::args::{EstimateArgs, ModelArg, spelled};
-use crate::commands::plot::disc_of;
 use crate::commands::{compute, named, remark_on_colours, remark_on_media, save};
-use crate::plot::Format;
+use crate::plot::{Format, tables};
 use crate::scene::{Scene, Shape, load};
 use crate::solve::cell_table::{TableRequest, estimate};
 use crate::solve::cell_warnings::{too_few, unbalanced, without_sum};
@@ -50,7 +49,7 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
     let (table, said, checkpoint) = table_of(args, &scene, Some(&args.output))?;
     file::write(&args.output, &table, args.computing.request().threads)?;
     if let Some(path) = &args.plot {
-        save(&disc_of(&table, None, 0.0)?, path, args.computing.running.quiet)?;
+        save(&tables::disc(&table, None, 0.0)?, path, args.computing.running.quiet)?;
     }
     // Not before all is written: on a full disk, say, the work is kept.
     checkpoint.map_or(Ok(()), Checkpoint::remove)?;

@@ -1,13 +1,11 @@
 //! One file per command: arguments in, files out.
 
 pub mod args;
-mod cell_plots;
 mod colour;
 mod compare;
 mod estimate;
 mod export;
 mod figures;
-mod lobes;
 mod orders;
 mod plot;
 mod presets;

@@ -12,6 +12,7 @@ mod line_chart;
 mod raster;
 mod svg;
 mod swatch;
+pub mod tables;
 
 use std::path::Path;
 use std::sync::{Arc, OnceLock};

@@ -1,5 +1,6 @@
 //! What every part of the program stands on: errors, files, threads, memory and words for the terminal.
 
+pub mod direction;
 pub mod text;
 pub mod error;
 pub mod memory;

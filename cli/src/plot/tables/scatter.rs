@@ -1,30 +1,33 @@
-//! Spectra of tables of scattering cells: between two directions, and of all reflected light together.
+//! Pictures of the spectra of cells: between two directions, and of all reflected light together.
 
 use goniochrome::colour::{Quadrature, xyz};
 
 use crate::colour::{illuminant_of, visible_weights};
-use crate::commands::args::PlotArgs;
-use crate::plot::{ColourAt, HeatAxis, LineOptions, PALETTE, Picture, Series, chromaticity, heat_map, line_chart};
+use crate::plot::Picture;
+use crate::plot::chromaticity::{ColourAt, chromaticity};
+use crate::plot::heat_map::{HeatAxis, heat_map};
+use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
 use crate::support::error::{Error, Result};
 use crate::table::scatter::ScatterTable;
 
 /// Steps of θ that maps and paths are drawn with; tables hold a dozen rows, linear in between.
 const STEPS: u32 = 90;
 
-/// f against the wavelength, one curve for each angle of the light.
-pub fn spectra(table: &ScatterTable, name: &str, theta_deg: &[f64], args: &PlotArgs) -> Result<Picture> {
-    let (phi, phi_out) = (args.phi, args.phi_out.unwrap_or(args.phi + 180.0));
-    if !phi_out.is_finite() {
-        return Err(Error::usage(format_args!("--phi-out {phi_out}: the azimuth must be finite")));
-    }
-    if let Some(theta) = args.theta_out.filter(|theta| !(0.0..90.0).contains(theta)) {
-        return Err(Error::usage(format_args!("--theta-out {theta}: the angle must lie in [0, 90) degrees")));
-    }
+/// f against the wavelength, one curve for each angle of the light. The light comes from the first azimuth of `phi_deg`
+/// and goes towards the second, at `theta_out_deg` or else at the angle of the light.
+pub fn spectra(
+    table: &ScatterTable,
+    name: &str,
+    theta_deg: &[f64],
+    theta_out_deg: Option<f64>,
+    phi_deg: [f64; 2],
+) -> Picture {
+    let [phi, phi_out] = phi_deg;
     let series: Vec<Series> = theta_deg
         .iter()
         .zip(PALETTE.iter().cycle())
         .map(|(&theta, colour)| {
-            let theta_out = args.theta_out.unwrap_or(theta);
+            let theta_out = theta_out_deg.unwrap_or(theta);
             let f = between(table, [theta, phi], [theta_out, phi_out]);
             Series {
                 label: format!("θ {theta}° → {theta_out}°"),
@@ -35,7 +38,7 @@ pub fn spectra(table: &ScatterTable, name: &str, theta_deg: &[f64], args: &PlotA
         })
         .collect();
     let title = format!("{name}: light from φ = {phi}° towards φ = {}°", phi_out.rem_euclid(360.0));
-    Ok(line_chart(&title, "Wavelength (nm)", "BRDF f (1/sr)", &series, LineOptions::default()))
+    line_chart(&title, "Wavelength (nm)", "BRDF f (1/sr)", &series, LineOptions::default())
 }
 
 /// f at each wavelength between two directions, (θ, φ) in degrees, interpolated as the core does.
@@ -65,7 +68,10 @@ fn reflected(table: &ScatterTable, theta_deg: f64, phi_deg: f64) -> Vec<f64> {
         .collect()
 }
 
-/// What is reflected in all directions together, over angle and wavelength.
+/// The light reflected in all directions together, over angle and wavelength.
+///
+/// # Errors
+/// A table of one wavelength.
 pub fn map(table: &ScatterTable, name: &str, phi_deg: f64) -> Result<Picture> {
     if table.wavelength_nm.len() < 2 {
         return Err(Error::usage("--kind map: the table has one wavelength; a map needs two or more"));
@@ -82,8 +88,11 @@ pub fn map(table: &ScatterTable, name: &str, phi_deg: f64) -> Result<Picture> {
     ))
 }
 
-/// The path of the colour of all reflected light together.
-pub fn path(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
+/// The path of the colour of all reflected light together over the angle, with the colours at `theta_deg` marked.
+///
+/// # Errors
+/// None of the wavelengths is visible.
+pub fn colour_path(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
     let light = illuminant_of(&table.metadata);
     let weights = visible_weights(&table.wavelength_nm, light, Quadrature::Interpolated)?;
     let at = |theta_deg: f64| ColourAt { theta_deg, xyz: xyz(&weights, reflected(table, theta_deg, phi_deg)) };

@@ -2,13 +2,15 @@
 
 use std::f64::consts::PI;
 
+use glam::Vec3;
 use goniochrome::colour::Quadrature;
 use goniochrome::table::ScatterTable as Lookup;
 
-use glam::Vec3;
-
 use crate::colour::{illuminant_of, visible_weights};
-use crate::plot::{Disc, LineOptions, Mark, PALETTE, Picture, Series, line_chart, marked_disc};
+use crate::plot::Picture;
+use crate::plot::disc::{Disc, Mark, marked_disc};
+use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
+use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::table::scatter::ScatterTable;
 
@@ -16,9 +18,8 @@ use crate::table::scatter::ScatterTable;
 const THETA_DEG: f64 = 30.0;
 
 /// The unit vector at angles in degrees.
-pub(super) fn direction(theta_deg: f64, phi_deg: f64) -> Vec3 {
-    let ((sin, cos), (sin_phi, cos_phi)) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
-    Vec3::new((sin * cos_phi) as f32, (sin * sin_phi) as f32, cos as f32)
+fn direction_deg(theta: f64, phi: f64) -> Vec3 {
+    direction(theta.to_radians(), phi.to_radians()).as_vec3()
 }
 
 /// Azimuths averaged where the last row of bins, which reaches the normal, is drawn.
@@ -33,32 +34,35 @@ fn smooth(lookup: &Lookup<'_>, wi: Vec3, theta_deg: f64, phi_deg: f64) -> [f32; 
     let circle_deg = (1.0 - 0.5 / rows).acos().to_degrees();
     let share = theta_deg / circle_deg;
     if share >= 1.0 {
-        return lookup.rgb(wi, direction(theta_deg, phi_deg));
+        return lookup.rgb(wi, direction_deg(theta_deg, phi_deg));
     }
     let width = (1.0 - share) / (1.0 + share);
     let mut sum = [0.0; 3];
     for i in 0..AROUND {
         let quantile = (f64::from(i) + 0.5) / f64::from(AROUND) - 0.5;
         let turn = 2.0 * (width * (PI * quantile).tan()).atan();
-        let rgb = lookup.rgb(wi, direction(circle_deg, phi_deg + turn.to_degrees()));
+        let rgb = lookup.rgb(wi, direction_deg(circle_deg, phi_deg + turn.to_degrees()));
         sum = std::array::from_fn(|c| sum[c] + rgb[c]);
     }
     sum.map(|c| c / AROUND as f32)
 }
 
-/// The disc of outgoing directions for light from one.
+/// The disc of outgoing directions for light from one direction.
+///
+/// # Errors
+/// More than one angle of the light.
 pub fn outgoing(table: &ScatterTable, name: &str, theta_deg: Option<&[f64]>, phi_deg: f64) -> Result<Picture> {
     let &[theta_deg] = theta_deg.unwrap_or(&[THETA_DEG]) else {
         return Err(Error::usage("--theta: the disc of a cell shows the light of one direction; name one angle"));
     };
     let lookup = Lookup::new(table.rgb.as_flattened(), table.layout, 3).map_err(Error::failed)?;
-    let wi = direction(theta_deg, phi_deg);
+    let wi = direction_deg(theta_deg, phi_deg);
     let bins = table.layout.bins();
     // The brightest is a middle of a bin: between them values are interpolated.
     let brightest = (0..bins.count())
         .map(|bin| {
             let [cos, relative] = table.layout.outgoing(bin);
-            let [r, g, b] = lookup.rgb(wi, direction(cos.acos().to_degrees(), phi_deg + relative.to_degrees()));
+            let [r, g, b] = lookup.rgb(wi, direction_deg(cos.acos().to_degrees(), phi_deg + relative.to_degrees()));
             r.max(g).max(b)
         })
         .fold(0.0, f32::max);
@@ -74,7 +78,11 @@ pub fn outgoing(table: &ScatterTable, name: &str, theta_deg: Option<&[f64]>, phi
     Ok(marked_disc(&disc, &marks, &notes))
 }
 
-/// Luminance of f cos θ_o in the plane of incidence, one curve for each angle of the light; θ_o < 0 is the light's own side.
+/// Luminance of f cos θ_o in the plane of incidence, one curve for each angle of the light; θ_o < 0 is the
+/// light's own side.
+///
+/// # Errors
+/// None of the wavelengths is visible.
 pub fn lobes(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
     let weights = visible_weights(&table.wavelength_nm, illuminant_of(&table.metadata), Quadrature::Interpolated)?;
     let bins = table.layout.bins().count();
@@ -89,10 +97,10 @@ pub fn lobes(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) 
         .iter()
         .zip(PALETTE.iter().cycle())
         .map(|(&theta, colour)| {
-            let wi = direction(theta, phi_deg);
+            let wi = direction_deg(theta, phi_deg);
             let points = (-180..=180).map(|half| {
                 let theta_o = 0.5 * f64::from(half);
-                let wo = direction(theta_o, phi_deg + 180.0);
+                let wo = direction_deg(theta_o, phi_deg + 180.0);
                 (theta_o, f64::from(lookup.rgb(wi, wo)[0] * wo.z))
             });
             Series {
@@ -123,7 +131,7 @@ mod tests {
         let layout = ScatterLayout::new(1, 1, DirectionBins { cos: 2, phi: 8 }).unwrap();
         let values: Vec<f32> = (0..16).map(|bin| (bin % 2) as f32).collect();
         let lookup = Lookup::new(&values, layout, 1).unwrap();
-        let wi = direction(30.0, 0.0);
+        let wi = direction_deg(30.0, 0.0);
         let middle = 0.75_f64.acos().to_degrees();
         for phi in [0.0, 45.0, 100.0] {
             assert!((smooth(&lookup, wi, 0.0, phi)[0] - 0.5).abs() < QUANTILES);

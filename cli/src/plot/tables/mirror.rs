@@ -1,0 +1,102 @@
+//! Pictures of tables of mirror-like surfaces.
+
+use goniochrome::colour::{Quadrature, xyz};
+
+use crate::colour::{illuminant_of, visible_weights};
+use crate::plot::Picture;
+use crate::plot::chromaticity::{ColourAt, chromaticity};
+use crate::plot::disc::{Disc, disc as draw_disc};
+use crate::plot::heat_map::{HeatAxis, heat_map};
+use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
+use crate::support::error::{Error, Result};
+use crate::table::mirror::MirrorTable;
+
+/// The colour of every direction, as in the paper's figures 3 and 4: radius θ, angle φ.
+///
+/// # Errors
+/// A table without colours.
+pub fn disc(table: &MirrorTable, name: &str) -> Result<Picture> {
+    table.colours()?;
+    let rgb = |theta_deg: f64, _phi_deg: f64| table.rgb_at(theta_deg);
+    Ok(draw_disc(&Disc { label: name, rgb: &rgb, theta_max_deg: 90.0, azimuthal: false }))
+}
+
+/// Reflectance against the wavelength at the angles of the table nearest to `theta_deg`: s, p and their mean.
+pub fn spectra(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Picture {
+    let width = table.wavelength_nm.len();
+    let series = theta_deg.iter().zip(PALETTE.iter().cycle()).flat_map(|(&wanted, colour)| {
+        let distance = |angle: &usize| (table.theta_deg[*angle] - wanted).abs();
+        let angle = (0..table.theta_deg.len())
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .expect("a table has at least one angle");
+        let theta = table.theta_deg[angle];
+        let curve = |label: String, dashed, of: &dyn Fn(usize) -> f32| Series {
+            label,
+            colour: (*colour).to_owned(),
+            points: (0..width).map(|i| (table.wavelength_nm[i], f64::from(of(angle * width + i)))).collect(),
+            dashed,
+        };
+        let (s, p) = (&table.reflectance_s, &table.reflectance_p);
+        let mean = curve(format!("{theta:.0}°"), false, &|i| 0.5 * (s[i] + p[i]));
+        // s and p coincide at normal incidence.
+        let parts = (theta > 0.0).then(|| {
+            [curve(format!("{theta:.0}° s"), true, &|i| s[i]), curve(format!("{theta:.0}° p"), true, &|i| p[i])]
+        });
+        [mean].into_iter().chain(parts.into_iter().flatten()).collect::<Vec<_>>()
+    });
+    let series: Vec<Series> = series.collect();
+    line_chart(&format!("{name}: reflectance"), "Wavelength (nm)", "Reflectance", &series, LineOptions::default())
+}
+
+/// Unpolarised reflectance over angle and wavelength.
+///
+/// # Errors
+/// A table of one angle or one wavelength.
+pub fn map(table: &MirrorTable, name: &str) -> Result<Picture> {
+    if table.wavelength_nm.len() < 2 || table.theta_deg.len() < 2 {
+        return Err(Error::usage("--kind map: a map needs two angles and two wavelengths or more"));
+    }
+    let mean: Vec<f64> = table
+        .reflectance_s
+        .iter()
+        .zip(&table.reflectance_p)
+        .map(|(s, p)| 0.5 * (f64::from(*s) + f64::from(*p)))
+        .collect();
+    Ok(heat_map(
+        &format!("{name}: unpolarised reflectance"),
+        HeatAxis { label: "Wavelength (nm)", coordinates: &table.wavelength_nm },
+        HeatAxis { label: "Angle of incidence (°)", coordinates: &table.theta_deg },
+        &mean,
+        "Reflectance",
+        None,
+    ))
+}
+
+/// The path of the colour of unpolarised light over the angle, with the colours at `theta_deg` marked.
+///
+/// # Errors
+/// None of the wavelengths is visible.
+pub fn colour_path(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Result<Picture> {
+    let light = illuminant_of(&table.metadata);
+    let weights = visible_weights(&table.wavelength_nm, light, Quadrature::Interpolated)?;
+    let width = weights.len();
+    let row = |angle: usize| -> Vec<f64> {
+        let at = angle * width..(angle + 1) * width;
+        let both = table.reflectance_s[at.clone()].iter().zip(&table.reflectance_p[at]);
+        both.map(|(s, p)| 0.5 * (f64::from(*s) + f64::from(*p))).collect()
+    };
+    let path: Vec<_> = (0..table.theta_deg.len())
+        .map(|angle| ColourAt { theta_deg: table.theta_deg[angle], xyz: xyz(&weights, row(angle)) })
+        .collect();
+    let marked: Vec<_> = theta_deg.iter().map(|&theta| between(&path, theta)).collect();
+    Ok(chromaticity(&format!("{name}: colour over the angle from the normal"), light, &path, &marked))
+}
+
+/// The colour between the two neighbours of an angle, held at the ends.
+fn between(path: &[ColourAt], theta_deg: f64) -> ColourAt {
+    let above = path.partition_point(|place| place.theta_deg < theta_deg).min(path.len() - 1);
+    let (a, b) = (path[above.saturating_sub(1)], path[above]);
+    let span = b.theta_deg - a.theta_deg;
+    let weight = if span > 0.0 { ((theta_deg - a.theta_deg) / span).clamp(0.0, 1.0) } else { 0.0 };
+    ColourAt { theta_deg, xyz: std::array::from_fn(|c| a.xyz[c] + weight * (b.xyz[c] - a.xyz[c])) }
+}
