@@ -17,7 +17,7 @@ use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::twenty_layers;
 use goniochrome_benches::{MAX_PLANES, contrast, group, stages};
-use goniochrome_cli::render::mesh::Mesh;
+use goniochrome_cli::render::mesh::TriangleMesh;
 use goniochrome_cli::scene::load;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
 use goniochrome_cli::solve::planar::Planar;
@@ -78,7 +78,7 @@ fn wavelengths(count: usize) -> f64 {
 
 /// Seconds of a ray through a teapot of so many quads along a patch.
 fn polygons(level: usize) -> [f64; 2] {
-    let mesh = Mesh::teapot(level as u32);
+    let mesh = TriangleMesh::teapot(level as u32);
     let count = mesh.triangles.len();
     let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
     let (mut order, mut corners) = (vec![0; count], vec![0.0; Bvh::required_corners(count)]);

@@ -6,11 +6,11 @@ use goniochrome_cli::render::environment::decode;
 pub fn check(bytes: &[u8]) {
     match decode("fuzz.hdr", bytes) {
         Err(error) => assert!(!error.to_string().contains('\n')),
-        Ok((image, mended)) => {
+        Ok((image, repairs)) => {
             let [width, height] = image.size();
             assert!(width == 2 * height && image.texels().len() == width * height);
             assert!(image.texels().iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
-            assert!(mended.says().iter().all(|said| !said.contains('\n')));
+            assert!(repairs.notes().iter().all(|said| !said.contains('\n')));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Any text as a mesh to show, as a mesh of a cell, and then as a cell.
 
 use goniochrome::optics::interface::{Below, Interface};
-use goniochrome_cli::render::mesh::{Axes, Mesh};
+use goniochrome_cli::render::mesh::{Axes, TriangleMesh};
 use goniochrome_cli::scene::{self, NamedInterface, NamedMedium, OwnedMedium, Shape};
 
 /// Holds for any bytes; those that are no text are no input.
@@ -31,7 +31,7 @@ pub fn check(bytes: &[u8]) {
 
 /// What can be shown has triangles with unit normals.
 fn shown(text: &str) {
-    match Mesh::from_obj("fuzz.obj", text, Axes::YUp) {
+    match TriangleMesh::from_obj("fuzz.obj", text, Axes::YUp) {
         Err(error) => assert!(!error.to_string().contains('\n')),
         Ok((mesh, repairs)) => {
             let count = mesh.positions.len();

@@ -16,7 +16,7 @@ use goniochrome::geometry::bvh::{Bvh, Hit, Node, Ray};
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::stages;
 use goniochrome_cli::render::camera::{Camera, View};
-use goniochrome_cli::render::mesh::Mesh;
+use goniochrome_cli::render::mesh::TriangleMesh;
 
 const INCOHERENT: usize = 1 << 20;
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [folder, repeats, level, kind] = &arguments[..] else {
         return Err("usage: rays FOLDER REPEATS LEVEL primary|incoherent".into());
     };
-    let mesh = Mesh::teapot(level.parse()?);
+    let mesh = TriangleMesh::teapot(level.parse()?);
     let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(mesh.triangles.len())];
     let mut order = vec![0; mesh.triangles.len()];
     let mut corners = vec![0.0; Bvh::required_corners(mesh.triangles.len())];
@@ -72,7 +72,7 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
     Ray { origin: single(origin), direction: single(direction), t_min: 0.0, t_max: f64::INFINITY }
 }
 
-fn primary(mesh: &Mesh) -> Result<Vec<Ray>, Box<dyn Error>> {
+fn primary(mesh: &TriangleMesh) -> Result<Vec<Ray>, Box<dyn Error>> {
     let (centre, radius) = mesh.bounding_sphere();
     let camera = Camera::new(&View::default(), centre, radius)?;
     let [width, height] = camera.size;

@@ -3,7 +3,7 @@ use std::hint::black_box;
 
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node, Ray};
-use goniochrome_cli::render::mesh::Mesh;
+use goniochrome_cli::render::mesh::TriangleMesh;
 
 use super::{Visit, Work};
 use crate::random::Random;
@@ -12,7 +12,7 @@ const RAYS: usize = 1000;
 
 /// Building the hierarchy of a teapot of 5112 triangles, and incoherent rays through it.
 pub fn bvh(visit: Visit<'_>) {
-    let mesh = Mesh::teapot(9);
+    let mesh = TriangleMesh::teapot(9);
     let count = mesh.triangles.len();
     let mut nodes = vec![Node::EMPTY; Bvh::required_nodes(count)];
     let (mut order, mut corners) = (vec![0; count], vec![0.0; Bvh::required_corners(count)]);
@@ -40,7 +40,7 @@ pub fn bvh(visit: Visit<'_>) {
 
 /// Rays from random points of the mesh's bounding sphere through random points of its box, in random order.
 #[must_use]
-pub fn incoherent(mesh: &Mesh, count: usize) -> Vec<Ray> {
+pub fn incoherent(mesh: &TriangleMesh, count: usize) -> Vec<Ray> {
     let (centre, radius) = mesh.bounding_sphere();
     let least = mesh.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let most = mesh.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);

@@ -27,7 +27,7 @@ pub fn run(args: &ColourArgs) -> Result<()> {
     let colours = colours(&spectra, illuminant, space, Quadrature::Interpolated)?;
     remark_on_colours(&planar, &spectra, &wavelengths, illuminant, &args.computing)?;
     let of_gamut = |all: OutOfGamut, colour: &Colour| all + OutOfGamut::of(colour.display(space));
-    if let Some(said) = colours.iter().fold(OutOfGamut::default(), of_gamut).says() {
+    if let Some(said) = colours.iter().fold(OutOfGamut::default(), of_gamut).note() {
         note(args.computing.running.quiet, said);
     }
     match &args.csv {
@@ -53,7 +53,7 @@ fn table(theta_deg: &[f64], colours: &[Colour], space: RgbSpace) -> String {
         let [r, g, b] = srgb8(display);
         let swatch = if coloured { format!("\x1b[48;2;{r};{g};{b}m        \x1b[0m ") } else { String::new() };
         let [red, green, blue] = colour.rgb;
-        let mark = OutOfGamut::of(display).says().map_or("", |_| " out of gamut");
+        let mark = OutOfGamut::of(display).note().map_or("", |_| " out of gamut");
         text += &format!("{theta:5.1}° {red:7.3} {green:7.3} {blue:7.3}  {swatch}{}{mark}\n", hex(display));
     }
     text

@@ -117,7 +117,7 @@ fn remark_on_media(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
 /// Writes a picture, and says how many of its colours had to be changed.
 fn save(picture: &crate::plot::Picture, path: &Path, quiet: bool) -> Result<()> {
     picture.save(path)?;
-    if let Some(said) = picture.out_of_gamut().says() {
+    if let Some(said) = picture.out_of_gamut().note() {
         note(quiet, format_args!("{}: {said}", path.display()));
     }
     Ok(())

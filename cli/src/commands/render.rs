@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use crate::commands::args::RenderArgs;
 use crate::commands::source::Source;
 use crate::obj;
-use crate::render::body::{Body, Memory, Shape};
+use crate::render::body::{Body, BodyShape, BvhMemory};
 use crate::render::camera::Camera;
-use crate::render::environment::{Environment, Light, decode};
-use crate::render::mesh::{Axes, Mesh};
+use crate::render::environment::{Environment, EnvironmentLight, decode};
+use crate::render::mesh::{Axes, TriangleMesh};
 use crate::render::surface::Surface;
 use crate::render::{Quality, Stage, render};
 use crate::support::error::{Error, Result};
@@ -45,7 +45,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     surface.check_not_black().map_err(name)?;
     let environment = Environment::new(light(&args.env, args.quiet)?, args.env_turn);
     let shape = shape(&args.mesh, args.axes, args.level, args.quiet)?;
-    let mut memory = Memory::default();
+    let mut memory = BvhMemory::default();
     let body = Body::new(&shape, &mut memory)?;
     let (centre, radius) = body.bounds();
     let camera = Camera::new(&view, centre, radius)?;
@@ -68,7 +68,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let bytes = match format {
         Format::Png => {
             let (png, out_of_gamut) = film.png(args.exposure, args.tonemap);
-            if let Some(said) = out_of_gamut.says() {
+            if let Some(said) = out_of_gamut.note() {
                 note(args.quiet, format_args!("{}: {said}", args.output.display()));
             }
             png
@@ -102,29 +102,29 @@ fn file_of(word: &str) -> Option<PathBuf> {
     (!["white", "studio", "teapot", "sphere", "plane"].contains(&word)).then(|| PathBuf::from(word))
 }
 
-fn light(word: &str, quiet: bool) -> Result<Light> {
+fn light(word: &str, quiet: bool) -> Result<EnvironmentLight> {
     match word {
-        "white" => Ok(Light::White),
-        "studio" => Ok(Light::Studio(Box::default())),
+        "white" => Ok(EnvironmentLight::White),
+        "studio" => Ok(EnvironmentLight::Studio(Box::default())),
         file => {
             let (image, mended) =
                 decode(file, &read(file, "an environment is white, studio, or a .exr or .hdr file")?)?;
-            mended.says().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
-            Ok(Light::Image(image))
+            mended.notes().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
+            Ok(EnvironmentLight::Image(image))
         }
     }
 }
 
-fn shape(word: &str, axes: Axes, level: u32, quiet: bool) -> Result<Shape> {
+fn shape(word: &str, axes: Axes, level: u32, quiet: bool) -> Result<BodyShape> {
     match word {
-        "teapot" => Ok(Shape::Mesh(Mesh::teapot(level))),
-        "sphere" => Ok(Shape::Sphere),
-        "plane" => Ok(Shape::Mesh(Mesh::plane())),
+        "teapot" => Ok(BodyShape::Mesh(TriangleMesh::teapot(level))),
+        "sphere" => Ok(BodyShape::Sphere),
+        "plane" => Ok(BodyShape::Mesh(TriangleMesh::plane())),
         file => {
             let text = obj::read_file(Path::new(file), "; a mesh is teapot, sphere, plane, or an .obj file")?;
-            let (mesh, repairs) = Mesh::from_obj(file, &text, axes)?;
-            repairs.says().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
-            Ok(Shape::Mesh(mesh))
+            let (mesh, repairs) = TriangleMesh::from_obj(file, &text, axes)?;
+            repairs.notes().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
+            Ok(BodyShape::Mesh(mesh))
         }
     }
 }

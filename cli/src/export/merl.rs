@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use super::Reflection;
-use super::reflection::{Evaluator, Kind};
+use super::reflection::{Evaluator, ReflectionKind};
 use crate::support::error::{Error, Result};
 use crate::table::file::Table;
 
@@ -42,7 +42,7 @@ fn directions(h: usize, d: usize, p: usize) -> [DVec3; 2] {
 /// An anisotropic table; a roughness that is missing or has no use.
 pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
     let reflection = Reflection::new(table, roughness, true)?;
-    if let Kind::Scatter(layout) = reflection.kind()
+    if let ReflectionKind::Scatter(layout) = reflection.kind()
         && layout.phi() > 1
     {
         return Err(Error::failed(format_args!(

@@ -14,11 +14,11 @@ pub struct Reflection {
     /// Wavelengths in nm; none for RGB.
     pub wavelength_nm: Vec<f64>,
     values: Vec<f32>,
-    kind: Kind,
+    kind: ReflectionKind,
 }
 
 /// Where the values come from.
-pub enum Kind {
+pub enum ReflectionKind {
     /// A mirror-like table, through a lobe.
     Lobe {
         /// The lobe.
@@ -58,7 +58,7 @@ impl Reflection {
                 values: values_of(table.reflectance_s.len(), &table.rgb, &|i| {
                     0.5 * (table.reflectance_s[i] + table.reflectance_p[i])
                 }),
-                kind: Kind::Lobe {
+                kind: ReflectionKind::Lobe {
                     ggx: Ggx { alpha },
                     theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
                 },
@@ -73,7 +73,7 @@ impl Reflection {
                     channels: channels(&table.wavelength_nm),
                     wavelength_nm: wavelengths(&table.wavelength_nm),
                     values: values_of(table.brdf.len(), &table.rgb, &spectral),
-                    kind: Kind::Scatter(table.layout),
+                    kind: ReflectionKind::Scatter(table.layout),
                 })
             }
         }
@@ -81,7 +81,7 @@ impl Reflection {
 
     /// Where the values come from.
     #[must_use]
-    pub fn kind(&self) -> &Kind {
+    pub fn kind(&self) -> &ReflectionKind {
         &self.kind
     }
 
@@ -89,8 +89,8 @@ impl Reflection {
     #[must_use]
     pub fn evaluator(&self) -> Evaluator<'_> {
         let lookup = match self.kind {
-            Kind::Lobe { .. } => None,
-            Kind::Scatter(layout) => {
+            ReflectionKind::Lobe { .. } => None,
+            ReflectionKind::Scatter(layout) => {
                 Some(Lookup::new(&self.values, layout, self.channels).expect("a checked table fits its layout"))
             }
         };
@@ -111,7 +111,7 @@ impl Reflection {
 
     /// ρ of a mirror-like table at the half vector's angle.
     pub(super) fn reflectance(&self, cos_d: f64, out: &mut [f64]) {
-        if let Kind::Lobe { theta, .. } = &self.kind {
+        if let ReflectionKind::Lobe { theta, .. } = &self.kind {
             self.interpolate(theta, cos_d.clamp(0.0, 1.0).acos(), out);
         }
     }
@@ -120,7 +120,7 @@ impl Reflection {
 /// Evaluates a [`Reflection`] over and over.
 pub struct Evaluator<'r> {
     reflection: &'r Reflection,
-    /// Only a [`Kind::Scatter`] has one.
+    /// Only a [`ReflectionKind::Scatter`] has one.
     lookup: Option<Lookup<'r>>,
     values: Vec<f32>,
 }
@@ -138,7 +138,7 @@ impl<'r> Evaluator<'r> {
             let single = |w: DVec3| Vec3::new(w.x as f32, w.y as f32, w.z as f32);
             lookup.eval(single(wi), single(wo), &mut self.values);
             out.iter_mut().zip(&self.values).for_each(|(out, value)| *out = f64::from(*value));
-        } else if let Kind::Lobe { ggx, .. } = &self.reflection.kind {
+        } else if let ReflectionKind::Lobe { ggx, .. } = &self.reflection.kind {
             let m = (wi + wo).normalize();
             self.reflection.reflectance(wi.dot(m), out);
             let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);

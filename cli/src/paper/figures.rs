@@ -16,7 +16,7 @@ use crate::support::output;
 
 use crate::paper::wavelength_count::{self, Point, Setting, error_curve};
 use crate::plot::{Disc, Picture, disc_grid};
-use crate::render::environment::Light;
+use crate::render::environment::EnvironmentLight;
 use crate::scene::{Scene, load};
 use crate::solve::planar::Planar;
 use crate::support::progress::bar;
@@ -120,7 +120,7 @@ fn teapot(
     threads: usize,
 ) -> Result<Vec<String>> {
     let table = teapots::table(&computed[rendering], RENDERINGS[rendering].3);
-    teapots::draw(folder, table, vec![(file, Light::White)], threads)
+    teapots::draw(folder, table, vec![(file, EnvironmentLight::White)], threads)
 }
 
 fn figure_5(folder: &Path, request: &Request) -> Result<Section> {

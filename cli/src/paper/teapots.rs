@@ -5,10 +5,10 @@ use std::path::Path;
 use goniochrome::colour::RgbSpace;
 
 use crate::paper::html::Section;
-use crate::render::body::{Body, Memory, Shape};
+use crate::render::body::{Body, BodyShape, BvhMemory};
 use crate::render::camera::{Camera, View};
-use crate::render::environment::{Environment, Light};
-use crate::render::mesh::{DEFAULT_LEVEL, Mesh};
+use crate::render::environment::{Environment, EnvironmentLight};
+use crate::render::mesh::{DEFAULT_LEVEL, TriangleMesh};
 use crate::render::surface::Surface;
 use crate::render::tone::ToneMap;
 use crate::render::{Background, Quality, Stage, render};
@@ -40,12 +40,12 @@ pub(super) fn table(colours: &[Colour], space: RgbSpace) -> MirrorTable {
 pub(super) fn draw(
     folder: &Path,
     table: MirrorTable,
-    lights: Vec<(&str, Light)>,
+    lights: Vec<(&str, EnvironmentLight)>,
     threads: usize,
 ) -> Result<Vec<String>> {
     let surface = Surface::new(&table.into(), false)?;
-    let shape = Shape::Mesh(Mesh::teapot(DEFAULT_LEVEL));
-    let mut memory = Memory::default();
+    let shape = BodyShape::Mesh(TriangleMesh::teapot(DEFAULT_LEVEL));
+    let mut memory = BvhMemory::default();
     let body = Body::new(&shape, &mut memory)?;
     let (centre, radius) = body.bounds();
     let view = View { size: SIZE, distance: Some(DISTANCE), ..View::default() };
@@ -55,13 +55,13 @@ pub(super) fn draw(
         .into_iter()
         .map(|(file, light)| {
             // A white surrounding is shown grey, for white edges to be seen.
-            let white = matches!(light, Light::White);
+            let white = matches!(light, EnvironmentLight::White);
             let background = if white { Background::Colour([0.2; 3]) } else { Background::Environment };
             let environment = Environment::new(light, 0.0);
             let stage =
                 Stage { body: &body, surface: &surface, environment: &environment, camera: &camera, background };
-            let film = render(&stage, &quality, &|| ())?;
-            output::write_file(&folder.join(file), &film.png(0.0, ToneMap::None).0)?;
+            let picture = render(&stage, &quality, &|| ())?;
+            output::write_file(&folder.join(file), &picture.png(0.0, ToneMap::None).0)?;
             Ok(file.to_owned())
         })
         .collect()
@@ -69,13 +69,16 @@ pub(super) fn draw(
 
 /// Figure 5: one surface in the studio and in white light.
 pub(super) fn figure_5(folder: &Path, table: MirrorTable, threads: usize) -> Result<Section> {
-    let lights = vec![("figure-5-studio.png", Light::Studio(Box::default())), ("figure-5-white.png", Light::White)];
+    let lights = vec![
+        ("figure-5-studio.png", EnvironmentLight::Studio(Box::default())),
+        ("figure-5-white.png", EnvironmentLight::White),
+    ];
     Ok(Section {
         heading: "Figure 5: an environment against white light".into(),
         images: draw(folder, table, lights, threads)?,
         caption_html: "<p>The three films of figure 4 on Newell’s teapot, exact physics, D65 and sRGB. Left the built-in \
                        studio, looked up in the mirror direction and multiplied by the table; right light of radiance 1 from \
-                       everywhere, in which each point has the colour of its angle of view. Light is followed over three \
+                       everywhere, in which each point has the colour of its angle of view. EnvironmentLight is followed over three \
                        reflections by the pot.</p>"
             .into(),
     })

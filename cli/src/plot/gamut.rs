@@ -29,7 +29,7 @@ impl OutOfGamut {
 
     /// What to tell the user; nothing where all colours are shown as they are.
     #[must_use]
-    pub fn says(self) -> Option<String> {
+    pub fn note(self) -> Option<String> {
         let share = |count: usize| match 100.0 * count as f64 / self.all.max(1) as f64 {
             percent if percent < 0.1 => "under 0.1 %".to_owned(),
             percent => format!("{percent:.1} %"),
@@ -85,8 +85,8 @@ mod tests {
 
     #[test]
     fn only_changes_are_told() {
-        assert_eq!(OutOfGamut { all: 7, ..OutOfGamut::default() }.says(), None);
-        let said = OutOfGamut { saturated: 1, bright: 250, all: 2000 }.says().unwrap();
+        assert_eq!(OutOfGamut { all: 7, ..OutOfGamut::default() }.note(), None);
+        let said = OutOfGamut { saturated: 1, bright: 250, all: 2000 }.note().unwrap();
         assert_eq!(
             said,
             "of the colours shown, under 0.1 % are more saturated than sRGB and were made paler, \

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node, Ray};
 
-use super::mesh::{Frame, Mesh};
+use super::mesh::{ShadingFrame, TriangleMesh};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 
@@ -12,16 +12,16 @@ const OFFSET: f64 = 1e-9;
 
 /// What is lit.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum BodyShape {
     /// The unit sphere, exactly; t points eastwards.
     Sphere,
     /// Triangles.
-    Mesh(Mesh),
+    Mesh(TriangleMesh),
 }
 
 /// Memory for the hierarchy of a mesh.
 #[derive(Default)]
-pub struct Memory {
+pub struct BvhMemory {
     nodes: Vec<Node>,
     corners: Vec<f64>,
 }
@@ -35,15 +35,15 @@ pub struct Body<'a> {
 
 enum Kind<'a> {
     Sphere,
-    Mesh(&'a Mesh, Bvh<'a>),
+    Mesh(&'a TriangleMesh, Bvh<'a>),
 }
 
 /// Where a ray meets the body.
-pub struct Contact {
+pub struct SurfaceHit {
     /// In the world.
     pub point: DVec3,
     /// Not yet turned to the viewer.
-    pub frame: Frame,
+    pub frame: ShadingFrame,
 }
 
 impl<'a> Body<'a> {
@@ -51,10 +51,10 @@ impl<'a> Body<'a> {
     ///
     /// # Errors
     /// If the mesh has no triangle with an area, too many, or more than fit into memory.
-    pub fn new(shape: &'a Shape, memory: &'a mut Memory) -> Result<Self> {
+    pub fn new(shape: &'a BodyShape, memory: &'a mut BvhMemory) -> Result<Self> {
         let mesh = match shape {
-            Shape::Sphere => return Ok(Self { kind: Kind::Sphere, bounds: (DVec3::ZERO, 1.0) }),
-            Shape::Mesh(mesh) => mesh,
+            BodyShape::Sphere => return Ok(Self { kind: Kind::Sphere, bounds: (DVec3::ZERO, 1.0) }),
+            BodyShape::Mesh(mesh) => mesh,
         };
         let count = mesh.triangles.len();
         let what = format_args!("a mesh of {count} triangles");
@@ -79,26 +79,26 @@ impl<'a> Body<'a> {
 
     /// The first contact of the half-line from `origin` along a unit `direction`.
     #[must_use]
-    pub fn meet(&self, origin: DVec3, direction: DVec3) -> Option<Contact> {
+    pub fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
         match &self.kind {
-            Kind::Sphere => meet_sphere(origin, direction),
+            Kind::Sphere => intersect_sphere(origin, direction),
             Kind::Mesh(mesh, bvh) => {
                 let hit =
                     bvh.intersect_nearest(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }, |_| true)?;
                 let point = origin + hit.t * direction;
-                Some(Contact { point, frame: mesh.frame(hit.triangle, point) })
+                Some(SurfaceHit { point, frame: mesh.frame(hit.triangle, point) })
             }
         }
     }
 
     /// Where a ray that leaves the surface at a contact, on the side of the turned frame, starts.
     #[must_use]
-    pub fn leave(&self, point: DVec3, frame: &Frame) -> DVec3 {
+    pub fn offset_origin(&self, point: DVec3, frame: &ShadingFrame) -> DVec3 {
         point + OFFSET * self.bounds.1 * frame.face
     }
 }
 
-fn meet_sphere(origin: DVec3, direction: DVec3) -> Option<Contact> {
+fn intersect_sphere(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
     let closest = -origin.dot(direction);
     // Half the chord, from the distance between the line and the centre.
     let miss = origin + closest * direction;
@@ -106,7 +106,7 @@ fn meet_sphere(origin: DVec3, direction: DVec3) -> Option<Contact> {
     let t = [closest - half, closest + half].into_iter().find(|&t| t >= 0.0)?;
     let normal = (origin + t * direction).normalize();
     let tangent = DVec3::new(-normal.y, normal.x, 0.0).try_normalize().unwrap_or(DVec3::X);
-    Some(Contact { point: normal, frame: Frame { tangent, normal, face: normal } })
+    Some(SurfaceHit { point: normal, frame: ShadingFrame { tangent, normal, face: normal } })
 }
 
 #[cfg(test)]
@@ -115,24 +115,24 @@ mod tests {
 
     #[test]
     fn the_exact_sphere_and_its_mesh_agree() {
-        let (exact, mesh) = (Shape::Sphere, Shape::Mesh(Mesh::sphere(64)));
-        let (mut none, mut memory) = (Memory::default(), Memory::default());
+        let (exact, mesh) = (BodyShape::Sphere, BodyShape::Mesh(TriangleMesh::sphere(64)));
+        let (mut none, mut memory) = (BvhMemory::default(), BvhMemory::default());
         let (exact, mesh) = (Body::new(&exact, &mut none).unwrap(), Body::new(&mesh, &mut memory).unwrap());
         let origin = DVec3::new(4.0, 0.3, 0.2);
         for target in [[0.0, 0.0, 0.0], [0.0, 0.5, 0.5], [0.0, -0.6, 0.2], [0.0, 0.0, -0.9]] {
             let direction = (DVec3::from_array(target) - origin).normalize();
-            let (a, b) = (exact.meet(origin, direction).unwrap(), mesh.meet(origin, direction).unwrap());
+            let (a, b) = (exact.intersect(origin, direction).unwrap(), mesh.intersect(origin, direction).unwrap());
             // 256 segments around: facets lie up to 1.5e-4 below the sphere, and these rays are oblique.
             assert!(a.point.distance(b.point) < 1e-3 && a.frame.normal.distance(b.frame.normal) < 1e-3);
         }
-        assert!(exact.meet(origin, DVec3::Y).is_none() && mesh.meet(origin, DVec3::Y).is_none());
-        assert!(exact.meet(DVec3::new(2.0, 0.0, 0.0), DVec3::X).is_none());
+        assert!(exact.intersect(origin, DVec3::Y).is_none() && mesh.intersect(origin, DVec3::Y).is_none());
+        assert!(exact.intersect(DVec3::new(2.0, 0.0, 0.0), DVec3::X).is_none());
     }
 
     #[test]
     fn nothing_to_show_is_an_error() {
-        let empty = Shape::Mesh(Mesh::default());
-        let refusal = |shape| Body::new(shape, &mut Memory::default()).err().unwrap().to_string();
+        let empty = BodyShape::Mesh(TriangleMesh::default());
+        let refusal = |shape| Body::new(shape, &mut BvhMemory::default()).err().unwrap().to_string();
         assert_eq!(refusal(&empty), "the mesh cannot be shown: the mesh has no triangles");
     }
 }

@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::DVec3;
 
-pub use super::latlong::{Mended, decode};
+pub use super::latlong::{ImageRepairs, decode};
 use super::studio::Studio;
 
 /// Weights of red, green and blue in luminance, Rec. 709.
@@ -84,7 +84,7 @@ pub fn direction([u, v]: [f64; 2]) -> DVec3 {
 
 /// Where light comes from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Light {
+pub enum EnvironmentLight {
     /// Radiance 1 from everywhere.
     White,
     /// [`Studio`].
@@ -93,10 +93,10 @@ pub enum Light {
     Image(LatLong),
 }
 
-/// Light around a mesh, turned about z, and a way to draw directions by how bright they are.
+/// EnvironmentLight around a mesh, turned about z, and a way to draw directions by how bright they are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    light: Light,
+    light: EnvironmentLight,
     /// Sine and cosine of the turn.
     turn: [f64; 2],
     cells: Cells,
@@ -105,40 +105,42 @@ pub struct Environment {
 impl Environment {
     /// `light`, turned by an angle about z, counter-clockwise from above.
     #[must_use]
-    pub fn new(light: Light, turn_deg: f64) -> Self {
+    pub fn new(light: EnvironmentLight, turn_deg: f64) -> Self {
         let luminance = |rgb: [f32; 3]| -> f64 { rgb.iter().zip(LUMINANCE).map(|(c, w)| f64::from(c * w)).sum() };
         let cells = match &light {
-            Light::White => Cells::new([1, 1], |_, _| 1.0),
-            Light::Studio(studio) => {
+            EnvironmentLight::White => Cells::new([1, 1], |_, _| 1.0),
+            EnvironmentLight::Studio(studio) => {
                 let [width, height] = STUDIO_CELLS.map(|n| n as f64);
                 Cells::new(STUDIO_CELLS, |x, y| {
                     studio.radiance(direction([(x as f64 + 0.5) / width, (y as f64 + 0.5) / height]))
                 })
             }
-            Light::Image(image) => Cells::new(image.size, |x, y| luminance(image.texels[y * image.size[0] + x])),
+            EnvironmentLight::Image(image) => {
+                Cells::new(image.size, |x, y| luminance(image.texels[y * image.size[0] + x]))
+            }
         };
         Self { light, turn: turn_deg.to_radians().sin_cos().into(), cells }
     }
 
     /// What the light is.
     #[must_use]
-    pub fn light(&self) -> &Light {
+    pub fn light(&self) -> &EnvironmentLight {
         &self.light
     }
 
     /// The same radiance from everywhere.
     #[must_use]
     pub fn is_uniform(&self) -> bool {
-        matches!(self.light, Light::White)
+        matches!(self.light, EnvironmentLight::White)
     }
 
     /// Linear RGB radiance from a unit direction of the world.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> [f32; 3] {
         match &self.light {
-            Light::White => [1.0; 3],
-            Light::Studio(studio) => [studio.radiance(self.turned(direction, -1.0)) as f32; 3],
-            Light::Image(image) => image.radiance(self.turned(direction, -1.0)),
+            EnvironmentLight::White => [1.0; 3],
+            EnvironmentLight::Studio(studio) => [studio.radiance(self.turned(direction, -1.0)) as f32; 3],
+            EnvironmentLight::Image(image) => image.radiance(self.turned(direction, -1.0)),
         }
     }
 
@@ -291,7 +293,9 @@ mod tests {
 
     #[test]
     fn samples_integrate_the_light_and_densities_integrate_to_one() {
-        for light in [Light::White, Light::Studio(Box::default()), Light::Image(image())] {
+        for light in
+            [EnvironmentLight::White, EnvironmentLight::Studio(Box::default()), EnvironmentLight::Image(image())]
+        {
             let environment = Environment::new(light, 33.0);
             let count = 1 << 16;
             let (mut by_light, mut by_sphere, mut density) = (0.0, 0.0, 0.0);
@@ -321,7 +325,8 @@ mod tests {
             texels[lit] = [1.0; 3];
         }
         for turn in [0.0, 33.0] {
-            let environment = Environment::new(Light::Image(LatLong::new([16, 8], texels.clone()).unwrap()), turn);
+            let environment =
+                Environment::new(EnvironmentLight::Image(LatLong::new([16, 8], texels.clone()).unwrap()), turn);
             let edges = |sums: &[f64]| {
                 let around = sums.iter().flat_map(|sum| [sum.next_down(), *sum, sum.next_up()]);
                 around.chain([0.0, 1.0 - f64::EPSILON / 2.0]).filter(|u| (0.0..1.0).contains(u)).collect::<Vec<f64>>()
@@ -338,7 +343,7 @@ mod tests {
 
     #[test]
     fn darkness_is_drawn_from_everywhere() {
-        let dark = Environment::new(Light::Image(LatLong::new([4, 2], vec![[0.0; 3]; 8]).unwrap()), 0.0);
+        let dark = Environment::new(EnvironmentLight::Image(LatLong::new([4, 2], vec![[0.0; 3]; 8]).unwrap()), 0.0);
         for u in [[0.0, 0.0], [0.3, 0.8]] {
             let (wi, pdf) = dark.sample(u);
             assert!((pdf * 4.0 * PI - 1.0).abs() < 1e-9 && dark.radiance(wi) == [0.0; 3], "{pdf}");
@@ -347,8 +352,8 @@ mod tests {
 
     #[test]
     fn a_turn_moves_the_light_counter_clockwise() {
-        let straight = Environment::new(Light::Image(image()), 0.0);
-        let turned = Environment::new(Light::Image(image()), 90.0);
+        let straight = Environment::new(EnvironmentLight::Image(image()), 0.0);
+        let turned = Environment::new(EnvironmentLight::Image(image()), 90.0);
         let (a, b) = (straight.radiance(DVec3::X), turned.radiance(DVec3::Y));
         assert!((0..3).all(|c| (a[c] - b[c]).abs() < 1e-5));
     }

@@ -28,7 +28,7 @@ pub(super) struct Decoded {
 
 /// What had to be mended in an image, and how it was understood.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Mended {
+pub struct ImageRepairs {
     /// Negative components, now 0.
     pub negative: usize,
     /// Not numbers, now 0.
@@ -41,10 +41,10 @@ pub struct Mended {
     pub grey: bool,
 }
 
-impl Mended {
+impl ImageRepairs {
     /// One line about each thing that was mended or had to be understood.
     #[must_use]
-    pub fn says(&self) -> Vec<String> {
+    pub fn notes(&self) -> Vec<String> {
         let parts = [
             (self.negative, "negative, now 0"),
             (self.not_a_number, "not numbers, now 0"),
@@ -71,7 +71,7 @@ impl Mended {
 ///
 /// # Errors
 /// One line that names the file.
-pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, Mended)> {
+pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, ImageRepairs)> {
     let failed = |what: &str| Error::failed(format_args!("{label}: {what}"));
     let decoded = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         openexr::read(bytes)
@@ -91,7 +91,7 @@ pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, Mended)> {
     }
     // By which the light is sampled.
     memory::expect(size_of::<f64>() * texels.len(), "the environment").map_err(|error| failed(&error.to_string()))?;
-    let mended = Mended { converted: other.is_some(), grey: is_grey, ..mend(&mut texels) };
+    let mended = ImageRepairs { converted: other.is_some(), grey: is_grey, ..mend(&mut texels) };
     if texels.iter().flatten().all(|&x| x == 0.0) {
         return Err(failed("every texel of the environment is black; the picture would be, too"));
     }
@@ -112,8 +112,8 @@ pub(super) fn check_size(width: usize, height: usize) -> std::result::Result<(),
     Ok(())
 }
 
-fn mend(texels: &mut [[f32; 3]]) -> Mended {
-    let mut mended = Mended::default();
+fn mend(texels: &mut [[f32; 3]]) -> ImageRepairs {
+    let mut mended = ImageRepairs::default();
     for x in texels.iter_mut().flatten() {
         if x.is_nan() {
             mended.not_a_number += 1;
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn both_formats_are_read() {
         let (image, mended) = decode("e.exr", &exr(4, 2, |i| i as f32)).unwrap();
-        assert_eq!((image.size(), mended), ([4, 2], Mended::default()));
+        assert_eq!((image.size(), mended), ([4, 2], ImageRepairs::default()));
         assert_eq!(image.texels()[5], [5.0, 0.5, 2.0]);
         let (image, _) = decode("e.hdr", &hdr()).unwrap();
         // 128 · 2^(129 − 136) = 1
@@ -174,13 +174,13 @@ mod tests {
     fn what_is_no_radiance_is_mended_and_said() {
         let strange = [1.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, 0.0, 0.0];
         let (image, mended) = decode("e.exr", &exr(4, 2, |i| strange[i])).unwrap();
-        assert_eq!(mended, Mended { negative: 2, not_a_number: 1, infinite: 1, ..Mended::default() });
+        assert_eq!(mended, ImageRepairs { negative: 2, not_a_number: 1, infinite: 1, ..ImageRepairs::default() });
         assert_eq!(image.texels()[3][0], BRIGHTEST);
         assert_eq!(
-            mended.says(),
+            mended.notes(),
             ["components of the environment: 2 negative, now 0; 1 not numbers, now 0; 1 infinite, now 65504"]
         );
-        assert!(Mended::default().says().is_empty());
+        assert!(ImageRepairs::default().notes().is_empty());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-pub use super::obj::Repairs;
+pub use super::obj::MeshRepairs;
 use super::{obj, teapot};
 pub use crate::obj::Axes;
 use crate::support::error::Result;
@@ -19,7 +19,7 @@ pub const DEFAULT_LEVEL: u32 = 32;
 /// Vertices at one place have bitwise equal positions even where their normals differ, so neighbouring triangles leave no
 /// gap. Front sides are counter-clockwise; normals point to them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
+pub struct TriangleMesh {
     /// Of each vertex.
     pub positions: Vec<DVec3>,
     /// n of each vertex, of unit length.
@@ -30,7 +30,7 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-impl Mesh {
+impl TriangleMesh {
     /// Newell's teapot, each of its 32 patches cut into `level` × `level` quads; t along the first parameter of the patch,
     /// which runs around the pot.
     ///
@@ -77,7 +77,7 @@ impl Mesh {
     ///
     /// # Errors
     /// One line that names the file, and the line in it where that is known.
-    pub fn from_obj(label: &str, text: &str, axes: Axes) -> Result<(Self, Repairs)> {
+    pub fn from_obj(label: &str, text: &str, axes: Axes) -> Result<(Self, MeshRepairs)> {
         obj::read(label, text, axes)
     }
 
@@ -118,7 +118,7 @@ impl Mesh {
 
     /// The frame at a point of a triangle: normal and tangent interpolated linearly between its vertices.
     #[must_use]
-    pub fn frame(&self, triangle: u32, point: DVec3) -> Frame {
+    pub fn frame(&self, triangle: u32, point: DVec3) -> ShadingFrame {
         let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
         let [a, b, c] = corners.map(|corner| self.positions[corner]);
         let across = (b - a).cross(c - a);
@@ -129,13 +129,13 @@ impl Mesh {
         let face = across.normalize();
         // Normals of three corners may cancel on a badly modelled mesh.
         let normal = mean(&self.normals).try_normalize().unwrap_or(face);
-        Frame { tangent: tangent_across(normal, mean(&self.tangents)), normal, face }
+        ShadingFrame { tangent: tangent_across(normal, mean(&self.tangents)), normal, face }
     }
 }
 
 /// The directions of a surface at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct ShadingFrame {
     /// t.
     pub tangent: DVec3,
     /// n of the smooth surface.
@@ -144,7 +144,7 @@ pub struct Frame {
     pub face: DVec3,
 }
 
-impl Frame {
+impl ShadingFrame {
     /// The frame that a viewer in the direction `wo` sees: both sides of a surface carry the same structure, so behind it n and
     /// b turn over; and n stays at least at right angles to `wo`, which interpolated normals at a silhouette miss by a little.
     #[must_use]
@@ -192,7 +192,7 @@ pub(super) mod tests {
     use super::*;
 
     /// Vertices have unit frames at right angles, and every normal lies on the front side of its triangles.
-    pub(in super::super) fn check(mesh: &Mesh) {
+    pub(in super::super) fn check(mesh: &TriangleMesh) {
         for (normal, tangent) in mesh.normals.iter().zip(&mesh.tangents) {
             assert!((normal.length() - 1.0).abs() < 1e-12 && (tangent.length() - 1.0).abs() < 1e-12);
             assert!(normal.dot(*tangent).abs() < 1e-12);
@@ -208,7 +208,7 @@ pub(super) mod tests {
     }
 
     /// Edges, by the bits of their ends, that are not met once in each direction.
-    pub(in super::super) fn open_edges(mesh: &Mesh) -> usize {
+    pub(in super::super) fn open_edges(mesh: &TriangleMesh) -> usize {
         let mut edges = std::collections::HashMap::new();
         let bits = |corner: u32| mesh.positions[corner as usize].to_array().map(|x| (x + 0.0).to_bits());
         for [a, b, c] in &mesh.triangles {
@@ -222,7 +222,7 @@ pub(super) mod tests {
 
     #[test]
     fn the_sphere_is_closed_and_round() {
-        let sphere = Mesh::sphere(8);
+        let sphere = TriangleMesh::sphere(8);
         check(&sphere);
         assert_eq!(open_edges(&sphere), 0);
         let (centre, radius) = sphere.bounding_sphere();
@@ -231,14 +231,14 @@ pub(super) mod tests {
 
     #[test]
     fn the_plane_faces_up() {
-        check(&Mesh::plane());
-        let frame = Mesh::plane().frame(0, DVec3::new(0.3, 0.1, 0.0));
+        check(&TriangleMesh::plane());
+        let frame = TriangleMesh::plane().frame(0, DVec3::new(0.3, 0.1, 0.0));
         assert_eq!((frame.normal, frame.tangent, frame.binormal()), (DVec3::Z, DVec3::X, DVec3::Y));
     }
 
     #[test]
     fn frames_are_those_of_the_vertices_and_turn_to_the_viewer() {
-        let sphere = Mesh::sphere(4);
+        let sphere = TriangleMesh::sphere(4);
         let corner = sphere.triangles[40][0] as usize;
         let frame = sphere.frame(40, sphere.positions[corner]);
         assert!(frame.normal.distance(sphere.normals[corner]) < 1e-12);

@@ -1,7 +1,7 @@
 //! Pictures of a surface on a lit body: what `goniochrome render` draws, and `goniochrome view` shows.
 //!
 //! Nothing here reads or writes files. [`mesh`] is what is lit, [`camera`] from where it is seen, [`environment`] by what it is
-//! lit, [`surface`] how it reflects; [`render()`] makes a [`film`], which [`tone`] brings to a screen.
+//! lit, [`surface`] how it reflects; [`render()`] makes a [`framebuffer`], which [`tone`] brings to a screen.
 //!
 //! The world is right-handed with z up. Directions are unit vectors; `wo` points to the viewer and `wi` to the light.
 
@@ -9,7 +9,7 @@ pub mod body;
 pub mod camera;
 pub mod channels;
 pub mod environment;
-pub mod film;
+pub mod framebuffer;
 mod latlong;
 pub mod mesh;
 mod obj;
@@ -27,7 +27,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use body::Body;
 use camera::Camera;
 use environment::Environment;
-use film::Film;
+use framebuffer::Framebuffer;
 use surface::Surface;
 use tracer::{Scratch, Stream, Tracer};
 
@@ -76,7 +76,7 @@ pub struct Stage<'a> {
 ///
 /// # Errors
 /// If the surface's table cannot be sampled, or memory for the picture is short.
-pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) -> Result<Film> {
+pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) -> Result<Framebuffer> {
     let mut memory = Vec::new();
     let tracer = Tracer {
         body: stage.body,
@@ -101,7 +101,7 @@ pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) ->
         }
         tick();
     });
-    Ok(Film { size: stage.camera.size, pixels, shows_body: shows_body.into_inner() })
+    Ok(Framebuffer { size: stage.camera.size, pixels, shows_body: shows_body.into_inner() })
 }
 
 /// The mean over a pixel, and whether any of the body is in it.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::mesh::Mesh;
+use super::mesh::TriangleMesh;
 use crate::obj::polygon::{Cut, Uncut};
 use crate::obj::{self, Axes, Detail, MAX_TRIANGLES, Reader, Statement};
 use crate::support::error::{Error, Result};
@@ -27,7 +27,7 @@ const MIN_AREA: f64 = 1e-150;
 
 /// What had to be mended in a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Repairs {
+pub struct MeshRepairs {
     /// Triangles of the mesh.
     pub triangles: usize,
     /// Triangles of which a corner had no normal, or one that is no direction. Those normals were computed; others were
@@ -37,10 +37,10 @@ pub struct Repairs {
     pub without_area: usize,
 }
 
-impl Repairs {
+impl MeshRepairs {
     /// One line for each kind of repair.
     #[must_use]
-    pub fn says(&self) -> Vec<String> {
+    pub fn notes(&self) -> Vec<String> {
         let mut said = Vec::new();
         let Self { triangles, without_normals, without_area } = self;
         if *without_normals > 0 {
@@ -63,8 +63,8 @@ struct Corner {
     texture: Option<f64>,
 }
 
-pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(Mesh, Repairs)> {
-    let mut repairs = Repairs::default();
+pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh, MeshRepairs)> {
+    let mut repairs = MeshRepairs::default();
     let facets = facets(label, text, axes, &mut repairs)?;
     if facets.is_empty() {
         let what =
@@ -76,7 +76,7 @@ pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(Mesh, Repairs
     repairs.without_normals = facets.iter().filter(|facet| facet.iter().any(|corner| corner.normal.is_none())).count();
     let smooth = (repairs.without_normals > 0).then(|| Smooth::new(&facets));
 
-    let mut mesh = Mesh::default();
+    let mut mesh = TriangleMesh::default();
     for facet in &facets {
         let face = across(facet).normalize();
         let along = texture_direction(facet);
@@ -93,7 +93,7 @@ pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(Mesh, Repairs
 
 /// The triangles of the file that have an area. Polygons are cut as they are seen along their mean normal, planar or
 /// not.
-fn facets(label: &str, text: &str, axes: Axes, repairs: &mut Repairs) -> Result<Vec<[Corner; 3]>> {
+fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Result<Vec<[Corner; 3]>> {
     let (mut positions, mut normals, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     let mut facets = Vec::new();
     let (mut corners, mut places, mut cut) = (Vec::new(), Vec::new(), Cut::default());
@@ -230,12 +230,12 @@ mod tests {
 
     const CUBE_CORNER: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
 
-    fn read(text: &str) -> Result<(Mesh, Repairs)> {
+    fn read(text: &str) -> Result<(TriangleMesh, MeshRepairs)> {
         super::read("m.obj", text, Axes::ZUp)
     }
 
     /// The area of a mesh.
-    fn area_of(mesh: &Mesh) -> f64 {
+    fn area_of(mesh: &TriangleMesh) -> f64 {
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
             0.5 * (b - a).cross(c - a).length()
@@ -247,7 +247,7 @@ mod tests {
     fn given_normals_and_texture_directions_are_kept() {
         let text = format!("{CUBE_CORNER}vt 0 0\nvt 0 1\nvt 1 0\nvn 0 3 4\nf 1/1/1 2/2/1 3/3/1\n");
         let (mesh, repairs) = read(&text).unwrap();
-        assert_eq!(repairs, Repairs { triangles: 1, ..Repairs::default() });
+        assert_eq!(repairs, MeshRepairs { triangles: 1, ..MeshRepairs::default() });
         assert!(mesh.normals.iter().all(|n| n.distance(DVec3::new(0.0, 0.6, 0.8)) < 1e-12));
         // The first texture coordinate rises along y; across the given normal that is (0, 0.8, −0.6).
         assert!(mesh.tangents.iter().all(|t| t.distance(DVec3::new(0.0, 0.8, -0.6)) < 1e-12));
@@ -272,7 +272,7 @@ mod tests {
             text += &format!("v {cos} {sin} 0\n");
         }
         (0..count).for_each(|i| text += &format!("f 1 {} {}\n", 2 + i, 2 + (i + 1) % count));
-        let smooth = Smooth::new(&facets("m.obj", &text, Axes::ZUp, &mut Repairs::default()).unwrap());
+        let smooth = Smooth::new(&facets("m.obj", &text, Axes::ZUp, &mut MeshRepairs::default()).unwrap());
         assert!(smooth.0[&bits(DVec3::new(0.0, 0.0, 0.1))].whole.is_some());
         assert!(smooth.at(DVec3::new(0.0, 0.0, 0.1), DVec3::X).distance(DVec3::Z) < 1e-9);
     }
@@ -290,12 +290,12 @@ mod tests {
         assert_eq!(kept, [y, y, y, n, n, n, y, n, y, n, y, y]);
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-12));
         assert_eq!(
-            repairs.says(),
+            repairs.notes(),
             [
                 "3 of 4 triangles have corners without normals; they were computed, smooth across edges of up to 45 degrees"
             ]
         );
-        assert!(Repairs::default().says().is_empty());
+        assert!(MeshRepairs::default().notes().is_empty());
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
-use super::mesh::Mesh;
+use super::mesh::TriangleMesh;
 
 /// Control points of a patch, row by row.
 type Patch = [[DVec3; 4]; 4];
@@ -34,8 +34,8 @@ fn patches() -> &'static [Patch] {
 }
 
 /// The pot as triangles, `level` segments along each edge of each patch.
-pub(super) fn tessellate(level: u32) -> Mesh {
-    let mut mesh = Mesh::default();
+pub(super) fn tessellate(level: u32) -> TriangleMesh {
+    let mut mesh = TriangleMesh::default();
     let mut places = HashMap::new();
     let at = |step: u32| f64::from(step) / f64::from(level);
     for patch in patches() {

@@ -13,10 +13,10 @@ use glam::DVec3;
 use goniochrome::table::{ScatterSampler, ScatterTable};
 use goniochrome::trace::sobol::sobol;
 
-use super::body::{Body, Contact};
+use super::body::{Body, SurfaceHit};
 use super::channels::Channels;
 use super::environment::Environment;
-use super::mesh::Frame;
+use super::mesh::ShadingFrame;
 use super::surface::{Prepared, narrow, reflect};
 
 /// Share of the directions that are drawn by the cosine instead of the table: it keeps the density positive where noise in the
@@ -71,7 +71,7 @@ impl Stream {
 impl Tracer<'_> {
     /// Adds the light that a ray from the camera brings to the scratch's radiance; false if it misses the body.
     pub fn add(&self, eye: DVec3, direction: DVec3, stream: &mut Stream, scratch: &mut Scratch) -> bool {
-        let Some(contact) = self.body.meet(eye, direction) else { return false };
+        let Some(contact) = self.body.intersect(eye, direction) else { return false };
         scratch.throughput.fill(1.0);
         match self.surface {
             Prepared::Mirror { theta_deg, values } => self.mirrors(theta_deg, values, contact, direction, scratch),
@@ -82,7 +82,7 @@ impl Tracer<'_> {
         true
     }
 
-    fn mirrors(&self, theta_deg: &[f64], values: &[f32], first: Contact, direction: DVec3, scratch: &mut Scratch) {
+    fn mirrors(&self, theta_deg: &[f64], values: &[f32], first: SurfaceHit, direction: DVec3, scratch: &mut Scratch) {
         let (mut contact, mut wo) = (first, -direction);
         for left in (0..self.reflections).rev() {
             let frame = contact.frame.facing(wo);
@@ -102,17 +102,17 @@ impl Tracer<'_> {
     }
 
     /// What light from `wi` would have met before.
-    fn next(&self, contact: &Contact, frame: &Frame, wi: DVec3) -> Option<Contact> {
+    fn next(&self, contact: &SurfaceHit, frame: &ShadingFrame, wi: DVec3) -> Option<SurfaceHit> {
         // An interpolated normal may reflect into the triangle itself; the ray then leaves as much above it.
         let below = wi.dot(frame.face).min(0.0);
-        self.body.meet(self.body.leave(contact.point, frame), wi - 2.0 * below * frame.face)
+        self.body.intersect(self.body.offset_origin(contact.point, frame), wi - 2.0 * below * frame.face)
     }
 
     fn scatters(
         &self,
         table: &ScatterTable<'_>,
         sampler: &ScatterSampler<'_>,
-        first: Contact,
+        first: SurfaceHit,
         direction: DVec3,
         stream: &mut Stream,
         scratch: &mut Scratch,

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::pack;
-use crate::render::mesh::Mesh;
+use crate::render::mesh::TriangleMesh;
 
 /// Segments along each edge of a patch of the teapot: no silhouette is off by a third of a pixel at 1024 pixels.
 const TEAPOT_LEVEL: u32 = 18;
@@ -14,14 +14,14 @@ const SPHERE_LEVEL: u32 = 32;
 /// Every mesh that a page offers; tangents only where the surface needs them.
 pub(super) fn packed(tangents: bool) -> Value {
     json!({
-        "teapot": mesh(&Mesh::teapot(TEAPOT_LEVEL), tangents),
-        "sphere": mesh(&Mesh::sphere(SPHERE_LEVEL), tangents),
-        "plane": mesh(&Mesh::plane(), tangents),
+        "teapot": mesh(&TriangleMesh::teapot(TEAPOT_LEVEL), tangents),
+        "sphere": mesh(&TriangleMesh::sphere(SPHERE_LEVEL), tangents),
+        "plane": mesh(&TriangleMesh::plane(), tangents),
     })
 }
 
 /// Positions relative to the bounding sphere's centre, in its radii.
-fn mesh(mesh: &Mesh, tangents: bool) -> Value {
+fn mesh(mesh: &TriangleMesh, tangents: bool) -> Value {
     let (centre, radius) = mesh.bounding_sphere();
     let numbers = |list: &[glam::DVec3]| pack::signed(list.iter().flat_map(|v| v.to_array()));
     let index = |i: &u32| u16::try_from(*i).expect("the meshes of a page have less than 65536 vertices");

@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::density::Density;
 use crate::export::Reflection;
-use crate::export::reflection::Kind;
+use crate::export::reflection::ReflectionKind;
 
 /// Values of the file: 64 MiB, and for anisotropic tables, which have an axis more, 256 MiB.
 const VALUES: usize = 1 << 24;
@@ -35,7 +35,7 @@ const COLUMNS: usize = 1024;
 const ACROSS: f64 = 3.0;
 
 /// Samples of the file.
-pub struct Grid {
+pub struct SampleGrid {
     /// θ_i in radians, increasing.
     pub theta: Vec<f64>,
     /// φ_i in radians, from −π to π; one of them for isotropic tables.
@@ -46,14 +46,14 @@ pub struct Grid {
     pub density: [Density; 2],
 }
 
-impl Grid {
+impl SampleGrid {
     /// The samples for a BRDF.
     #[must_use]
     pub fn new(reflection: &Reflection) -> Self {
         // The spectra, and the luminance.
         let values = (reflection.channels + 1) as f64;
         match reflection.kind() {
-            Kind::Lobe { ggx, .. } => {
+            ReflectionKind::Lobe { ggx, .. } => {
                 let side = (VALUES as f64 / values).cbrt() as usize;
                 let grazing = |i: usize| {
                     let rest = 1.0 - i as f64 / (side - 1) as f64;
@@ -61,7 +61,7 @@ impl Grid {
                 };
                 Self::of([radial(ggx.alpha), across()], side, (0..side).map(grazing).collect(), vec![0.0])
             }
-            Kind::Scatter(layout) => {
+            ReflectionKind::Scatter(layout) => {
                 let bins = layout.bins();
                 let isotropic = layout.phi() == 1;
                 let most = PER_INTERVAL * f64::from((2 * bins.cos).max(bins.phi));

@@ -17,10 +17,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use self::grid::Grid;
+use self::grid::SampleGrid;
 use self::tensor::{Field, Values};
 use super::Reflection;
-use super::reflection::{Evaluator, Kind};
+use super::reflection::{Evaluator, ReflectionKind};
 use crate::support::error::Result;
 use crate::support::memory::filled;
 use crate::support::parallel;
@@ -41,7 +41,7 @@ fn spherical(theta: f64, phi: f64) -> DVec3 {
 /// kink there: a lobe analytically, a table, which is constant next to the horizon, as an odd function. Says whether θ_o is above.
 fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]) -> bool {
     let wo = 2.0 * wi.dot(m) * m - wi;
-    let cos = if let Kind::Lobe { ggx, .. } = evaluator.reflection().kind() {
+    let cos = if let ReflectionKind::Lobe { ggx, .. } = evaluator.reflection().kind() {
         let cos = wo.z.max(-EXTENSION * wi.z);
         evaluator.reflection().reflectance(wi.dot(m), out);
         let lobe = ggx.density(m.z) * ggx.masking(wi.z, cos);
@@ -63,7 +63,7 @@ struct Slice<'f> {
 }
 
 /// Fills the slice of an incident direction.
-fn fill(evaluator: &mut Evaluator<'_>, grid: &Grid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
+fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
     let reflection = evaluator.reflection();
     let wi = spherical(theta, phi);
     let origin = if grid.isotropic() { phi } else { 0.0 };
@@ -82,14 +82,14 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &Grid, [theta, phi]: [f64; 2], slic
         let strength = if above { values.iter().map(|value| value * value).sum::<f64>().sqrt() } else { 0.0 };
         slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
         let scale = match reflection.kind() {
-            Kind::Lobe { ggx, .. } => 4.0 * ggx.visible_area(wi.z) / ggx.density(m.z),
-            Kind::Scatter(_) => 1.0,
+            ReflectionKind::Lobe { ggx, .. } => 4.0 * ggx.visible_area(wi.z) / ggx.density(m.z),
+            ReflectionKind::Scatter(_) => 1.0,
         };
         for (c, value) in values.iter().enumerate() {
             slice.spectra[c * area + i] = (value * scale) as f32;
         }
     }
-    if let Kind::Scatter(layout) = reflection.kind() {
+    if let ReflectionKind::Scatter(layout) = reflection.kind() {
         let exact = albedo::exact(evaluator, *layout, wi);
         for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact) {
             albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel));
@@ -107,7 +107,7 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &Grid, [theta, phi]: [f64; 2], slic
 /// A roughness that is missing or has no use.
 pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8>> {
     let reflection = Reflection::new(table, roughness, rgb)?;
-    let grid = Grid::new(&reflection);
+    let grid = SampleGrid::new(&reflection);
     let (slices, channels, side) = (grid.slices(), reflection.channels, grid.side());
     let area = side * side;
     let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;
@@ -150,7 +150,7 @@ pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8
 
 /// D and σ over θ, the same in both rows, since neither depends on φ.
 fn facets(reflection: &Reflection) -> (Vec<f32>, Vec<f32>) {
-    let Kind::Lobe { ggx, .. } = reflection.kind() else { return (vec![1.0; 4], vec![0.25; 4]) };
+    let ReflectionKind::Lobe { ggx, .. } = reflection.kind() else { return (vec![1.0; 4], vec![0.25; 4]) };
     let cos = (0..FINE).map(|i| ((i as f64 / (FINE - 1) as f64).powi(2) * FRAC_PI_2).cos());
     let twice = |row: Vec<f32>| row.repeat(2);
     let density = cos.clone().map(|cos| ggx.density(cos) as f32).collect();

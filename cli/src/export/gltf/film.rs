@@ -10,7 +10,7 @@ use crate::support::error::{Error, Result};
 
 /// A film as the extension sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
+pub struct SingleFilm {
     /// The film's index at 550 nm.
     pub ior: f64,
     /// Its thickness.
@@ -40,7 +40,7 @@ pub enum Behind {
 /// What a film lies on, in the terms of glTF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Base {
-    /// Not metallic: `KHR_materials_ior`; what is not reflected goes on into [`Film::behind`].
+    /// Not metallic: `KHR_materials_ior`; what is not reflected goes on into [`SingleFilm::behind`].
     Dielectric {
         /// Its index.
         ior: f64,
@@ -64,7 +64,7 @@ const SWALLOWED: f64 = 0.01;
 /// Below this k, a base is a dielectric: it reflects k²/(n + 1)² more than a clear one, less than 1e-6.
 const CLEAR_K: f64 = 1e-3;
 
-impl Film {
+impl SingleFilm {
     /// The film of a scene.
     ///
     /// # Errors
@@ -140,9 +140,9 @@ mod tests {
     use super::*;
     use crate::scene;
 
-    fn film(stack: &str) -> Result<Film> {
+    fn film(stack: &str) -> Result<SingleFilm> {
         let scene = scene::parse("film", &format!("[stack]\n{stack}\n")).unwrap();
-        Film::of(&Planar::new(&scene).unwrap())
+        SingleFilm::of(&Planar::new(&scene).unwrap())
     }
 
     #[test]
@@ -150,7 +150,10 @@ mod tests {
         let soap = "ambient = 'air'\nlayers = [{ material = 1.33, thickness_nm = 320 }]\nsubstrate = ";
         let on = |base: &str| film(&format!("{soap}{base}")).unwrap();
         let behind = Behind::Body { ior: 1.5, absorption_per_m: [0.0; 3] };
-        assert_eq!(on("1.5"), Film { ior: 1.33, thickness_nm: 320.0, base: Base::Dielectric { ior: 1.5 }, behind });
+        assert_eq!(
+            on("1.5"),
+            SingleFilm { ior: 1.33, thickness_nm: 320.0, base: Base::Dielectric { ior: 1.5 }, behind }
+        );
         assert_eq!(on("'mirror'").base, Base::Metal { f0: [1.0; 3] });
         let Base::Metal { f0: [r, g, b] } = on("'Au'").base else { panic!("gold is a metal") };
         assert!(r > 0.9 && (0.5..0.95).contains(&g) && b < 0.5, "{r} {g} {b}");

@@ -1,6 +1,6 @@
 //! The parameters of `KHR_materials_iridescence` whose colours come nearest to exact ones.
 
-use super::film::{Base, Film};
+use super::film::{Base, SingleFilm};
 use super::iridescence::{eval_iridescence, schlick};
 use super::simplex::minimise;
 use crate::colour::difference::{Colour, Summary, delta_e, lab};
@@ -40,7 +40,7 @@ pub fn round(x: f64) -> f64 {
 impl Parameters {
     /// The film's own values.
     #[must_use]
-    pub fn of(film: &Film) -> Self {
+    pub fn of(film: &SingleFilm) -> Self {
         Self { factor: 1.0, ior: film.ior, thickness_nm: film.thickness_nm, base: film.base }.rounded()
     }
 
@@ -80,7 +80,7 @@ impl Parameters {
 /// and from films up to 30 % thinner or thicker (more starts find nothing better); and their differences. Where the own
 /// values are as good as any to the eye, they stay.
 #[must_use]
-pub fn fit(film: &Film, exact: &[Colour]) -> (Parameters, Summary) {
+pub fn fit(film: &SingleFilm, exact: &[Colour]) -> (Parameters, Summary) {
     let thickest = 2.0 * film.thickness_nm + 100.0;
     let best = match film.base {
         Base::Dielectric { ior } => search(
@@ -130,7 +130,7 @@ fn cost(parameters: &Parameters, exact: &[Colour]) -> f64 {
 }
 
 fn search<const BASE: usize, const N: usize>(
-    film: &Film,
+    film: &SingleFilm,
     exact: &[Colour],
     base: [f64; BASE],
     parameters: impl Fn([f64; N]) -> Parameters,

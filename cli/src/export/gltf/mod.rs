@@ -20,7 +20,7 @@ pub mod transmission;
 use goniochrome::colour::VISIBLE_NM;
 use serde_json::{Value, json};
 
-use self::film::{Base, Behind, Film};
+use self::film::{Base, Behind, SingleFilm};
 use self::fit::{LAST_DEG, Parameters, angles, fit, round};
 use self::transmission::transmitted;
 use super::lut::exact_rgb;
@@ -43,7 +43,7 @@ pub struct Fitted {
     /// The scene's name.
     pub name: String,
     /// What the film is.
-    pub film: Film,
+    pub film: SingleFilm,
     /// What is written.
     pub parameters: Parameters,
     /// ΔE2000 of it.
@@ -62,7 +62,7 @@ impl Fitted {
     pub fn new(scene: &Scene) -> Result<Self> {
         let planar = Planar::new(scene)
             .map_err(|error| Error::failed(format_args!("glTF's iridescence is a plane film: {error}")))?;
-        let film = Film::of(&planar)?;
+        let film = SingleFilm::of(&planar)?;
         if planar.longest_optical_path_nm(VISIBLE_NM.map(f64::from))? > LONGEST_NM {
             let name = &scene.name;
             return Err(Error::failed(format_args!(

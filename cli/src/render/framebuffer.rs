@@ -10,7 +10,7 @@ use crate::support::error::{Error, Result};
 
 /// Linear RGB, multiplied by coverage, and coverage; row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Film {
+pub struct Framebuffer {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// R, G, B, A of each pixel.
@@ -19,7 +19,7 @@ pub struct Film {
     pub shows_body: bool,
 }
 
-impl Film {
+impl Framebuffer {
     /// The bytes of an OpenEXR file: scene-linear R, G, B multiplied by A, 32-bit float. Equal pictures give equal bytes.
     ///
     /// # Errors
