@@ -86,7 +86,7 @@
 //! ```
 //! use goniochrome::measure::bins::{DirectionBins, ExitRecord, ExitBuffer, Histogram};
 //! use goniochrome::geometry::bvh::{Bvh, Node};
-//! use goniochrome::geometry::planar_cell::Facet;
+//! use goniochrome::geometry::facet::Facet;
 //! use goniochrome::geometry::side::Side;
 //! use goniochrome::simd::complex::ComplexLanes;
 //! use goniochrome::optics::interface::{Below, Interface};

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::fmt::Display;
 
 use glam::DVec3;
-use goniochrome::geometry::mesh_cell::{RESOLUTION, put_on_border};
+use goniochrome::geometry::mesh_cell::{RESOLUTION, snap_to_border};
 use goniochrome::optics::interface::Below;
 
 use super::mesh::{Mesh, Triangle};
@@ -51,7 +51,7 @@ impl ClosedCell {
     ) -> Result<Self> {
         check_closed(&mesh, period_nm, &interfaces, media)?;
         let mut vertices: Vec<DVec3> = mesh.vertices.into_iter().map(DVec3::from).collect();
-        put_on_border(&mut vertices, period_nm);
+        snap_to_border(&mut vertices, period_nm);
         mesh.vertices = vertices.iter().map(DVec3::to_array).collect();
         Ok(Self { mesh, period_nm, interfaces })
     }

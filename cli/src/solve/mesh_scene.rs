@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node};
+use goniochrome::geometry::facet::Facet;
 use goniochrome::geometry::mesh_cell::MeshCell;
-use goniochrome::geometry::planar_cell::Facet;
 use goniochrome::optics::interface::{Below, Interface};
 use goniochrome::optics::medium::{Medium, MediumIndex};
 use goniochrome::optics::stack::Film;

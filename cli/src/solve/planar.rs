@@ -1,6 +1,7 @@
 //! A scene as a planar multilayer: what the tracer and the closed form are given.
 
-use goniochrome::geometry::planar_cell::{Cell, Facet};
+use goniochrome::geometry::facet::Facet;
+use goniochrome::geometry::planar_cell::PlanarCell;
 use goniochrome::optics::interface::{Below, Interface};
 use goniochrome::optics::medium::{Medium, MediumIndex};
 use goniochrome::optics::stack::{Boundary, Film, Stack, StackMemory};
@@ -72,7 +73,7 @@ impl<'s> Planar<'s> {
             facets.push(Facet::horizontal(z_nm, place));
         }
         let named = |error: &dyn std::fmt::Display| Error::failed(format_args!("{}: {error}", scene.name));
-        let cell = Cell::new(&facets, &interfaces).map_err(|error| named(&error))?;
+        let cell = PlanarCell::new(&facets, &interfaces).map_err(|error| named(&error))?;
         let StackBuffer { mut interfaces, mut films, mut boundaries } = StackBuffer::for_planes(facets.len());
         let memory = StackMemory { interfaces: &mut interfaces, films: &mut films, boundaries: &mut boundaries };
         let stack = cell.stack(memory).map_err(|error| named(&error))?;

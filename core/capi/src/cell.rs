@@ -6,8 +6,8 @@ use crate::stack::GONIO_MIRROR;
 use crate::status::{Status, answer};
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node};
-use goniochrome::geometry::mesh_cell::{MeshCell, put_on_border};
-use goniochrome::geometry::planar_cell::Facet;
+use goniochrome::geometry::facet::Facet;
+use goniochrome::geometry::mesh_cell::{MeshCell, snap_to_border};
 use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
 use goniochrome::optics::interface::{Below, Interface as CoreInterface};
@@ -217,7 +217,7 @@ unsafe fn laid_out(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> 
     // Three of its own for each triangle: the caller's stay as they are while these move onto the border.
     let corner = |i: usize| triangles.as_flattened().get(i).and_then(|&v| vertices.get(v as usize));
     let vertices = block.take(3 * count, |i| corner(i).copied().unwrap_or(DVec3::ZERO))?;
-    put_on_border(vertices, mesh.period_nm);
+    snap_to_border(vertices, mesh.period_nm);
     let (vertices, triangles) = (&*vertices, &*block.take(count, |i| [0, 1, 2].map(|corner| 3 * i as u32 + corner))?);
     let nodes = block.take(Bvh::required_nodes(count), |_| Node::EMPTY)?;
     let order = block.take(count, |_| 0)?;

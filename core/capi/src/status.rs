@@ -2,7 +2,7 @@
 
 use core::ffi::{CStr, c_char};
 use goniochrome::geometry::bvh::BvhError;
-use goniochrome::geometry::planar_cell::CellError;
+use goniochrome::geometry::facet::CellError;
 use goniochrome::optics::medium::MediumError;
 use goniochrome::optics::stack::StackError;
 use goniochrome::table::blob::BlobError;

@@ -5,7 +5,7 @@
 //! so that phases are right whatever the number of periods crossed.
 
 use crate::geometry::bvh::{Bvh, Hit, Ray};
-use crate::geometry::planar_cell::{CellError, Facet};
+use crate::geometry::facet::{CellError, Facet};
 use crate::optics::interface::{Below, Interface};
 use crate::optics::medium::MediumIndex;
 use crate::optics::stack::Film;
@@ -86,7 +86,7 @@ pub const RESOLUTION: f64 = 4.0 * f32::EPSILON as f64;
 /// [`RESOLUTION`] times the largest coordinate or period.
 ///
 /// The mesh repeats. Where its border is off by rounding, neighbouring copies miss each other, and light falls through.
-pub fn put_on_border(vertices: &mut [DVec3], period_nm: [f64; 2]) {
+pub fn snap_to_border(vertices: &mut [DVec3], period_nm: [f64; 2]) {
     let [width, depth] = period_nm;
     let largest = vertices.iter().fold(width.max(depth), |largest, v| largest.max(v.abs().max_element()));
     let moved = |x: f64, period: f64| {
@@ -100,7 +100,7 @@ pub fn put_on_border(vertices: &mut [DVec3], period_nm: [f64; 2]) {
 
 impl<'a> MeshCell<'a> {
     /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light.
-    /// Vertices on the border must lie exactly there: see [`put_on_border`]. The medium under the cell is that under
+    /// Vertices on the border must lie exactly there: see [`snap_to_border`]. The medium under the cell is that under
     /// its lowest surface.
     ///
     /// # Errors
@@ -388,7 +388,7 @@ mod tests {
     #[test]
     fn vertices_beside_the_border_are_put_onto_it() {
         let mut vertices = [[-1e-9, 8.000_001, 1.0], [9.999_999_9, 1e-7, -1e-9], [0.001, 7.999, 3.0]].map(DVec3::from);
-        put_on_border(&mut vertices, PERIOD_NM);
+        snap_to_border(&mut vertices, PERIOD_NM);
         assert_eq!(vertices, [[0.0, 8.0, 1.0], [10.0, 0.0, -1e-9], [0.001, 7.999, 3.0]].map(DVec3::from));
     }
 }

@@ -2,5 +2,6 @@
 
 pub mod side;
 pub mod bvh;
+pub mod facet;
 pub mod planar_cell;
 pub mod mesh_cell;

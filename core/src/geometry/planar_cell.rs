@@ -4,97 +4,19 @@
 //! amplitudes are referred. This release holds facets that are whole horizontal planes, which is how the paper defines a
 //! thin film ("polygons representing two planes", section 4.1); such a cell is a [`Stack`].
 
+use crate::geometry::facet::{CellError, Facet};
 use crate::optics::interface::{Below, Interface};
 use crate::optics::stack::{Film, Stack, StackError, StackMemory};
 use glam::DVec3;
 
-/// A plane of the micro-surface that divides two media.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Facet {
-    /// Unit normal, pointing to the medium `above` of its interface.
-    pub normal: DVec3,
-    /// A fixed point of the plane in nanometres: amplitudes are referred to it.
-    pub anchor_nm: DVec3,
-    /// Which interface of the cell.
-    pub interface: u16,
-}
-
-impl Facet {
-    /// A horizontal plane at height z that faces upwards.
-    #[must_use]
-    pub fn horizontal(z_nm: f64, interface: u16) -> Self {
-        Self { normal: DVec3::Z, anchor_nm: DVec3::new(0.0, 0.0, z_nm), interface }
-    }
-}
-
-/// Why a cell was refused; the index is that of the facet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CellError {
-    /// No facets.
-    Empty,
-    /// A coordinate that is NaN or infinite.
-    NotFinite {
-        /// The facet.
-        facet: usize,
-    },
-    /// The interface index is beyond the list.
-    NoInterface {
-        /// The facet.
-        facet: usize,
-    },
-    /// The facet's normal is not +z: this release cannot trace it.
-    Tilted {
-        /// The facet.
-        facet: usize,
-    },
-    /// The facet lies above its predecessor; facets stand in order from the top.
-    OutOfOrder {
-        /// The facet.
-        facet: usize,
-    },
-    /// The period is not positive, or the mesh leaves it.
-    Period,
-    /// A coating has a film of negative or non-finite thickness.
-    Coating {
-        /// The interface.
-        interface: usize,
-    },
-    /// The medium above this facet is not the one below its predecessor.
-    MediaDiffer {
-        /// The facet.
-        facet: usize,
-    },
-}
-
-impl core::fmt::Display for CellError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            Self::Empty => write!(f, "the cell has no facets"),
-            Self::NotFinite { facet } => write!(f, "facet {facet} has a coordinate that is not finite"),
-            Self::NoInterface { facet } => write!(f, "facet {facet} names an interface that the cell does not have"),
-            Self::Tilted { facet } => write!(f, "facet {facet} is not a horizontal plane facing upwards"),
-            Self::Period => write!(f, "the period must be positive and hold the whole mesh, from 0"),
-            Self::Coating { interface } => {
-                write!(f, "the coating of interface {interface} has a thickness that is negative or not finite")
-            }
-            Self::OutOfOrder { facet } => write!(f, "facet {facet} lies above the one before it"),
-            Self::MediaDiffer { facet } => {
-                write!(f, "the medium above facet {facet} is not the one below the facet before it")
-            }
-        }
-    }
-}
-
-impl core::error::Error for CellError {}
-
 /// A checked cell: finite facets in order from the top, media that match between neighbours.
 #[derive(Clone, Copy, Debug)]
-pub struct Cell<'a> {
+pub struct PlanarCell<'a> {
     facets: &'a [Facet],
     interfaces: &'a [Interface],
 }
 
-impl<'a> Cell<'a> {
+impl<'a> PlanarCell<'a> {
     /// Checks the facets.
     ///
     /// # Errors
@@ -159,7 +81,7 @@ mod tests {
     #[test]
     fn two_planes_are_a_film() {
         let facets = [Facet::horizontal(10.0, 0), Facet::horizontal(-290.0, 1)];
-        let cell = Cell::new(&facets, &FILM).unwrap();
+        let cell = PlanarCell::new(&facets, &FILM).unwrap();
         let mut arrays = StackArrays::<2>::new();
         let stack = cell.stack(arrays.memory()).unwrap();
         assert_eq!(stack.planes(), 2);
@@ -174,7 +96,7 @@ mod tests {
         let heights = [0.0, -58.510_638_297_872_34, -152.688_718_571_845_8];
         let facets: [Facet; 3] = core::array::from_fn(|i| Facet::horizontal(heights[i], (i % 2) as u16));
         let mut arrays = StackArrays::<3>::new();
-        let stack = Cell::new(&facets, &interfaces).unwrap().stack(arrays.memory()).unwrap();
+        let stack = PlanarCell::new(&facets, &interfaces).unwrap().stack(arrays.memory()).unwrap();
         for j in 0..2 {
             assert_eq!(stack.film(j).thickness_nm, heights[j] - heights[j + 1]);
         }
@@ -183,7 +105,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named_by_facet() {
         let at = Facet::horizontal;
-        let check = |facets: &[Facet]| Cell::new(facets, &FILM).unwrap_err();
+        let check = |facets: &[Facet]| PlanarCell::new(facets, &FILM).unwrap_err();
         assert_eq!(check(&[]), CellError::Empty);
         assert_eq!(check(&[at(0.0, 0), at(f64::NAN, 1)]), CellError::NotFinite { facet: 1 });
         assert_eq!(check(&[at(0.0, 0), at(-1.0, 2)]), CellError::NoInterface { facet: 1 });

@@ -23,7 +23,7 @@ pub fn coated<'f, V: Lanes>(
     // The film that the wave crosses on its way to the interface below.
     let mut crossed = ComplexLanes::one();
     for film in films {
-        let eta = media.of(film.medium);
+        let eta = media.eta_of(film.medium);
         let wave = Wave::in_film(eta, tangential_squared);
         sum = Some(Recursion::up(sum, reflection(Model::Physical, &wave, lower.as_ref()), crossed));
         let path = V::Precise::splat(film.thickness_nm) / media.wavelength_nm();

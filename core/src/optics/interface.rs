@@ -54,7 +54,7 @@ impl Model {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave<V: Lanes> {
     /// q_n, the part of the wavevector along the normal in units of k₀: Re q_n ≥ 0 where it travels, Im q_n ≥ 0 where it decays; both
-    /// where q_t is real ([`ComplexLanes::sqrt_away`]).
+    /// where q_t is real ([`ComplexLanes::sqrt_outgoing`]).
     pub normal: ComplexLanes<V::Precise>,
     /// κ of each polarisation.
     pub admittance: Polarised<ComplexLanes<V>>,
@@ -70,7 +70,7 @@ impl<V: Lanes> Wave<V> {
     /// [`Wave::new`] where q_n² is known.
     #[inline]
     pub(crate) fn of_square(eta: ComplexLanes<V::Precise>, normal_squared: ComplexLanes<V::Precise>) -> Self {
-        Self::with_normal(eta, normal_squared.sqrt_away())
+        Self::with_normal(eta, normal_squared.sqrt_outgoing())
     }
 
     /// [`Wave::new`] for a film. At a film's critical angle q_n → 0 its two waves grow like 1/q_n and cancel: amplitudes lose

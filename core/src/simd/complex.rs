@@ -123,7 +123,7 @@ impl<V: Lanes> ComplexLanes<V> {
     /// meets a tilted facet its tangential part is complex, and a wave beyond that travels may grow across its way, as the light does
     /// that comes from nearer the body's entrance.
     #[inline]
-    pub fn sqrt_away(self) -> Self {
+    pub fn sqrt_outgoing(self) -> Self {
         let upper = self.sqrt_upper();
         let zero = V::zero();
         let sign = upper.re.select_lt(zero, zero.select_lt(self.re, -V::one(), V::one()), V::one());
@@ -265,7 +265,7 @@ mod tests {
     fn the_root_away_travels_on_or_decays() {
         for (re, im) in [(2.0, 1e-3), (2.0, -1e-3), (2.0, 0.0), (-2.0, 1e-3), (-2.0, -1e-3), (-2.0, 0.0)] {
             let z = Complex64::new(re, im);
-            let root = ComplexLanes::<F64>::from_fn(|_| z).sqrt_away().lane(0);
+            let root = ComplexLanes::<F64>::from_fn(|_| z).sqrt_outgoing().lane(0);
             assert!((root * root - z).norm() < 1e-15, "{root}");
             assert!(if re > 0.0 { root.re > 0.0 } else { root.im > 0.0 }, "{root}");
         }

@@ -224,11 +224,11 @@ macro_rules! delegate_to_wide {
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_lossless, clippy::unnecessary_cast)]
 impl Lanes for F32 {
-    type Precise = Pair;
+    type Precise = F64Pair;
     delegate_to_wide!(f32, 2 * F64::WIDTH);
 
     #[inline]
-    fn narrow(precise: Pair) -> Self {
+    fn narrow(precise: F64Pair) -> Self {
         let (low, high) = (precise.0.to_array(), precise.1.to_array());
         let mut out = [0.0f32; 2 * F64::WIDTH];
         for i in 0..F64::WIDTH {
@@ -239,9 +239,9 @@ impl Lanes for F32 {
     }
 
     #[inline]
-    fn widen(self) -> Pair {
+    fn widen(self) -> F64Pair {
         let single = self.to_array();
-        Pair::from_fn(|i| single.get(i).map_or(f64::NAN, |&x| f64::from(x)))
+        F64Pair::from_fn(|i| single.get(i).map_or(f64::NAN, |&x| f64::from(x)))
     }
 }
 
@@ -262,16 +262,16 @@ impl Lanes for F64 {
 
 /// As many double precision lanes as [`F32`] has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair(F64, F64);
+pub struct F64Pair(F64, F64);
 
-impl Pair {
+impl F64Pair {
     #[inline]
     fn zip(self, other: Self, f: impl Fn(F64, F64) -> F64) -> Self {
         Self(f(self.0, other.0), f(self.1, other.1))
     }
 }
 
-impl Add for Pair {
+impl Add for F64Pair {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
@@ -279,7 +279,7 @@ impl Add for Pair {
     }
 }
 
-impl Sub for Pair {
+impl Sub for F64Pair {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
@@ -287,7 +287,7 @@ impl Sub for Pair {
     }
 }
 
-impl Mul for Pair {
+impl Mul for F64Pair {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
@@ -295,7 +295,7 @@ impl Mul for Pair {
     }
 }
 
-impl Div for Pair {
+impl Div for F64Pair {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
@@ -303,7 +303,7 @@ impl Div for Pair {
     }
 }
 
-impl Neg for Pair {
+impl Neg for F64Pair {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
@@ -311,14 +311,14 @@ impl Neg for Pair {
     }
 }
 
-impl AddAssign for Pair {
+impl AddAssign for F64Pair {
     #[inline]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl Lanes for Pair {
+impl Lanes for F64Pair {
     type Precise = Self;
     const WIDTH: usize = F32::WIDTH;
     const UNIT_ROUNDOFF: f64 = F64::UNIT_ROUNDOFF;
@@ -430,12 +430,12 @@ mod tests {
     fn every_lane_type_matches_scalar_arithmetic() {
         matches_scalar::<F32>();
         matches_scalar::<F64>();
-        matches_scalar::<Pair>();
+        matches_scalar::<F64Pair>();
     }
 
     #[test]
     fn narrowing_keeps_the_order_of_lanes() {
-        let narrow = F32::narrow(Pair::from_fn(|i| i as f64));
+        let narrow = F32::narrow(F64Pair::from_fn(|i| i as f64));
         assert_eq!(narrow, <F32 as Lanes>::from_fn(|i| i as f64));
     }
 

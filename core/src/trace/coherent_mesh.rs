@@ -94,7 +94,7 @@ impl<V: Lanes> Incident<V> {
         let mut p = VectorLanes::<V>::splat(s.cross(-wi));
         if eta.im.any_above(0.0) {
             let tangential = eta.re * V::Precise::splat(wi.truncate().length());
-            wavevector.z = -(eta.square() - ComplexLanes::real(tangential * tangential)).sqrt_away();
+            wavevector.z = -(eta.square() - ComplexLanes::real(tangential * tangential)).sqrt_outgoing();
             let along = VectorLanes::<V::Precise>::splat(s).cross(wavevector);
             let length = ComplexLanes::real(along.norm_sqr().sqrt());
             p = VectorLanes::narrow(along.scale(ComplexLanes::one().div_or_zero(length)));
@@ -169,7 +169,7 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
     }
 
     fn tube_power(&self, field: &Field<V>, tube_area: V, medium: MediumIndex) -> Polarised<V> {
-        self.incident.tube_power(field, tube_area, self.media.of(medium))
+        self.incident.tube_power(field, tube_area, self.media.eta_of(medium))
     }
 
     /// Sends a ray from a facet into `medium` and says where it goes, with its field there.
@@ -281,7 +281,7 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
         let q = state.wavevector;
         let q_n = -q.dot_real(normal);
         let tangential = q.add_scaled(normal, q_n);
-        let near_eta = self.media.of(near);
+        let near_eta = self.media.eta_of(near);
         let tangential_squared = tangential.dot(tangential);
         let near_wave = Wave::<V>::with_normal(near_eta, q_n);
 
@@ -294,7 +294,7 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
         let parts = field.map(|e| (e.dot(s_hat), e.dot(p_in)));
 
         let far_wave = match far {
-            Below::Medium(far) => Some((far, Wave::<V>::new(self.media.of(far), tangential_squared))),
+            Below::Medium(far) => Some((far, Wave::<V>::new(self.media.eta_of(far), tangential_squared))),
             Below::Mirror => None,
         };
         let films = self.cell.coating(state.at.facet);
@@ -315,7 +315,7 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
             power: self.tube_power(&field_out, state.tube_area, near),
         };
         let refracted = far_wave.map(|(far, wave)| {
-            let far_eta = self.media.of(far);
+            let far_eta = self.media.eta_of(far);
             let wavevector = tangential.add_scaled(normal, -wave.normal);
             let p_through = p_of(wavevector, far_eta);
             // t_p is of magnetic fields; electric ones change by η_near/η_far besides.

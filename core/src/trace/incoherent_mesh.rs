@@ -147,14 +147,14 @@ impl<'a, V: Lanes> IncoherentMesh<'a, V> {
     fn coated(&self, path: &Path<V>, near: MediumIndex, far: Option<&Far<V>>, tangential_squared: V) -> Response<V> {
         let films = self.cell.films(&path.at);
         let tangential_squared = ComplexLanes::real(tangential_squared.widen());
-        let wave = |medium| Wave::<V>::new(self.media.of(medium), tangential_squared);
+        let wave = |medium| Wave::<V>::new(self.media.eta_of(medium), tangential_squared);
         let (near, far) = (wave(near), far.map(|far| wave(far.medium)));
         coated(&near, films, far.as_ref(), &self.media, tangential_squared)
     }
 
     /// What is left of light after a way through a medium.
     fn absorb(&mut self, medium: MediumIndex, length_nm: f64, light: Coherency<V>) -> Coherency<V> {
-        let k = self.media.of(medium).im;
+        let k = self.media.eta_of(medium).im;
         if !k.any_above(0.0) {
             return light;
         }
@@ -257,7 +257,7 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
         let (s, sin_squared) = s_axis(normal, path.direction);
         let light = light.turned(path.across.dot(s), path.across.cross(path.direction).dot(s));
 
-        let near_eta = ComplexLanes::<V>::narrow(self.media.of(near));
+        let near_eta = ComplexLanes::<V>::narrow(self.media.eta_of(near));
         let tangential_squared = near_eta.re * near_eta.re * sin_squared;
         let near_normal = if near_eta.im.any_above(0.0) {
             (near_eta.square() - ComplexLanes::real(tangential_squared)).sqrt_upper()
@@ -266,8 +266,8 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
         };
         let far = match far {
             Below::Medium(medium) => {
-                let eta = ComplexLanes::<V>::narrow(self.media.of(medium));
-                let normal = (eta.square() - ComplexLanes::real(tangential_squared)).sqrt_away();
+                let eta = ComplexLanes::<V>::narrow(self.media.eta_of(medium));
+                let normal = (eta.square() - ComplexLanes::real(tangential_squared)).sqrt_outgoing();
                 Some(Far { medium, eta, normal })
             }
             Below::Mirror => None,
@@ -331,7 +331,7 @@ impl<V: Lanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
         let (of_s, of_p) = (light(field.s), light(field.p));
         let both = Coherency { s: of_s.s + of_p.s, p: of_s.p + of_p.p, cross: of_s.cross + of_p.cross };
         // A field in an absorbing medium has a part along its way, which neither s nor p holds: power is that of the whole.
-        let whole = self.incident.tube_power(field, state.tube_area, self.media.of(near));
+        let whole = self.incident.tube_power(field, state.tube_area, self.media.eta_of(near));
         let power = (whole.s + whole.p) * V::splat(0.5);
         let path = Path { at: state.at, direction, across: s };
         Some((path, both.with_power(power)))
@@ -350,7 +350,7 @@ pub fn free_slot<V: Lanes>() -> Slot<Path<V>, Coherency<V>> {
 mod tests {
     use super::*;
     use crate::geometry::bvh::{Bvh, Node};
-    use crate::geometry::planar_cell::Facet;
+    use crate::geometry::facet::Facet;
     use crate::optics::interface::Interface;
     use crate::optics::medium::Medium;
     use crate::simd::lanes::F64;
@@ -392,7 +392,7 @@ mod tests {
         let media = [1.0, 1.7, 1.2].map(|n| Medium::constant(n.into()).unwrap());
         let mut eta = [ComplexLanes::zero(); 3];
         let media = MediaLanes::<F64>::evaluate(&media, &[550.0], &mut eta).unwrap();
-        let incident = Incident::new(DVec3::new(0.6, 0.48, 0.64), media.of(0));
+        let incident = Incident::new(DVec3::new(0.6, 0.48, 0.64), media.eta_of(0));
         let (mut waves, mut paths) =
             (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
 

@@ -2,8 +2,8 @@
 
 use core::slice;
 use goniochrome::geometry::bvh::{Bvh, Hit, Node, Ray};
+use goniochrome::geometry::facet::Facet;
 use goniochrome::geometry::mesh_cell::MeshCell;
-use goniochrome::geometry::planar_cell::Facet;
 use goniochrome::geometry::side::Side;
 use goniochrome::glam::DVec3;
 use goniochrome::measure::bins::{BinFields, DirectionBins, ExitBuffer, ExitRecord, Histogram};

@@ -377,7 +377,7 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
 
     /// Index of refraction of a medium; 1 beyond the last.
     #[inline]
-    pub fn of(&self, medium: MediumIndex) -> ComplexLanes<V::Precise> {
+    pub fn eta_of(&self, medium: MediumIndex) -> ComplexLanes<V::Precise> {
         self.eta.get(usize::from(medium)).copied().unwrap_or_else(ComplexLanes::one)
     }
 

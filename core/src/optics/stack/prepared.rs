@@ -251,7 +251,7 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
     pub(crate) fn films(&self) -> impl Iterator<Item = (Film, ComplexLanes<V::Precise>, Wave<V>)> {
         let with_wave = |&film: &Film| {
             let wave = self.waves.get(usize::from(film.medium)).copied().unwrap_or_else(Wave::none);
-            (film, self.media.of(film.medium), wave)
+            (film, self.media.eta_of(film.medium), wave)
         };
         self.stack.films.iter().map(with_wave)
     }
