@@ -1,8 +1,9 @@
 //! Table blobs: what is written comes back where it lies, and what is damaged is refused, whatever the damage.
 
 use glam::Vec3;
+use goniochrome::colour::RgbSpace;
 use goniochrome::measure::bins::DirectionBins;
-use goniochrome::table::blob::{Blob, BlobError, Contents, Precision, Space};
+use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 
 /// Relative rounding of binary16, and its smallest step.
@@ -22,7 +23,7 @@ fn mirror_values() -> Vec<f32> {
 }
 
 fn written(contents: Contents<'_>, precision: Precision) -> Vec<u8> {
-    let blob = Blob { space: Space::Rec2020, contents };
+    let blob = Blob { space: Some(RgbSpace::Rec2020), contents };
     let mut bytes = vec![0xa5; blob.required_len(precision).unwrap()];
     blob.write(precision, &mut bytes).unwrap();
     bytes
@@ -68,7 +69,7 @@ fn single_precision_is_looked_up_bit_for_bit_wherever_it_lies() {
         let mut moved = vec![0; shift];
         moved.extend(&bytes);
         let blob = Blob::read(&moved[shift..]).unwrap();
-        assert_eq!(blob.space, Space::Rec2020);
+        assert_eq!(blob.space, Some(RgbSpace::Rec2020));
         let Contents::Scatter(read, reader) = blob.contents else { panic!("a scatter table") };
         for (wi, wo) in directions().zip(directions().skip(3)) {
             assert_eq!(read.rgb(wi, wo), table.rgb(wi, wo));
@@ -211,7 +212,8 @@ fn unsound_numbers_are_refused_even_with_a_right_checksum() {
 #[test]
 fn what_half_precision_cannot_hold_is_not_written() {
     let values = [0.0, 70_000.0];
-    let blob = Blob { space: Space::Srgb, contents: Contents::Mirror(MirrorTable::new(&values, 1, 1.0).unwrap()) };
+    let blob =
+        Blob { space: Some(RgbSpace::Srgb), contents: Contents::Mirror(MirrorTable::new(&values, 1, 1.0).unwrap()) };
     let mut bytes = [0; 68];
     assert_eq!(blob.write(Precision::Half, &mut bytes), Err(BlobError::Range { index: 1 }));
     assert_eq!(blob.write(Precision::Single, &mut bytes), Err(BlobError::Length { required: 72 }));

@@ -6,8 +6,9 @@
 use std::error::Error;
 
 use glam::{Vec2, Vec3};
+use goniochrome::colour::RgbSpace;
 use goniochrome::table::MirrorTable;
-use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::trace::sobol::sobol;
 
 /// What the engine draws from a material; radiance is not its business.
@@ -65,7 +66,7 @@ impl Material for StructuralColour<'_> {
 fn built_in() -> Result<Vec<u8>, Box<dyn Error>> {
     let ramp: Vec<f32> = (0..32).flat_map(|i| [1.0 - i as f32 / 32.0, 0.4, 0.2 + i as f32 / 64.0]).collect();
     let table = MirrorTable::new(&ramp, 3, core::f64::consts::FRAC_PI_2)?;
-    let blob = Blob { space: Space::Srgb, contents: Contents::Mirror(table) };
+    let blob = Blob { space: Some(RgbSpace::Srgb), contents: Contents::Mirror(table) };
     let mut bytes = vec![0; blob.required_len(Precision::Half).ok_or("the table is too large")?];
     blob.write(Precision::Half, &mut bytes)?;
     Ok(bytes)

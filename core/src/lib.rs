@@ -93,7 +93,7 @@
 //! use goniochrome::simd::lanes::{F32, Lanes};
 //! use goniochrome::optics::medium::{MediaLanes, Medium};
 //! use goniochrome::geometry::mesh_cell::MeshCell;
-//! use goniochrome::trace::coherent_mesh::{Incident, CoherentMesh, free_slot};
+//! use goniochrome::trace::coherent_mesh::{IncidentWave, CoherentMesh, free_slot};
 //! use goniochrome::trace::sobol::sobol;
 //! use goniochrome::trace::waves::{Limits, trace};
 //! use glam::DVec3;
@@ -128,7 +128,7 @@
 //! const RAYS: u32 = 256;
 //! let grid = DirectionBins { cos: 4, phi: 8 };
 //! let wi = DVec3::new(0.6, 0.0, 0.8);
-//! let mut polygons = CoherentMesh::new(cell, media, Incident::new(wi, media.eta()[0]));
+//! let mut polygons = CoherentMesh::new(cell, media, IncidentWave::new(wi, media.eta()[0]));
 //! let (mut slots, mut memory) = ([free_slot::<F32>(); 16], [ExitRecord::<F32>::none(); 32]);
 //! let mut exits = ExitBuffer::new(&mut memory, grid, &media);
 //! let mut power = Power([0.0; 32]);
@@ -154,7 +154,8 @@
 //!
 //! ```
 //! use goniochrome::measure::bins::DirectionBins;
-//! use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+//! use goniochrome::colour::RgbSpace;
+//! use goniochrome::table::blob::{Blob, Contents, Precision};
 //! use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 //! use glam::Vec3;
 //!
@@ -164,7 +165,7 @@
 //! let table = ScatterTable::new(&values, layout, 3)?;
 //! let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
 //! let sampler = ScatterSampler::new(&table, &mut memory)?;
-//! let blob = Blob { space: Space::Srgb, contents: Contents::Scatter(table, sampler) };
+//! let blob = Blob { space: Some(RgbSpace::Srgb), contents: Contents::Scatter(table, sampler) };
 //! let mut bytes = vec![0; blob.required_len(Precision::Half).unwrap()];
 //! blob.write(Precision::Half, &mut bytes)?;
 //!
@@ -192,5 +193,5 @@ pub mod optics;
 pub mod geometry;
 pub mod trace;
 pub mod measure;
-pub mod table;
 pub mod colour;
+pub mod table;

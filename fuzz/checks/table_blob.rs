@@ -2,8 +2,9 @@
 //! written again byte for byte.
 
 use glam::Vec3;
+use goniochrome::colour::RgbSpace;
 use goniochrome::measure::bins::DirectionBins;
-use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 
 const HEADER: usize = 64;
@@ -50,7 +51,8 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
     let values: Vec<f32> = numbers.as_chunks().0.iter().map(|&bits| f32::from_le_bytes(bits)).collect();
     let channels = 1 + usize::from(kind >> 2 & 3);
     let precision = if kind & 2 == 0 { Precision::Single } else { Precision::Half };
-    let space = [Space::Unknown, Space::Srgb, Space::Rec2020, Space::AcesCg, Space::Paper][usize::from(space % 5)];
+    let spaces = [RgbSpace::Srgb, RgbSpace::Rec2020, RgbSpace::AcesCg, RgbSpace::Paper];
+    let space = usize::from(space % 5).checked_sub(1).map(|place| spaces[place]);
     let write = |contents| {
         let blob = Blob { space, contents };
         let mut bytes = vec![0; blob.required_len(precision)?];

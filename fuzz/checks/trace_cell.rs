@@ -7,7 +7,7 @@ use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
 use goniochrome::optics::interface::Model;
 use goniochrome::simd::lanes::{F64, Lanes};
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
 use goniochrome::trace::paths::{IncoherentFallback, trace_with_fallback};
 use goniochrome::trace::random::Random;
@@ -122,7 +122,7 @@ fn merged(cell: &Cell, scene: &Scene) -> Option<[f64; 2]> {
     let Start { wi, u, v, seed } = cell.start;
     with_cell(scene, cell.wavelength_nm, |mesh, media| {
         let eta = media.eta()[usize::from(mesh.above())];
-        let incident = Incident::new(wi, eta);
+        let incident = IncidentWave::new(wi, eta);
         let (mut polygons, mut geometric) =
             (CoherentMesh::new(mesh, media, incident), IncoherentMesh::new(mesh, media, incident));
         let (state, field) = polygons.start(u, v).expect("no hole");

@@ -7,11 +7,11 @@ use goniochrome::geometry::side::Side;
 use goniochrome::optics::interface::{Below, Interface};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::lanes::{F64, Lanes};
-use goniochrome::trace::coherent_mesh::Incident;
+use goniochrome::trace::coherent_mesh::IncidentWave;
 use goniochrome::trace::incoherent_mesh::{Coherency, ExitPath, IncoherentMesh, Path, free_slot};
-use goniochrome::trace::paths::{Paths, Propagated, follow_paths};
+use goniochrome::trace::paths::{Paths, follow_paths};
 use goniochrome::trace::random::Random;
-use goniochrome::trace::waves::{Limits, Sink, Slot, Target};
+use goniochrome::trace::waves::{Limits, Propagated, Sink, Slot, Target};
 use goniochrome_cli::scene::{Mesh, NamedInterface, NamedMedium, OwnedMedium, Scene, Shape, Triangle};
 use goniochrome_cli::solve::groups::Groups;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
@@ -184,7 +184,7 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
     let mut slots: Vec<Slot<Path<F64>, Coherency<F64>>> = vec![free_slot(); states];
     let mut one = |cell: MeshCell<'_>, media: MediaLanes<'_, F64>, start: &Start| {
         let eta = media.eta()[usize::from(cell.above())];
-        let paths = IncoherentMesh::new(cell, media, Incident::new(start.wi, eta));
+        let paths = IncoherentMesh::new(cell, media, IncidentWave::new(start.wi, eta));
         let mut outcome = Outcome::default();
         let (path, light) = paths.start(start.u, start.v).expect("no hole");
         let mut random = Random::new(start.seed, 0);

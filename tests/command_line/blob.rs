@@ -1,6 +1,7 @@
 //! `export --to blob`: what the library loads is what the table holds.
 
-use goniochrome::table::blob::{Blob, Contents, Space};
+use goniochrome::colour::RgbSpace;
+use goniochrome::table::blob::{Blob, Contents};
 use goniochrome_cli::table::file::{self, Table};
 
 use crate::user::User;
@@ -18,7 +19,7 @@ fn a_planar_table_loads_with_its_colours_and_space() {
     let (single, half) = (user.read("t.gonio"), user.read("h.gonio"));
     assert_eq!((single.len(), half.len()), (64 + 30 * 3 * 4, 64 + 30 * 3 * 2));
     let blob = Blob::read(&single).unwrap();
-    assert_eq!(blob.space, Space::Rec2020);
+    assert_eq!(blob.space, Some(RgbSpace::Rec2020));
     let Contents::Mirror(read) = blob.contents else { panic!("a planar table") };
     let Contents::Mirror(rounded) = Blob::read(&half).unwrap().contents else { panic!("a planar table") };
     for (theta, rgb) in table.theta_deg.iter().zip(&table.rgb) {

@@ -6,7 +6,7 @@ use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogra
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::ComplexLanes;
 use goniochrome::simd::lanes::Lanes;
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
 use goniochrome::trace::random::Random;
@@ -48,7 +48,7 @@ pub fn cell<V: Lanes>(visit: Visit<'_>) {
     let mut memory = vec![ExitRecord::none(); 512];
     for (name, coherent) in [("powers", false), ("waves", true)] {
         let mut run = || {
-            let light = Incident::new(wi, media.eta()[usize::from(cell.above())]);
+            let light = IncidentWave::new(wi, media.eta()[usize::from(cell.above())]);
             let (mut polygons, mut geometric) =
                 (CoherentMesh::new(cell, media, light), IncoherentMesh::new(cell, media, light));
             let mut exits = ExitBuffer::new(&mut memory, bins, &media);

@@ -1,8 +1,10 @@
 //! `export --to blob`: the bytes that [`goniochrome::table::blob`] specifies, RGB.
 
-use goniochrome::table::blob::{Blob, BlobError, Contents, Precision, Space};
+use goniochrome::colour::RgbSpace;
+use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{MirrorTable as Mirror, ScatterSampler, ScatterTable as Scatter};
 
+use crate::colour::{SPACES, space_name};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::file::Table;
@@ -28,7 +30,7 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
     }
 }
 
-fn write(space: Space, contents: Contents<'_>, precision: Precision) -> Result<Vec<u8>> {
+fn write(space: Option<RgbSpace>, contents: Contents<'_>, precision: Precision) -> Result<Vec<u8>> {
     let blob = Blob { space, contents };
     let length = blob.required_len(precision).ok_or_else(|| Error::failed(BlobError::Dimensions))?;
     let mut bytes = filled(0, length, "the blob")?;
@@ -56,15 +58,10 @@ fn largest_angle(table: &MirrorTable) -> Result<f64> {
     Ok(last.to_radians())
 }
 
-/// The colour space that the table's metadata name.
-fn space(metadata: &std::collections::BTreeMap<String, String>) -> Space {
-    match metadata.get("colour_space").map(String::as_str) {
-        Some("srgb") => Space::Srgb,
-        Some("rec2020") => Space::Rec2020,
-        Some("acescg") => Space::AcesCg,
-        Some("paper") => Space::Paper,
-        _ => Space::Unknown,
-    }
+/// The colour space that the table's metadata name, if it is one that blobs have.
+fn space(metadata: &std::collections::BTreeMap<String, String>) -> Option<RgbSpace> {
+    let name = metadata.get("colour_space")?;
+    SPACES.into_iter().find(|&space| space_name(space) == name)
 }
 
 #[cfg(test)]

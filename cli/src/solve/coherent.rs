@@ -8,7 +8,7 @@ use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
 use goniochrome::simd::lanes::Lanes;
 use goniochrome::simd::vector::VectorLanes;
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Field, Incident, State, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::sobol::sobol;
 use goniochrome::trace::waves::{Slot, trace};
 
@@ -36,7 +36,7 @@ pub(crate) struct BinLight<'c> {
 
 /// Sums over the starting rays of one batch.
 struct Batch<V: Lanes> {
-    fields: Vec<Field<V>>,
+    fields: Vec<WaveField<V>>,
     truncated: V,
     absorbed: V,
 }
@@ -50,7 +50,7 @@ impl<'c> BinLight<'c> {
     /// Refuses bins that memory does not hold.
     pub fn expect_room<V: Lanes>(request: &Request) -> Result<()> {
         let fields = BinFields::<V>::required_len(request.bins);
-        expect_list::<Field<V>>(&[fields, BATCHES as usize], "the fields of all --bins")
+        expect_list::<WaveField<V>>(&[fields, BATCHES as usize], "the fields of all --bins")
     }
 
     /// One tally for each batch and each of the `wavelengths` that `media` hold. The mean over batches is the estimate,
@@ -66,7 +66,7 @@ impl<'c> BinLight<'c> {
         wavelengths: usize,
         progress: &(dyn Fn() + Sync),
     ) -> Vec<Vec<Tally>> {
-        let nothing: Field<V> = Polarised::both(VectorLanes::zero());
+        let nothing: WaveField<V> = Polarised::both(VectorLanes::zero());
         let fields = BinFields::<V>::required_len(self.request.bins);
         let batch = |_| Batch { fields: vec![nothing; fields], truncated: V::zero(), absorbed: V::zero() };
         let mut batches: Vec<Batch<V>> = (0..BATCHES).map(batch).collect();
@@ -111,10 +111,10 @@ impl<'c> BinLight<'c> {
         &self,
         media: MediaLanes<'_, V>,
         batch: u32,
-        slots: &mut [Slot<State<V>, Field<V>>],
+        slots: &mut [Slot<WaveState<V>, WaveField<V>>],
         Batch { fields, truncated, absorbed }: &mut Batch<V>,
     ) {
-        let incident = Incident::new(self.wi, media.eta()[usize::from(self.cell.above())]);
+        let incident = IncidentWave::new(self.wi, media.eta()[usize::from(self.cell.above())]);
         let mut polygons = CoherentMesh::new(self.cell, media, incident);
         let mut sink = BinFields::new(fields, self.request.bins, &media, incident.wavevector());
         for ray in 0..self.rays {
@@ -136,7 +136,7 @@ impl<'c> BinLight<'c> {
 /// Real and imaginary parts of a field at one wavelength, of s and p light.
 type Components = [f64; 12];
 
-fn components<V: Lanes>(field: &Field<V>, lane: usize) -> Components {
+fn components<V: Lanes>(field: &WaveField<V>, lane: usize) -> Components {
     let of = |e: VectorLanes<V>| [e.x.re, e.x.im, e.y.re, e.y.im, e.z.re, e.z.im].map(|part| part.lane(lane));
     let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (of(field.s), of(field.p));
     [a, b, c, d, e, f, g, h, i, j, k, l]

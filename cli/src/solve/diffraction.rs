@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
-use goniochrome::measure::orders::{Order, Orders, largest_order};
+use goniochrome::measure::orders::{Order, Orders, max_order};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::{ComplexLanes, Polarised};
 use goniochrome::simd::lanes::{F32, F64, Lanes};
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Field, Incident, State, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::sobol::sobol;
 use goniochrome::trace::waves::{Limits, Slot, trace};
 
@@ -218,7 +218,7 @@ impl<V: Lanes> Light<'_, V> {
         let eta = self.eta();
         let shortest = self.wavelengths.iter().copied().fold(f64::INFINITY, f64::min);
         let most = self.cell.period_nm().map(|period| {
-            let all = largest_order(period, eta.re.lane(0), shortest);
+            let all = max_order(period, eta.re.lane(0), shortest);
             request.most.map_or(all, |most| most.min(all))
         });
         let mut blank = Vec::new();
@@ -247,10 +247,10 @@ impl<V: Lanes> Light<'_, V> {
         request: &Request,
         rays: u32,
         batch: u32,
-        slots: &mut [Slot<State<V>, Field<V>>],
+        slots: &mut [Slot<WaveState<V>, WaveField<V>>],
         sums: &mut Batch<V>,
     ) {
-        let mut polygons = CoherentMesh::new(self.cell, self.media, Incident::new(self.wi, self.eta()));
+        let mut polygons = CoherentMesh::new(self.cell, self.media, IncidentWave::new(self.wi, self.eta()));
         let mut sink = Orders::new(&mut sums.orders, self.wi, self.eta(), &self.media);
         let limits = Limits { in_flight: IN_FLIGHT, generations: request.hits };
         for ray in 0..rays {

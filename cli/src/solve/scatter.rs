@@ -9,7 +9,7 @@ use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogra
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
 use goniochrome::simd::lanes::{F32, F64, Lanes};
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Field, Incident, State, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, Coherency, IncoherentMesh, Path};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
 use goniochrome::trace::random::Random;
@@ -143,7 +143,7 @@ const WAITING: usize = 36;
 
 /// A thread's memory for the tracer.
 pub(crate) struct Workspace<V: Lanes> {
-    waves: Vec<Slot<State<V>, Field<V>>>,
+    waves: Vec<Slot<WaveState<V>, WaveField<V>>>,
     paths: Vec<Slot<Path<V>, Coherency<V>>>,
     exits: Vec<ExitRecord<V>>,
 }
@@ -158,8 +158,8 @@ impl<V: Lanes> Workspace<V> {
     }
 }
 
-const _: () = assert!(STATES * size_of::<Slot<State<F32>, Field<F32>>>() <= 64 * 1024);
-const _: () = assert!(STATES * size_of::<Slot<State<F64>, Field<F64>>>() <= 64 * 1024);
+const _: () = assert!(STATES * size_of::<Slot<WaveState<F32>, WaveField<F32>>>() <= 64 * 1024);
+const _: () = assert!(STATES * size_of::<Slot<WaveState<F64>, WaveField<F64>>>() <= 64 * 1024);
 const _: () = assert!(WAITING * size_of::<Slot<Path<F32>, Coherency<F32>>>() <= 32 * 1024);
 const _: () = assert!(WAITING * size_of::<Slot<Path<F64>, Coherency<F64>>>() <= 32 * 1024);
 
@@ -340,7 +340,7 @@ pub(crate) fn trace_batch<V: Lanes>(
     tallies: &mut [Tally],
 ) {
     let eta = media.eta()[usize::from(cell.above())];
-    let incident = Incident::new(wi, eta);
+    let incident = IncidentWave::new(wi, eta);
     let (mut polygons, mut geometric) =
         (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
     let mut exits = ExitBuffer::new(exits, request.bins, &media);

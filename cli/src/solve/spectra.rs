@@ -8,7 +8,7 @@ use goniochrome::simd::complex::{ComplexLanes, Polarised};
 use goniochrome::simd::double_double::DoubleDouble;
 use goniochrome::simd::lanes::{F32, F64, Lanes};
 use goniochrome::trace::ledger::Ledger;
-use goniochrome::trace::planar::{LayerSlot, Summation, Totals, TraceMemory, free_slot, rounding, trace_planar};
+use goniochrome::trace::planar::{PlanarSlot, Summation, Totals, TraceMemory, free_slot, rounding, trace_planar};
 use goniochrome::trace::waves::Limits;
 
 use crate::solve::groups::Groups;
@@ -253,7 +253,7 @@ struct Worker<V: Lanes> {
     reflections: Vec<Polarised<ComplexLanes<V>>>,
     propagators: Vec<ComplexLanes<V>>,
     totals: Vec<Totals<V>>,
-    slots: Vec<LayerSlot<V>>,
+    slots: Vec<PlanarSlot<V>>,
 }
 
 impl<V: Lanes> Worker<V> {

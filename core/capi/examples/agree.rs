@@ -16,9 +16,9 @@ use goniochrome::optics::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
 use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
 use goniochrome::simd::complex::ComplexLanes;
 use goniochrome::simd::lanes::{F32, F64, Lanes, simd_level};
-use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
 use goniochrome::trace::random::Random;
@@ -126,7 +126,7 @@ fn ridge(interference: bool) {
     let mut eta = [ComplexLanes::zero(); 2];
     let lanes = MediaLanes::<F32>::evaluate(&media, &NM, &mut eta).unwrap();
     let wi = DVec3::new(0.6, 0.0, 0.8).normalize_or_zero();
-    let incident = Incident::new(wi, lanes.eta()[0]);
+    let incident = IncidentWave::new(wi, lanes.eta()[0]);
     let (mut polygons, mut geometric) =
         (CoherentMesh::new(cell, lanes, incident), IncoherentMesh::new(cell, lanes, incident));
     let mut memory = vec![ExitRecord::<F32>::none(); 128];
@@ -164,7 +164,7 @@ fn ridge(interference: bool) {
 }
 
 fn written(contents: Contents<'_>, precision: Precision, path: &Path) -> Vec<u8> {
-    let blob = Blob { space: Space::Rec2020, contents };
+    let blob = Blob { space: Some(RgbSpace::Rec2020), contents };
     let mut bytes = vec![0; blob.required_len(precision).unwrap()];
     blob.write(precision, &mut bytes).unwrap();
     std::fs::write(path, &bytes).unwrap();

@@ -14,7 +14,7 @@ use goniochrome::optics::interface::{Below, Interface as CoreInterface};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::{ComplexLanes, Polarised};
 use goniochrome::simd::lanes::{F32, Lanes};
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Field, Incident, State, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, Coherency, IncoherentMesh, Path};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
 use goniochrome::trace::random::Random;
@@ -125,7 +125,7 @@ const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 const PATH_LIMITS: Limits = Limits { in_flight: 0.01, generations: 10_000 };
 const MAX_SIDE: u32 = 1024;
 
-type WaveSlot = Slot<State<F32>, Field<F32>>;
+type WaveSlot = Slot<WaveState<F32>, WaveField<F32>>;
 type PathSlot = Slot<Path<F32>, Coherency<F32>>;
 
 /// Bytes of memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if there are too many.
@@ -387,7 +387,7 @@ impl Tracer<'_> {
         let cell = self.object.cell;
         let ambient = lanes.eta().get(usize::from(cell.above())).copied().ok_or(Status::Index)?;
         let interference = self.light.interference == 1;
-        let incident = Incident::new(self.wi, ambient);
+        let incident = IncidentWave::new(self.wi, ambient);
         let (mut polygons, mut geometric) =
             (CoherentMesh::new(cell, lanes, incident), IncoherentMesh::new(cell, lanes, incident));
         let grid = DirectionBins { cos: self.light.bins_cos, phi: self.light.bins_phi };

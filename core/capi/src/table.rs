@@ -4,7 +4,7 @@ use crate::memory::{Made, Results, list, shared};
 use crate::status::{Status, answer};
 use core::f32::consts::FRAC_PI_2;
 use glam::Vec3;
-use goniochrome::table::blob::{Blob, Contents, Space};
+use goniochrome::table::blob::{Blob, Contents, space_number};
 
 /// Bytes of a gonio_table.
 pub const GONIO_TABLE_SIZE: usize = 8 * 32;
@@ -79,13 +79,7 @@ pub unsafe extern "C" fn gonio_table_describe(table: *const Table, description: 
             Contents::Mirror(table) => (GONIO_KIND_MIRROR, table.channels()),
             Contents::Scatter(table, _) => (GONIO_KIND_SCATTER, table.channels()),
         };
-        let space = match blob.space {
-            Space::Unknown => 0,
-            Space::Srgb => 1,
-            Space::Rec2020 => 2,
-            Space::AcesCg => 3,
-            Space::Paper => 4,
-        };
+        let space = space_number(blob.space);
         description.write([TableDescription { kind, channels: channels as u32, space }]);
         Ok(())
     })

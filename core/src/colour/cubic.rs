@@ -1,13 +1,15 @@
-//! The interpolation between the samples of a spectrum.
+//! Piecewise cubic interpolation between the samples of a spectrum.
 
-/// A neighbour nearer than this share of the interval is passed over for one farther away: a cubic through samples that
-/// lie much closer together than the interval is wide would magnify their differences across it.
-const NEAREST_NEIGHBOUR: f64 = 0.25;
+/// Least distance of a neighbour from the interval, in widths of the interval. A nearer one is passed over for one
+/// farther away: a cubic through samples much closer together than the interval is wide would magnify their differences
+/// across it.
+const MIN_NEIGHBOUR_DISTANCE: f64 = 0.25;
 
-/// The cubic that stands for a spectrum between two adjacent samples.
+/// Cubic interpolant of a spectrum between two adjacent samples.
 ///
-/// It is the Lagrange polynomial through both and through one neighbour on each side, or two on one side at an end of
-/// the samples. Where fewer than four samples are far enough apart, the degree is lower; one sample is a constant.
+/// It is the Lagrange polynomial through both samples and one neighbour on each side, or two neighbours on one side at an
+/// end of the samples. If fewer than four samples are far enough apart, the degree is lower; a single sample gives a
+/// constant.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectrumCubic {
     index: [usize; 4],
@@ -18,13 +20,13 @@ pub struct SpectrumCubic {
 }
 
 impl SpectrumCubic {
-    /// The cubic between samples `interval` and `interval + 1`.
+    /// Interpolant between samples `interval` and `interval + 1`; `None` if there is no such interval.
     ///
-    /// `samples` increases strictly. None if it has no such interval.
+    /// `samples` increases strictly.
     #[must_use]
     pub fn new(samples: &[f64], interval: usize) -> Option<Self> {
         let (&a, &b) = (samples.get(interval)?, samples.get(interval + 1)?);
-        let reach = NEAREST_NEIGHBOUR * (b - a);
+        let reach = MIN_NEIGHBOUR_DISTANCE * (b - a);
         let left = |of: f64| samples.partition_point(|&x| x <= of - reach).checked_sub(1);
         let right = |of: f64| Some(samples.partition_point(|&x| x < of + reach)).filter(|&i| i < samples.len());
         let beyond = |place: Option<usize>, next: &dyn Fn(f64) -> Option<usize>| {
@@ -43,7 +45,7 @@ impl SpectrumCubic {
         Some(cubic.scaled())
     }
 
-    /// The constant that stands for a single sample, and for what lies beyond the ends of several.
+    /// Constant interpolant: for a single sample, and beyond the first and the last of several.
     #[must_use]
     pub fn constant(index: usize) -> Self {
         Self { index: [index; 4], node: [0.0; 4], scale: [1.0, 0.0, 0.0, 0.0], order: 1 }
@@ -65,13 +67,13 @@ impl SpectrumCubic {
         self
     }
 
-    /// The samples it goes through, by place; places of no share repeat others.
+    /// Indices of the samples that it goes through. Unused places, whose share is 0, repeat one of them.
     #[must_use]
     pub fn index(&self) -> [usize; 4] {
         self.index
     }
 
-    /// The share of each sample of [`SpectrumCubic::index`] in the value at `x`. They add to 1.
+    /// Share of each sample of [`SpectrumCubic::index`] in the value at `x`. The shares add up to 1.
     #[must_use]
     #[inline]
     pub fn shares(&self, x: f64) -> [f64; 4] {
@@ -107,7 +109,8 @@ mod tests {
 
     #[test]
     fn crowded_neighbours_are_not_magnified() {
-        // One sample in 10⁻³ nm stands out by 1: the wide intervals beside it must not see a slope of 1000 per nm.
+        // One of four samples 10⁻³ nm apart stands out by 1. The wide intervals beside them must not continue its slope of
+        // 1000 per nm.
         let samples = [400.0, 410.0, 420.0, 420.001, 420.002, 420.003, 430.0, 440.0];
         let f = |x: f64| if (x - 420.001).abs() < 1e-9 { 1.0 } else { 0.0 };
         for (interval, x) in [(0, 405.0), (1, 415.0), (5, 425.0), (6, 435.0)] {

@@ -10,7 +10,7 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
 use crate::simd::vector::{RealLanes, VectorLanes};
-use crate::trace::coherent_mesh::{ExitWave, Field};
+use crate::trace::coherent_mesh::{ExitWave, WaveField};
 use crate::trace::incoherent_mesh::{Coherency, ExitPath};
 use crate::trace::waves::Sink;
 use core::f64::consts::TAU;
@@ -85,7 +85,7 @@ pub struct ExitRecord<V: Lanes> {
     /// Followed by itself: its power counts, its field does not.
     alone: bool,
     /// Referred to the first hit, and scaled to the power it carries.
-    field: Field<V>,
+    field: WaveField<V>,
     power: Polarised<V>,
 }
 
@@ -163,7 +163,7 @@ impl<'m, V: Lanes> ExitBuffer<'m, V> {
 
 impl<V: Lanes> ExitBuffer<'_, V> {
     /// Adds to an exit that is alike, or takes a place of its own; one without a field was followed by itself.
-    fn put(&mut self, side: Side, bins: [u32; MAX_LANES], power: Polarised<V>, field: Option<Field<V>>) {
+    fn put(&mut self, side: Side, bins: [u32; MAX_LANES], power: Polarised<V>, field: Option<WaveField<V>>) {
         let alone = field.is_none();
         let alike = |exit: &&mut ExitRecord<V>| exit.side == side && exit.alone == alone && exit.bins.iter().eq(&bins);
         if let Some(exit) = self.memory.iter_mut().take(self.count).find(alike) {
@@ -184,8 +184,8 @@ impl<V: Lanes> ExitBuffer<'_, V> {
     }
 }
 
-impl<V: Lanes> Sink<ExitWave<V>, Field<V>> for ExitBuffer<'_, V> {
-    fn exit(&mut self, departure: ExitWave<V>, field: Field<V>) {
+impl<V: Lanes> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<'_, V> {
+    fn exit(&mut self, departure: ExitWave<V>, field: WaveField<V>) {
         let ExitWave { side, power, wavevector, point_nm, .. } = departure;
         let to_origin = phase_of(&departure, self.origin_nm - point_nm, self.per_wavelength);
         let bins = self.grid.of_lanes(wavevector.map(|q| q.re));
@@ -204,7 +204,7 @@ impl<V: Lanes> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V> {
 /// is the bin's power; power is not conserved, since directions that differ within a bin do not really interfere.
 #[derive(Debug)]
 pub struct BinFields<'m, V: Lanes> {
-    fields: &'m mut [Field<V>],
+    fields: &'m mut [WaveField<V>],
     grid: DirectionBins,
     per_wavelength: V::Precise,
     incident: VectorLanes<V::Precise>,
@@ -221,7 +221,7 @@ impl<'m, V: Lanes> BinFields<'m, V> {
 
     /// Adds to `fields`, which holds [`BinFields::required_len`] elements.
     pub fn new(
-        fields: &'m mut [Field<V>],
+        fields: &'m mut [WaveField<V>],
         grid: DirectionBins,
         media: &MediaLanes<'_, V>,
         incident: VectorLanes<V::Precise>,
@@ -236,8 +236,8 @@ impl<'m, V: Lanes> BinFields<'m, V> {
     }
 }
 
-impl<V: Lanes> Sink<ExitWave<V>, Field<V>> for BinFields<'_, V> {
-    fn exit(&mut self, departure: ExitWave<V>, field: Field<V>) {
+impl<V: Lanes> Sink<ExitWave<V>, WaveField<V>> for BinFields<'_, V> {
+    fn exit(&mut self, departure: ExitWave<V>, field: WaveField<V>) {
         let phase = propagate::<V>(phase_of(&departure, -departure.point_nm, self.per_wavelength));
         let field = scaled_to_power(field, departure.power, phase * self.arrival);
         let bins = self.grid.of_lanes(departure.wavevector.map(|q| q.re));
@@ -263,7 +263,7 @@ fn phase_of<V: Lanes>(departure: &ExitWave<V>, step_nm: DVec3, per_wavelength: V
 
 /// A ray's field with its phase referred elsewhere, scaled so that its square is the power it carries, in an absorbing
 /// substrate too.
-fn scaled_to_power<V: Lanes>(field: Field<V>, power: Polarised<V>, phase: ComplexLanes<V>) -> Field<V> {
+fn scaled_to_power<V: Lanes>(field: WaveField<V>, power: Polarised<V>, phase: ComplexLanes<V>) -> WaveField<V> {
     field.zip(power, |e, power| {
         let square = e.norm_sqr();
         let scale = V::zero().select_lt(square, (power.max(V::zero()) / square).sqrt(), V::zero());

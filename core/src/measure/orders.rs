@@ -16,7 +16,7 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
 use crate::simd::vector::VectorLanes;
-use crate::trace::coherent_mesh::{ExitWave, Field};
+use crate::trace::coherent_mesh::{ExitWave, WaveField};
 use crate::trace::waves::Sink;
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ pub struct Order<V: Lanes> {
     pub wavevector: VectorLanes<V::Precise>,
     /// cos θ_m; 0 in lanes where the order is evanescent.
     pub cos_theta: V,
-    amplitude: Field<V>,
+    amplitude: WaveField<V>,
 }
 
 impl<V: Lanes> Order<V> {
@@ -103,8 +103,8 @@ impl<'m, V: Lanes> Orders<'m, V> {
     }
 }
 
-impl<V: Lanes> Sink<ExitWave<V>, Field<V>> for Orders<'_, V> {
-    fn exit(&mut self, departure: ExitWave<V>, field: Field<V>) {
+impl<V: Lanes> Sink<ExitWave<V>, WaveField<V>> for Orders<'_, V> {
+    fn exit(&mut self, departure: ExitWave<V>, field: WaveField<V>) {
         if departure.side == Side::Below {
             return;
         }
@@ -123,7 +123,7 @@ impl<V: Lanes> Sink<ExitWave<V>, Field<V>> for Orders<'_, V> {
 
 /// The largest |m| of an order that may travel along one axis: k₀n(1 + sin θ) over 2π/Λ.
 #[must_use]
-pub fn largest_order(period_nm: f64, index: f64, shortest_wavelength_nm: f64) -> i32 {
+pub fn max_order(period_nm: f64, index: f64, shortest_wavelength_nm: f64) -> i32 {
     const NEVER_MORE: f64 = 1e6;
     (2.0 * index * period_nm / shortest_wavelength_nm).min(NEVER_MORE) as i32
 }

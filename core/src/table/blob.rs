@@ -1,5 +1,6 @@
-//! Tables as bytes, for run time: a [`MirrorTable`] or a [`ScatterTable`] with its [`ScatterSampler`], which
-//! [`Blob::read`] checks once and then looks up where it lies, wherever that is: bytes need no alignment.
+//! Tables as bytes, for run time: a [`MirrorTable`], or a [`ScatterTable`] with its [`ScatterSampler`].
+//!
+//! [`Blob::read`] checks the bytes once and borrows them; nothing is copied. The bytes need no alignment.
 //!
 //! # Format, version 1
 //!
@@ -18,106 +19,116 @@
 //! | 36 | 4 | u32 columns M of outgoing bins, a multiple of P; mirror: 1 |
 //! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: 0 |
 //! | 48 | 8 | u64 size of the whole blob |
-//! | 56 | 4 | u32 colour space of the first three channels: [`Space`] |
+//! | 56 | 4 | u32 colour space of the first three channels: 0 unknown, 1 linear sRGB, 2 linear Rec. 2020, 3 ACEScg, 4 the paper's matrix ([`RgbSpace`]) |
 //! | 60 | 4 | u32 CRC-32 (of zlib, PNG and Ethernet) of all other bytes: those from 0 to 59, then those from 64 to the end |
 //! | 64 | T·P·N·M·C values | mirror: ρ, `[angle][channel]`; scatter: f in 1/sr, `[incident][bin][channel]` |
 //! | | 0 to 3 | zeros, up to a multiple of 4 |
 //! | | 4·T·P·(1 + N + N·M) | scatter only: binary32 for each incident direction: Σ over bins of \|f\| cos θ_o times the bin's solid angle, \|f\| the mean over channels; N cumulative probabilities of the rows of bins; in each row, M cumulative probabilities of its columns |
 //!
 //! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and bins are those of [`ScatterLayout`], columns
-//! running fastest. Scatter sides are at most 1024. Values are finite and their magnitudes at most 10³⁰, so that what is interpolated
-//! is finite too; the first number of an incident direction is in [0, 4·10³⁰]. Cumulative probabilities do not decrease and end in
-//! exactly 1. A blob has no bytes after its last. A reader refuses what differs in any of this.
+//! running fastest. Scatter sides are at most 1024. Values are finite and their magnitudes at most 10³⁰, so that
+//! interpolated values are finite too. The first number of an incident direction is in [0, 4·10³⁰]. Cumulative
+//! probabilities do not decrease and end in exactly 1. Nothing follows the last section. A reader refuses bytes that
+//! break any of these rules.
 
-use super::values::{half_is_finite, to_half};
-use super::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable, TableError, Values};
+use super::error::TableError;
+use super::layout::ScatterLayout;
+use super::mirror::MirrorTable;
+use super::sampler::ScatterSampler;
+use super::scatter::ScatterTable;
+use super::values::{Values, half_is_finite, to_half};
+use crate::colour::RgbSpace;
 use crate::measure::bins::DirectionBins;
 use crc32fast::Hasher;
 
+/// First bytes of every blob.
 const MAGIC: [u8; 8] = *b"\x89GONI\r\n\x1a";
+/// Version that this module writes, and the only one that it reads.
 const VERSION: u32 = 1;
+/// Size of the header in bytes.
 const HEADER: usize = 64;
+/// Offset of the checksum.
 const CHECKSUM: usize = 60;
+/// Number of a mirror-like table's kind.
 const MIRROR: u32 = 1;
+/// Number of a scatter table's kind.
 const SCATTER: u32 = 2;
 
-/// What the first three channels mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Space {
-    /// 0: not said.
-    #[default]
-    Unknown,
-    /// 1: linear sRGB (Rec. 709 primaries, white D65).
-    Srgb,
-    /// 2: linear Rec. 2020.
-    Rec2020,
-    /// 3: `ACEScg`.
-    AcesCg,
-    /// 4: the matrix that the paper prints.
-    Paper,
+/// Number of a colour space in a blob's header; 0 if the space is unknown.
+#[must_use]
+pub fn space_number(space: Option<RgbSpace>) -> u32 {
+    match space {
+        None => 0,
+        Some(RgbSpace::Srgb) => 1,
+        Some(RgbSpace::Rec2020) => 2,
+        Some(RgbSpace::AcesCg) => 3,
+        Some(RgbSpace::Paper) => 4,
+    }
 }
 
-impl Space {
-    const ALL: [Self; 5] = [Self::Unknown, Self::Srgb, Self::Rec2020, Self::AcesCg, Self::Paper];
+/// Colour space of a number in a blob's header; `None` if the number has no meaning.
+fn space_of_number(number: u32) -> Option<Option<RgbSpace>> {
+    let spaces = [None, Some(RgbSpace::Srgb), Some(RgbSpace::Rec2020), Some(RgbSpace::AcesCg), Some(RgbSpace::Paper)];
+    spaces.into_iter().find(|&space| space_number(space) == number)
 }
 
-/// How values are kept.
+/// Number format of a blob's values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// As they are.
+    /// IEEE 754 binary32: values are unchanged.
     #[default]
     Single,
-    /// Rounded to IEEE 754 binary16, relative 5e-4, absolute 3e-8; magnitudes up to 65504.
+    /// IEEE 754 binary16: values are rounded by at most 5e-4 of their magnitude, or 3e-8; magnitudes up to 65504.
     Half,
 }
 
-/// The table of a blob.
+/// Table of a blob.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Contents<'a> {
-    /// Of a mirror-like surface.
+    /// Table of a mirror-like surface.
     Mirror(MirrorTable<'a>),
-    /// Of a surface that reflects everywhere, with what draws directions from it.
+    /// Table of a surface that reflects into every direction, with its importance sampler.
     Scatter(ScatterTable<'a>, ScatterSampler<'a>),
 }
 
-/// A blob that has been checked, or is to be written.
+/// Table and colour space that have been read from bytes, or are to be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blob<'a> {
-    /// What the first three channels mean.
-    pub space: Space,
+    /// Linear colour space of the first three channels; `None` if it is unknown.
+    pub space: Option<RgbSpace>,
     /// The table.
     pub contents: Contents<'a>,
 }
 
-/// Why a blob was refused.
+/// Why a blob cannot be read or written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlobError {
-    /// The bytes do not begin as a blob does.
+    /// The bytes do not begin with a blob's magic.
     Magic,
-    /// A later version than this reader knows.
+    /// The blob has a version that this reader does not know.
     Version {
-        /// The blob's.
+        /// Version of the blob.
         found: u32,
     },
-    /// More or fewer bytes than belong.
+    /// There are more or fewer bytes than the blob has.
     Length {
-        /// Bytes that belong: of the whole blob, or of the header if there is less than that.
+        /// Size of the whole blob, or of the header if there are fewer bytes than that.
         required: u64,
     },
     /// The bytes have changed since they were written.
     Checksum,
-    /// A field of the header is none of its values.
+    /// A field of the header, or the padding, has a value without meaning.
     Field {
-        /// Its offset.
+        /// Offset of the field.
         offset: usize,
     },
-    /// What the header describes does not fit into the size that it states.
+    /// The dimensions in the header do not fit the size that it states.
     Dimensions,
     /// The table or its sampler is not sound.
     Table(TableError),
-    /// A value is beyond half precision (to be written), or not finite (read).
+    /// A value is beyond half precision (when written), or not finite (when read).
     Range {
-        /// Place among the values.
+        /// Index of the value.
         index: usize,
     },
 }
@@ -145,18 +156,18 @@ impl From<TableError> for BlobError {
     }
 }
 
-/// The fields of a header that say how large a blob is.
+/// Header fields that determine the size of a blob.
 #[derive(Clone, Copy)]
-struct Shape {
+struct Dimensions {
     kind: u32,
     value_bytes: u32,
     channels: u32,
-    /// T, P, N, M.
+    /// Sides T, P, N and M.
     sides: [u32; 4],
 }
 
-impl Shape {
-    /// Bytes of the values with their padding, and of the sampler; `None` beyond 64 bits.
+impl Dimensions {
+    /// Sizes of the two sections in bytes: values with their padding, and sampler; `None` beyond 64 bits.
     fn sections(&self) -> Option<[u64; 2]> {
         let [rows, columns, cos, phi] = self.sides.map(u64::from);
         let values = [columns, cos, phi, self.channels.into()].iter().try_fold(rows, |n, &side| n.checked_mul(side))?;
@@ -168,22 +179,26 @@ impl Shape {
         Some([values, rows.checked_mul(columns)?.checked_mul(stride)?.checked_mul(4)?])
     }
 
-    fn required(&self) -> Option<u64> {
+    /// Size of the whole blob in bytes; `None` beyond 64 bits.
+    fn blob_len(&self) -> Option<u64> {
         let [values, sampler] = self.sections()?;
         values.checked_add(sampler)?.checked_add(HEADER as u64)
     }
 }
 
+/// Little-endian number at an offset that is a multiple of 4.
 fn u32_at(bytes: &[u8; HEADER], offset: usize) -> u32 {
     let (fields, _) = bytes.as_chunks::<4>();
     fields.get(offset / 4).map_or(0, |&field| u32::from_le_bytes(field))
 }
 
+/// Little-endian number at an offset that is a multiple of 8.
 fn u64_at(bytes: &[u8; HEADER], offset: usize) -> u64 {
     let (fields, _) = bytes.as_chunks::<8>();
     fields.get(offset / 8).map_or(0, |&field| u64::from_le_bytes(field))
 }
 
+/// CRC-32 of all bytes but the checksum itself.
 fn checksum(header: &[u8; HEADER], payload: &[u8]) -> u32 {
     let mut hasher = Hasher::new();
     hasher.update(header.get(..CHECKSUM).unwrap_or(header));
@@ -192,10 +207,12 @@ fn checksum(header: &[u8; HEADER], payload: &[u8]) -> u32 {
 }
 
 impl<'a> Blob<'a> {
-    /// Checks a blob from first to last byte and looks at it where it lies.
+    /// Checks all bytes of a blob and borrows them. Nothing that is looked up afterwards can fail or panic.
     ///
     /// # Errors
-    /// Any [`BlobError`]; nothing that is read can fail or panic afterwards.
+    /// [`BlobError::Magic`], [`BlobError::Version`], [`BlobError::Length`] and [`BlobError::Checksum`] if the bytes are not a
+    /// whole, undamaged blob of this version; [`BlobError::Field`], [`BlobError::Dimensions`], [`BlobError::Table`] and
+    /// [`BlobError::Range`] if what they describe breaks a rule of the format.
     pub fn read(bytes: &'a [u8]) -> Result<Self, BlobError> {
         let Some((header, payload)) = bytes.split_first_chunk::<HEADER>() else {
             let begins = bytes.iter().zip(MAGIC).all(|(&byte, magic)| byte == magic);
@@ -215,30 +232,31 @@ impl<'a> Blob<'a> {
         if checksum(header, payload) != word(CHECKSUM) {
             return Err(BlobError::Checksum);
         }
-        let shape = Shape {
+        let dimensions = Dimensions {
             kind: word(12),
             value_bytes: word(16),
             channels: word(20),
             sides: [word(24), word(28), word(32), word(36)],
         };
-        let space = Space::ALL.get(word(56) as usize).copied().ok_or(BlobError::Field { offset: 56 })?;
+        let space = space_of_number(word(56)).ok_or(BlobError::Field { offset: 56 })?;
         let theta_max = f64::from_bits(u64_at(header, 40));
-        Ok(Self { space, contents: contents(shape, theta_max, payload)? })
+        Ok(Self { space, contents: contents(dimensions, theta_max, payload)? })
     }
 
-    /// Bytes that [`Blob::write`] needs.
+    /// Size of the blob in bytes, which [`Blob::write`] needs; `None` if it is beyond the size of memory.
     #[must_use]
     pub fn required_len(&self, precision: Precision) -> Option<usize> {
-        usize::try_from(self.shape(precision)?.required()?).ok()
+        usize::try_from(self.dimensions(precision)?.blob_len()?).ok()
     }
 
-    /// Writes the blob into `bytes`, which has [`Blob::required_len`] of them.
+    /// Writes the blob to `bytes`, which are [`Blob::required_len`] long.
     ///
     /// # Errors
-    /// [`BlobError::Length`]; [`BlobError::Range`] for a value that half precision cannot hold.
+    /// [`BlobError::Length`] if `bytes` has another length, [`BlobError::Dimensions`] if the table is too large for the
+    /// format, and [`BlobError::Range`] for a value that half precision cannot represent.
     pub fn write(&self, precision: Precision, bytes: &mut [u8]) -> Result<(), BlobError> {
-        let shape = self.shape(precision).ok_or(BlobError::Dimensions)?;
-        let required = shape.required().ok_or(BlobError::Dimensions)?;
+        let dimensions = self.dimensions(precision).ok_or(BlobError::Dimensions)?;
+        let required = dimensions.blob_len().ok_or(BlobError::Dimensions)?;
         let wrong = BlobError::Length { required };
         if bytes.len() as u64 != required {
             return Err(wrong);
@@ -249,7 +267,7 @@ impl<'a> Blob<'a> {
             Contents::Scatter(table, sampler) => (table.values(), Some(sampler.values()), 0.0),
         };
         payload.fill(0);
-        let [value_bytes, _] = shape.sections().ok_or(BlobError::Dimensions)?;
+        let [value_bytes, _] = dimensions.sections().ok_or(BlobError::Dimensions)?;
         let (value_bytes, sampler_bytes) = payload.split_at_mut_checked(value_bytes as usize).ok_or(wrong)?;
         match precision {
             Precision::Single => write_singles(values, value_bytes),
@@ -262,21 +280,21 @@ impl<'a> Blob<'a> {
         if let Some(sampler) = sampler {
             write_singles(sampler, sampler_bytes);
         }
-        let [rows, columns, cos, phi] = shape.sides;
-        let words = [VERSION, shape.kind, shape.value_bytes, shape.channels, rows, columns, cos, phi];
+        let [rows, columns, cos, phi] = dimensions.sides;
+        let words = [VERSION, dimensions.kind, dimensions.value_bytes, dimensions.channels, rows, columns, cos, phi];
         header[..8].copy_from_slice(&MAGIC);
         for (word, place) in words.into_iter().zip(header[8..40].as_chunks_mut().0) {
             *place = word.to_le_bytes();
         }
         header[40..48].copy_from_slice(&theta_max.to_le_bytes());
         header[48..56].copy_from_slice(&required.to_le_bytes());
-        header[56..CHECKSUM].copy_from_slice(&(self.space as u32).to_le_bytes());
+        header[56..CHECKSUM].copy_from_slice(&space_number(self.space).to_le_bytes());
         let checksum = checksum(header, payload);
         header[CHECKSUM..].copy_from_slice(&checksum.to_le_bytes());
         Ok(())
     }
 
-    fn shape(&self, precision: Precision) -> Option<Shape> {
+    fn dimensions(&self, precision: Precision) -> Option<Dimensions> {
         let value_bytes = match precision {
             Precision::Single => 4,
             Precision::Half => 2,
@@ -288,36 +306,36 @@ impl<'a> Blob<'a> {
                 (SCATTER, table.channels(), [layout.theta(), layout.phi(), layout.bins().cos, layout.bins().phi])
             }
         };
-        Some(Shape { kind, value_bytes, channels: u32::try_from(channels).ok()?, sides })
+        Some(Dimensions { kind, value_bytes, channels: u32::try_from(channels).ok()?, sides })
     }
 }
 
-/// The table that a header describes, in the bytes after it.
-fn contents(shape: Shape, theta_max: f64, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
+/// Checks the table that a header describes, in the bytes after the header.
+fn contents(dimensions: Dimensions, theta_max: f64, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
     let field = |offset| Err(BlobError::Field { offset });
-    if !(shape.kind == MIRROR || shape.kind == SCATTER) {
+    if !(dimensions.kind == MIRROR || dimensions.kind == SCATTER) {
         return field(12);
     }
-    if !(shape.value_bytes == 2 || shape.value_bytes == 4) {
+    if !(dimensions.value_bytes == 2 || dimensions.value_bytes == 4) {
         return field(16);
     }
-    let [rows, columns, cos, phi] = shape.sides;
-    if shape.kind == MIRROR && [columns, cos, phi] != [1; 3] {
+    let [rows, columns, cos, phi] = dimensions.sides;
+    if dimensions.kind == MIRROR && [columns, cos, phi] != [1; 3] {
         return field(28);
     }
-    if shape.kind == SCATTER && theta_max.to_bits() != 0 {
+    if dimensions.kind == SCATTER && theta_max.to_bits() != 0 {
         return field(40);
     }
-    let [value_bytes, sampler_bytes] = shape.sections().ok_or(BlobError::Dimensions)?;
+    let [value_bytes, sampler_bytes] = dimensions.sections().ok_or(BlobError::Dimensions)?;
     if value_bytes.checked_add(sampler_bytes) != Some(payload.len() as u64) {
         return Err(BlobError::Dimensions);
     }
     // From here on every product of the dimensions is at most the size of memory.
     let (bytes, sampler) = payload.split_at_checked(value_bytes as usize).ok_or(BlobError::Dimensions)?;
-    let count = [columns, cos, phi, shape.channels].iter().fold(rows as usize, |n, &side| n * side as usize);
-    let values = values(bytes, shape.value_bytes, count)?;
-    let channels = shape.channels as usize;
-    if shape.kind == MIRROR {
+    let count = [columns, cos, phi, dimensions.channels].iter().fold(rows as usize, |n, &side| n * side as usize);
+    let values = values(bytes, dimensions.value_bytes, count)?;
+    let channels = dimensions.channels as usize;
+    if dimensions.kind == MIRROR {
         return Ok(Contents::Mirror(MirrorTable::of(values, channels, theta_max)?));
     }
     let layout = ScatterLayout::new(rows, columns, DirectionBins { cos, phi })?;
@@ -325,13 +343,13 @@ fn contents(shape: Shape, theta_max: f64, payload: &[u8]) -> Result<Contents<'_>
     Ok(Contents::Scatter(ScatterTable::of(values, layout, channels)?, sampler))
 }
 
-/// `count` finite values and the padding after them.
+/// Borrows `count` finite values, and checks the padding after them.
 fn values(bytes: &[u8], value_bytes: u32, count: usize) -> Result<Values<'_>, BlobError> {
     if value_bytes == 4 {
         return Ok(Values::Single(bytes.as_chunks().0));
     }
     let (halves, padding) = bytes.as_chunks().0.split_at_checked(count).ok_or(BlobError::Dimensions)?;
-    // Infinite halves would read as large finite numbers.
+    // Infinite half-precision numbers would read as large finite ones.
     if let Some(index) = halves.iter().position(|&half| !half_is_finite(u16::from_le_bytes(half))) {
         return Err(BlobError::Range { index });
     }
@@ -341,6 +359,7 @@ fn values(bytes: &[u8], value_bytes: u32, count: usize) -> Result<Values<'_>, Bl
     }
 }
 
+/// Writes values in single precision.
 fn write_singles(values: Values<'_>, bytes: &mut [u8]) {
     for (value, bytes) in values.iter().zip(bytes.as_chunks_mut().0) {
         *bytes = value.to_le_bytes();

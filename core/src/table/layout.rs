@@ -1,21 +1,22 @@
-//! Which directions a [`ScatterTable`](super::ScatterTable) holds, and how it interpolates between them.
+//! Grid of directions of a [`ScatterTable`](super::ScatterTable), and interpolation on it.
 
-use super::TableError;
+use super::error::TableError;
 use crate::measure::bins::DirectionBins;
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 
-/// Incident directions × outgoing bins.
+/// Grid of incident directions × outgoing bins.
 ///
-/// - Incident: θ_i = (row + ½) (π/2)/rows, uniform in θ. Colours of films and Fresnel's factors vary with θ at a similar rate
-///   everywhere; steps uniform in cos θ would leave the first 20° of eight rows without a direction. The middles keep clear
-///   of 0°, where φ is undefined, and of 90°, where no light arrives.
-/// - φ_i = 2π column/columns + π/M for M outgoing azimuths: the middles of outgoing bins. One column is an isotropic surface.
-/// - Outgoing: bins uniform in cos θ_o from the horizon, all of equal solid angle, times bins in the azimuth **relative to the
-///   incident one**, φ_o − φ_i, bin k around 2πk/M. Lobes keep their places as the light moves around the normal, so that
-///   interpolation between columns moves them instead of fading one into the other; retro-reflection is the middle of
-///   bin 0 and the mirror direction that of bin M/2. M is a multiple of the columns, which makes relative and absolute bins
-///   the same bins, renumbered.
+/// - Incident polar angles are uniform in θ: θ_i = (row + ½) (π/2)/rows. Colours of films and Fresnel coefficients vary with
+///   θ at a similar rate everywhere; with eight rows uniform in cos θ the first 20° would have no direction. The middles of
+///   the rows avoid 0°, where φ is undefined, and 90°, where no light arrives.
+/// - Incident azimuths are φ_i = 2π column/columns + π/M for M outgoing azimuths: middles of outgoing bins. An isotropic
+///   surface has one column.
+/// - Outgoing bins are uniform in cos θ_o from the horizon, all of equal solid angle, and in the azimuth **relative to the
+///   incident one**, φ_o − φ_i; bin k lies around 2πk/M. Lobes keep their bins as the light moves around the normal, so
+///   interpolation between columns moves a lobe instead of blending two. Retro-reflection is in the middle of bin 0, the
+///   mirror direction in that of bin M/2. M is a multiple of the columns, so relative bins are the absolute ones,
+///   renumbered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScatterLayout {
     theta: u32,
@@ -23,35 +24,36 @@ pub struct ScatterLayout {
     bins: DirectionBins,
 }
 
-/// A share of one place of a table.
+/// Node of an interpolation on a grid of directions, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Node {
-    /// Which incident direction, or which outgoing bin.
+pub struct GridNode {
+    /// Index of the incident direction or of the outgoing bin.
     pub index: usize,
-    /// In [0, 1]; the shares of one direction add up to 1.
+    /// Interpolation weight in [0, 1]; the weights of one direction add up to 1.
     pub weight: f32,
 }
 
-/// Most rows or columns of either grid: indices of a whole table then fit in 64 bits, and single precision tells bins apart.
-const MAX: u32 = 1024;
+/// Largest number of rows or columns. With it, indices of a whole table fit in 64 bits and single precision distinguishes
+/// bins.
+const MAX_SIDE: u32 = 1024;
 
 impl ScatterLayout {
-    /// `theta` × `phi` incident directions and bins of outgoing ones, each from 1 to 1024.
+    /// Grid of `theta` × `phi` incident directions and of bins of outgoing ones; each side is from 1 to 1024.
     ///
     /// # Errors
-    /// [`TableError::Layout`].
+    /// [`TableError::Layout`] if a side is out of range, or `bins.phi` is not a multiple of `phi`.
     pub fn new(theta: u32, phi: u32, bins: DirectionBins) -> Result<Self, TableError> {
-        let in_range = [theta, phi, bins.cos, bins.phi].iter().all(|n| (1..=MAX).contains(n));
+        let in_range = [theta, phi, bins.cos, bins.phi].iter().all(|n| (1..=MAX_SIDE).contains(n));
         if in_range && bins.phi.is_multiple_of(phi) { Ok(Self { theta, phi, bins }) } else { Err(TableError::Layout) }
     }
 
-    /// Rows of incident directions.
+    /// Number of rows of incident directions.
     #[must_use]
     pub fn theta(&self) -> u32 {
         self.theta
     }
 
-    /// Columns of incident directions.
+    /// Number of columns of incident directions.
     #[must_use]
     pub fn phi(&self) -> u32 {
         self.phi
@@ -63,7 +65,7 @@ impl ScatterLayout {
         self.bins
     }
 
-    /// Number of incident directions, row by row in θ_i.
+    /// Number of incident directions, which are ordered by rows in θ_i.
     #[must_use]
     pub fn incident_count(&self) -> usize {
         self.theta as usize * self.phi as usize
@@ -75,7 +77,7 @@ impl ScatterLayout {
         self.incident_count() * self.bins.count()
     }
 
-    /// θ_i and φ_i of an incident direction in radians.
+    /// Angles θ_i and φ_i of an incident direction, in radians.
     #[must_use]
     pub fn incident(&self, index: usize) -> [f64; 2] {
         let columns = self.phi.max(1) as usize;
@@ -84,13 +86,13 @@ impl ScatterLayout {
         [theta, core::f64::consts::TAU * (self.first_bin(column) as f64 + 0.5) / f64::from(self.bins.phi)]
     }
 
-    /// The absolute azimuth bin that the incident directions of a column lie in: relative bins count from it.
+    /// Absolute azimuth bin that contains the incident directions of a column: relative bins are counted from it.
     #[must_use]
     pub fn first_bin(&self, column: usize) -> usize {
         column * (self.bins.phi / self.phi.max(1)) as usize
     }
 
-    /// cos θ_o and φ_o − φ_i, in radians, in the middle of a bin.
+    /// Middle of an outgoing bin: cos θ_o, and φ_o − φ_i in radians.
     #[must_use]
     pub fn outgoing(&self, bin: usize) -> [f64; 2] {
         let columns = self.bins.phi.max(1) as usize;
@@ -99,26 +101,26 @@ impl ScatterLayout {
         [cos, core::f64::consts::TAU * column as f64 / f64::from(self.bins.phi)]
     }
 
-    /// The incident directions around (θ, φ) in radians: linear in θ, held beyond the first and the last row; linear and
-    /// periodic in φ.
+    /// Interpolation nodes for an incident direction (θ, φ) in radians: linear in θ, constant beyond the first and the last
+    /// row; linear and periodic in φ.
     #[must_use]
-    pub fn incident_nodes(&self, theta: f32, phi: f32) -> [Node; 4] {
-        let rows = held(theta / FRAC_PI_2 * self.theta as f32 - 0.5, self.theta);
+    pub fn incident_nodes(&self, theta: f32, phi: f32) -> [GridNode; 4] {
+        let rows = clamped(theta / FRAC_PI_2 * self.theta as f32 - 0.5, self.theta);
         let columns = periodic((phi - PI / self.bins.phi as f32) / TAU, self.phi);
         product(rows, columns, self.phi)
     }
 
-    /// The outgoing bins around cos θ and the relative azimuth φ in radians: linear in cos θ, held beyond the middles of the
-    /// first and the last row; linear and periodic in φ.
+    /// Interpolation nodes for an outgoing direction of cos θ and the relative azimuth φ in radians: linear in cos θ,
+    /// constant beyond the middles of the first and the last row; linear and periodic in φ.
     #[must_use]
-    pub fn outgoing_nodes(&self, cos_theta: f32, phi: f32) -> [Node; 4] {
-        let rows = held(cos_theta * self.bins.cos as f32 - 0.5, self.bins.cos);
+    pub fn outgoing_nodes(&self, cos_theta: f32, phi: f32) -> [GridNode; 4] {
+        let rows = clamped(cos_theta * self.bins.cos as f32 - 0.5, self.bins.cos);
         product(rows, periodic(phi / TAU, self.bins.phi), self.bins.phi)
     }
 
-    /// Incident directions around `wi` and outgoing bins around `wo`; `None` unless both lie above the horizon.
+    /// Interpolation nodes for `wi` and for `wo`; `None` unless both lie above the horizon.
     #[inline]
-    pub(super) fn nodes(&self, wi: Vec3, wo: Vec3) -> Option<([Node; 4], [Node; 4])> {
+    pub(super) fn nodes(&self, wi: Vec3, wo: Vec3) -> Option<([GridNode; 4], [GridNode; 4])> {
         if !(wi.z > 0.0 && wo.z > 0.0) {
             return None;
         }
@@ -126,11 +128,11 @@ impl ScatterLayout {
         Some((self.incident_nodes(polar(wi), phi), self.outgoing_nodes(wo.z.min(1.0), azimuth(wo) - phi)))
     }
 
-    /// ∫ of a bin's share over cos θ dω: what one unit of f in it adds to the albedo.
+    /// Integral of a bin's interpolation weight over cos θ dω: what one unit of f in the bin adds to the albedo.
     pub(super) fn projected_share(&self, bin: usize) -> f32 {
         let rows = self.bins.cos as f32;
         let row = bin / self.bins.phi.max(1) as usize;
-        // The tent around the middle of a row has its moment there; those of the first and the last row are cut and held.
+        // A tent around the middle of a row has its moment there. The first and the last are constant in their outer half.
         let mut moment = (row as f32 + 0.5) / (rows * rows);
         if rows > 1.0 {
             let cut = 1.0 / (24.0 * rows * rows);
@@ -141,46 +143,50 @@ impl ScatterLayout {
     }
 }
 
-/// θ of a unit vector.
+/// Polar angle θ of a vector.
 #[inline]
 pub(super) fn polar(w: Vec3) -> f32 {
     libm::atan2f(libm::hypotf(w.x, w.y), w.z)
 }
 
-/// φ of a vector in (−π, π]; 0 along the normal.
+/// Azimuth φ of a vector, in (−π, π]; 0 along the normal.
 #[inline]
 pub(super) fn azimuth(w: Vec3) -> f32 {
     libm::atan2f(w.y, w.x)
 }
 
-/// Two neighbours of a place among `count`, held at the ends.
+/// Linear interpolation at `place` among `count` nodes, constant beyond the ends.
 #[inline]
-fn held(place: f32, count: u32) -> [Node; 2] {
+fn clamped(place: f32, count: u32) -> [GridNode; 2] {
     let last = (count - 1) as f32;
     let place = place.max(0.0).min(last);
     let below = (place as u32).min(count.saturating_sub(2));
     let weight = place - below as f32;
-    [Node { index: below as usize, weight: 1.0 - weight }, Node { index: (below + 1).min(count - 1) as usize, weight }]
+    [
+        GridNode { index: below as usize, weight: 1.0 - weight },
+        GridNode { index: (below + 1).min(count - 1) as usize, weight },
+    ]
 }
 
-/// Two neighbours of a turn, in units of the full circle, among `count` places around it.
+/// Linear interpolation at a fraction of the full circle, among `count` nodes around it.
 #[inline]
-fn periodic(turn: f32, count: u32) -> [Node; 2] {
-    let place = (turn - libm::floorf(turn)) * count as f32;
+fn periodic(fraction: f32, count: u32) -> [GridNode; 2] {
+    let place = (fraction - libm::floorf(fraction)) * count as f32;
     let whole = libm::floorf(place);
     let weight = place - whole;
     let below = whole as u32 % count.max(1);
     [
-        Node { index: below as usize, weight: 1.0 - weight },
-        Node { index: ((below + 1) % count.max(1)) as usize, weight },
+        GridNode { index: below as usize, weight: 1.0 - weight },
+        GridNode { index: ((below + 1) % count.max(1)) as usize, weight },
     ]
 }
 
+/// Bilinear interpolation: products of the weights of two rows and two columns of a grid `width` wide.
 #[inline]
-fn product(rows: [Node; 2], columns: [Node; 2], width: u32) -> [Node; 4] {
+fn product(rows: [GridNode; 2], columns: [GridNode; 2], width: u32) -> [GridNode; 4] {
     core::array::from_fn(|i| {
         let (row, column) = (rows[i / 2], columns[i % 2]);
-        Node { index: row.index * width as usize + column.index, weight: row.weight * column.weight }
+        GridNode { index: row.index * width as usize + column.index, weight: row.weight * column.weight }
     })
 }
 
@@ -193,9 +199,9 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_of_a_place_is_that_place_alone() {
+    fn the_middle_of_a_bin_has_no_other_node() {
         let layout = layout();
-        let alone = |nodes: [Node; 4], index| {
+        let alone = |nodes: [GridNode; 4], index| {
             let share: f32 = nodes.iter().filter(|node| node.index == index).map(|node| node.weight).sum();
             assert!((share - 1.0).abs() < 1e-5, "{index}: {nodes:?}");
         };
@@ -228,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_add_up_everywhere_and_what_is_no_number_panics_nowhere() {
+    fn weights_add_up_to_1_and_nan_does_not_panic() {
         let layout = layout();
         for theta in [-1.0, 0.0, 0.1, 0.7, 1.5, 2.0, f32::NAN, f32::INFINITY] {
             for phi in [-7.0, -0.0, 3.0, 6.283_185_5, 100.0, f32::NAN, f32::INFINITY] {

@@ -1,9 +1,11 @@
-//! Tables of mirror-like surfaces: one direction in, one direction out.
+//! ρ(θ) of mirror-like surfaces: one outgoing direction for each incident one.
 
-use super::{LARGEST, TableError, Values};
+use super::error::{MAX_MAGNITUDE, TableError};
+use super::values::Values;
 use core::f64::consts::FRAC_PI_2;
 
-/// ρ(θ) of a mirror-like surface: rows uniform in θ from 0 to `theta_max`, ends included; linear between rows.
+/// Reflectance ρ(θ) of a mirror-like surface. Rows are uniform in θ from 0 to `theta_max`, ends included; values are
+/// linear between rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorTable<'a> {
     values: Values<'a>,
@@ -14,10 +16,12 @@ pub struct MirrorTable<'a> {
 }
 
 impl<'a> MirrorTable<'a> {
-    /// Checks a table: `values[row * channels + channel]`, `theta_max` in radians.
+    /// Checks a table of `values[row * channels + channel]`; `theta_max` is in radians.
     ///
     /// # Errors
-    /// [`TableError`].
+    /// [`TableError::Shape`] for fewer than two rows, no channels or a last row that is not whole,
+    /// [`TableError::ThetaMax`] unless `theta_max` is in (0, π/2], and [`TableError::NotFinite`] for a value that is NaN or
+    /// beyond [`MAX_MAGNITUDE`].
     pub fn new(values: &'a [f32], channels: usize, theta_max: f64) -> Result<Self, TableError> {
         Self::of(Values::Numbers(values), channels, theta_max)
     }
@@ -30,53 +34,55 @@ impl<'a> MirrorTable<'a> {
         if !(theta_max > 0.0 && theta_max <= FRAC_PI_2) {
             return Err(TableError::ThetaMax);
         }
-        if let Some(index) = values.iter().position(|x| !(-LARGEST..=LARGEST).contains(&x)) {
+        if let Some(index) = values.iter().position(|x| !(-MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&x)) {
             return Err(TableError::NotFinite { index });
         }
         Ok(Self { values, rows, channels, theta_max, rows_per_radian: ((rows - 1) as f64 / theta_max) as f32 })
     }
 
-    /// Number of angles.
+    /// Number of rows, each at one angle.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// The largest angle in radians.
+    /// Angle of the last row, in radians.
     #[must_use]
     pub fn theta_max(&self) -> f64 {
         self.theta_max
     }
 
-    /// Channels of one angle.
+    /// Number of channels of each row.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.channels
     }
 
-    /// The row before θ and how far θ lies towards the next, in [0, 1]. θ beyond the table, or NaN, is held at its ends.
+    /// Row before θ, and the position of θ between it and the next row, in [0, 1]. θ is clamped to the table; NaN counts
+    /// as 0.
     #[inline]
-    fn place(&self, theta: f32) -> (usize, f32) {
+    fn locate(&self, theta: f32) -> (usize, f32) {
         let last = self.rows.saturating_sub(2);
         let row = (theta * self.rows_per_radian).max(0.0);
-        // By way of 32 bits, which converts in one instruction; no table has so many rows.
+        // Through 32 bits, which one instruction converts; no table has more rows.
         let below = (row as u32 as usize).min(last);
         (below, (row - below as f32).clamp(0.0, 1.0))
     }
 
-    /// One channel at θ in radians.
+    /// Value of one channel at θ in radians, which is clamped to the table.
     ///
     /// # Panics
-    /// If there is no such channel.
+    /// Panics if the table has no such channel.
     #[must_use]
     pub fn channel(&self, theta: f32, channel: usize) -> f32 {
         assert!(channel < self.channels, "the table has {} channels", self.channels);
-        let (row, w) = self.place(theta);
-        self.between(row, w, channel)
+        let (row, w) = self.locate(theta);
+        self.interpolate(row, w, channel)
     }
 
+    /// Value of a channel between `row` and the next, at the weight `w` of the latter.
     #[inline]
-    fn between(&self, row: usize, w: f32, channel: usize) -> f32 {
+    fn interpolate(&self, row: usize, w: f32, channel: usize) -> f32 {
         let at = |row: usize| self.values.at(row * self.channels + channel);
         at(row) + w * (at(row + 1) - at(row))
     }
@@ -85,22 +91,22 @@ impl<'a> MirrorTable<'a> {
         self.values
     }
 
-    /// The first three channels at θ in radians; a table of fewer repeats its last.
+    /// First three channels at θ in radians, which is clamped to the table. A table with fewer channels repeats its last.
     #[must_use]
     #[inline]
     pub fn rgb(&self, theta: f32) -> [f32; 3] {
-        let (row, w) = self.place(theta);
+        let (row, w) = self.locate(theta);
         if let (Values::Numbers(values), 3) = (self.values, self.channels)
             && let Some([low, high]) = values.get(3 * row..).and_then(two_rows)
         {
             return core::array::from_fn(|c| low[c] + w * (high[c] - low[c]));
         }
         let last = self.channels - 1;
-        core::array::from_fn(|c| self.between(row, w, c.min(last)))
+        core::array::from_fn(|c| self.interpolate(row, w, c.min(last)))
     }
 }
 
-/// The first two rows of a table of RGB, found by one check of its length.
+/// First two rows of an RGB table, with one check of the length.
 #[inline]
 fn two_rows(values: &[f32]) -> Option<[[f32; 3]; 2]> {
     let &[a, b, c, d, e, f] = values.first_chunk()?;
@@ -121,7 +127,7 @@ mod tests {
             assert!((got - 0.5 * (values[c] + values[c + 3])).abs() < f32::EPSILON);
         }
         assert_eq!(table.rgb(1.0), [0.5, 0.6, 0.7]);
-        // The quick way of RGB in memory is that of the channels one by one.
+        // The fast path for RGB in memory agrees with the channels one by one.
         for theta in [-1.0, 0.0, 0.3, 0.999, 1.0, 2.0, f32::NAN] {
             let [r, g, b] = [0, 1, 2].map(|c| table.channel(theta, c));
             assert_eq!(table.rgb(theta), [r, g, b]);
@@ -143,6 +149,6 @@ mod tests {
         assert_eq!(MirrorTable::new(&[0.5; 3], 3, 1.0), Err(TableError::Shape));
         assert_eq!(MirrorTable::new(&[0.5; 4], 2, 2.0), Err(TableError::ThetaMax));
         assert_eq!(MirrorTable::new(&[0.5, f32::NAN], 1, 1.0), Err(TableError::NotFinite { index: 1 }));
-        assert_eq!(MirrorTable::new(&[-2.0 * LARGEST, 0.5], 1, 1.0), Err(TableError::NotFinite { index: 0 }));
+        assert_eq!(MirrorTable::new(&[-2.0 * MAX_MAGNITUDE, 0.5], 1, 1.0), Err(TableError::NotFinite { index: 0 }));
     }
 }

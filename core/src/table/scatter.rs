@@ -1,12 +1,14 @@
-//! f(wi, wo) of a surface that reflects into every direction.
+//! f(wi, wo) of surfaces that reflect into every direction.
 
-use super::layout::{azimuth, polar};
-use super::{LARGEST, Node, ScatterLayout, TableError, Values};
+use super::error::{MAX_MAGNITUDE, TableError};
+use super::layout::{GridNode, ScatterLayout, azimuth, polar};
+use super::values::Values;
 use glam::Vec3;
 
-/// A BRDF on a grid of directions, in 1/sr, for each channel: RGB (components may be negative, out of gamut) or wavelengths.
+/// BRDF on a grid of directions, in 1/sr, for each channel.
 ///
-/// Directions are unit vectors in the surface frame; both leave the surface.
+/// Channels are RGB, whose components are negative out of gamut, or wavelengths. Directions are unit vectors in the surface
+/// frame; both leave the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterTable<'a> {
     layout: ScatterLayout,
@@ -15,10 +17,12 @@ pub struct ScatterTable<'a> {
 }
 
 impl<'a> ScatterTable<'a> {
-    /// Checks a table: `values[(incident * bins + bin) * channels + channel]`, the mean of f over each bin.
+    /// Checks a table of `values[(incident * bins + bin) * channels + channel]`, each the mean of f over a bin.
     ///
     /// # Errors
-    /// [`TableError::Shape`] without channels, [`TableError::Length`], [`TableError::NotFinite`].
+    /// [`TableError::Shape`] if there are no channels, [`TableError::Length`] unless `values` has as many elements as the
+    /// layout has pairs of directions, times channels, and [`TableError::NotFinite`] for a value that is NaN or beyond
+    /// [`MAX_MAGNITUDE`].
     pub fn new(values: &'a [f32], layout: ScatterLayout, channels: usize) -> Result<Self, TableError> {
         Self::of(Values::Numbers(values), layout, channels)
     }
@@ -31,50 +35,52 @@ impl<'a> ScatterTable<'a> {
         if values.len() != required {
             return Err(TableError::Length { required });
         }
-        match values.iter().position(|x| !(-LARGEST..=LARGEST).contains(&x)) {
+        match values.iter().position(|x| !(-MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&x)) {
             Some(index) => Err(TableError::NotFinite { index }),
             None => Ok(Self { layout, values, channels }),
         }
     }
 
-    /// The grid of directions.
+    /// Grid of directions.
     #[must_use]
     pub fn layout(&self) -> ScatterLayout {
         self.layout
     }
 
-    /// Channels of one pair of directions.
+    /// Number of channels of each pair of directions.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.channels
     }
 
-    /// Where the channels of one pair begin.
+    /// Index of the first channel of a pair of directions.
     #[inline]
-    fn place(&self, incident: usize, bin: usize) -> usize {
+    fn index(&self, incident: usize, bin: usize) -> usize {
         (incident * self.layout.bins().count() + bin) * self.channels
     }
 
-    /// All channels of one pair.
+    /// All channels of a pair of directions.
     pub(super) fn pair(&self, incident: usize, bin: usize) -> impl Iterator<Item = f32> + use<'a> {
-        self.values.part(self.place(incident, bin), self.channels).iter()
+        self.values.part(self.index(incident, bin), self.channels).iter()
     }
 
     pub(super) fn values(&self) -> Values<'a> {
         self.values
     }
 
-    /// Adds a share of one pair.
+    /// Adds the channels of a pair of directions, times `weight`, to `out`.
     #[inline]
     fn add(&self, out: &mut [f32], incident: usize, bin: usize, weight: f32) {
-        let place = self.place(incident, bin);
+        let first = self.index(incident, bin);
         for (channel, out) in out.iter_mut().enumerate().take(self.channels) {
-            *out += weight * self.values.at(place + channel);
+            *out += weight * self.values.at(first + channel);
         }
     }
 
-    /// f(wi, wo) into `out`, in 1/sr, without the cosine; 0 below the horizon. Linear between the grid's directions
-    /// ([`ScatterLayout`]). Channels beyond the shorter of `out` and the table are left out.
+    /// Writes f(wi, wo) to `out`, in 1/sr, without the cosine; 0 if either direction is below the horizon.
+    ///
+    /// f is linear between the grid's directions ([`ScatterLayout`]). `out` receives as many channels as it has elements;
+    /// elements beyond the table's channels become 0.
     #[inline]
     pub fn eval(&self, wi: Vec3, wo: Vec3, out: &mut [f32]) {
         out.fill(0.0);
@@ -86,7 +92,8 @@ impl<'a> ScatterTable<'a> {
         }
     }
 
-    /// The first three channels of f(wi, wo); a table of fewer repeats its last.
+    /// First three channels of f(wi, wo), as [`ScatterTable::eval`] gives them. A table with fewer channels repeats its
+    /// last.
     #[must_use]
     #[inline]
     pub fn rgb(&self, wi: Vec3, wo: Vec3) -> [f32; 3] {
@@ -100,18 +107,18 @@ impl<'a> ScatterTable<'a> {
         }
     }
 
-    /// ∫ f(wi, wo) cos θ_o dω_o into `out`: the fraction of the light from `wi` that is reflected, for each channel. Exactly the
-    /// integral of [`ScatterTable::eval`]; 0 for `wi` below the horizon.
+    /// Writes the albedo ∫ f(wi, wo) cos θ_o dω_o to `out`: the fraction of the light from `wi` that is reflected, for each
+    /// channel. It is the exact integral of [`ScatterTable::eval`]; 0 for `wi` below the horizon.
     ///
-    /// It differs from the power that was counted in the bins by the holding of f at the horizon and at the normal,
-    /// (f_first − f_last) 2π/(24 rows²). Takes a sum over all bins: keep the result.
+    /// It differs from the power that was counted in the bins by (f_first − f_last) 2π/(24 rows²), since f is constant
+    /// beyond the middles of the first and the last row. Each call sums over all bins: keep the result.
     pub fn albedo(&self, wi: Vec3, out: &mut [f32]) {
         out.fill(0.0);
         let above = wi.z > 0.0;
         if !above {
             return;
         }
-        for Node { index, weight } in self.layout.incident_nodes(polar(wi), azimuth(wi)) {
+        for GridNode { index, weight } in self.layout.incident_nodes(polar(wi), azimuth(wi)) {
             for bin in 0..self.layout.bins().count() {
                 self.add(out, index, bin, weight * self.layout.projected_share(bin));
             }

@@ -1,13 +1,13 @@
-//! The numbers of a table: in memory as they are computed, or in the bytes of a blob.
+//! Storage of a table's values: numbers in memory, or the bytes of a blob.
 
-/// Numbers to read by place. Reading is total, a place beyond the end holds 0, so that look-ups need no way to fail.
+/// Values of a table, read by index. An index beyond the end reads 0, so look-ups cannot fail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Values<'a> {
-    /// As computed.
+    /// Single-precision numbers.
     Numbers(&'a [f32]),
-    /// IEEE 754 binary32, little endian.
+    /// Bytes of IEEE 754 binary32, little endian.
     Single(&'a [[u8; 4]]),
-    /// IEEE 754 binary16, little endian.
+    /// Bytes of IEEE 754 binary16, little endian.
     Half(&'a [[u8; 2]]),
 }
 
@@ -31,7 +31,7 @@ impl<'a> Values<'a> {
         number.unwrap_or(0.0)
     }
 
-    /// `count` numbers from a place; none if there are not so many.
+    /// The `count` values from an index; empty if there are fewer.
     #[inline]
     pub fn part(self, from: usize, count: usize) -> Self {
         let range = from..from.saturating_add(count);
@@ -47,12 +47,12 @@ impl<'a> Values<'a> {
     }
 }
 
-/// What half precision's exponent is short of single precision's, as a factor: 2^(127 − 15).
+/// Ratio of the exponent biases of single and half precision, as a factor: 2^(127 − 15).
 const REBIAS: f32 = (1u128 << 112) as f32;
-/// The largest exponent: infinities and NaN.
-const HALF_INFINITE: u16 = 0x7c00;
+/// Exponent bits of half precision, all set: infinities and NaN.
+const HALF_EXPONENT: u16 = 0x7c00;
 
-/// Exact, for numbers below half precision's normal ones too; infinities become 65536 and more.
+/// Converts half to single precision, exactly, subnormal numbers included. Infinities become 65536 and NaN more.
 #[inline]
 fn from_half(bits: u16) -> f32 {
     let sign = u32::from(bits & 0x8000) << 16;
@@ -60,15 +60,15 @@ fn from_half(bits: u16) -> f32 {
     f32::from_bits(magnitude.to_bits() | sign)
 }
 
-/// Whether the bits are those of a number.
+/// Whether half-precision bits are neither infinite nor NaN.
 pub(super) fn half_is_finite(bits: u16) -> bool {
-    bits & HALF_INFINITE != HALF_INFINITE
+    bits & HALF_EXPONENT != HALF_EXPONENT
 }
 
-/// The nearest half-precision number, ties to even; `None` if it would be infinite.
+/// Rounds to the nearest half-precision number, ties to even; `None` if that is infinite, or for NaN.
 pub(super) fn to_half(x: f32) -> Option<u16> {
     const MIN_NORMAL: f32 = 1.0 / 16384.0;
-    /// The step of numbers below that, 2^−24, inverted.
+    /// Inverse of the step between subnormal numbers, 2^−24.
     const STEPS: f32 = 16_777_216.0;
     let (sign, magnitude) = ((x.to_bits() >> 16) as u16 & 0x8000, x.abs());
     let bits = if magnitude < MIN_NORMAL {
@@ -77,7 +77,7 @@ pub(super) fn to_half(x: f32) -> Option<u16> {
         let bits = magnitude.to_bits();
         ((bits + 0xfff + (bits >> 13 & 1)) >> 13) - (112 << 10)
     };
-    (bits < u32::from(HALF_INFINITE)).then_some(bits as u16 | sign)
+    (bits < u32::from(HALF_EXPONENT)).then_some(bits as u16 | sign)
 }
 
 #[cfg(test)]

@@ -20,15 +20,15 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
 use crate::simd::vector::VectorLanes;
-use crate::trace::waves::{Slot, Split, Target, Waves};
+use crate::trace::waves::{Propagated, Slot, Split, Target, Waves};
 use glam::DVec3;
 
 /// The electric field of a ray, for light that arrives in s and in p.
-pub type Field<V> = Polarised<VectorLanes<V>>;
+pub type WaveField<V> = Polarised<VectorLanes<V>>;
 
 /// A ray about to be split at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<V: Lanes> {
+pub struct WaveState<V: Lanes> {
     /// The facet, and where the field is taken.
     pub(crate) at: FacetHit,
     /// In units of k₀.
@@ -62,24 +62,24 @@ pub struct CoherentMesh<'a, V: Lanes> {
     cell: MeshCell<'a>,
     media: MediaLanes<'a, V>,
     per_wavelength: V::Precise,
-    incident: Incident<V>,
+    incident: IncidentWave<V>,
     lost: V,
     absorbed: Polarised<V>,
 }
 
 /// The light: a plane wave of unit amplitude in each polarisation.
 #[derive(Clone, Copy, Debug)]
-pub struct Incident<V: Lanes> {
+pub struct IncidentWave<V: Lanes> {
     /// Unit, towards the light.
     pub(crate) wi: DVec3,
     /// ŝ, across the plane of incidence.
     pub(crate) across: DVec3,
     wavevector: VectorLanes<V::Precise>,
-    field: Field<V>,
+    field: WaveField<V>,
     index: V,
 }
 
-impl<V: Lanes> Incident<V> {
+impl<V: Lanes> IncidentWave<V> {
     /// Light from the unit direction `wi` (towards the light, z > 0) in a medium of index `eta`, whose k is at most
     /// [`crate::optics::medium::MAX_AMBIENT_K`].
     ///
@@ -103,7 +103,7 @@ impl<V: Lanes> Incident<V> {
     }
 
     /// Power of a field in a tube, per polarisation: |E|² J n/n_in for a travelling wave in a medium of index `eta`.
-    pub fn tube_power(&self, field: &Field<V>, tube_area: V, eta: ComplexLanes<V::Precise>) -> Polarised<V> {
+    pub fn tube_power(&self, field: &WaveField<V>, tube_area: V, eta: ComplexLanes<V::Precise>) -> Polarised<V> {
         let per = tube_area * V::narrow(eta.re) / self.index;
         field.map(|e| e.norm_sqr() * per)
     }
@@ -135,7 +135,7 @@ const PARALLEL: f64 = 1.0 - 1e-10;
 
 impl<'a, V: Lanes> CoherentMesh<'a, V> {
     /// A cell, its media and the light.
-    pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: Incident<V>) -> Self {
+    pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
         let none = Polarised::both(V::zero());
         Self { cell, media, per_wavelength, incident, lost: V::zero(), absorbed: none }
@@ -143,13 +143,13 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
 
     /// Starts a ray over a point of the period, (u, v) in [0, 1)²: its first facet and its field there, referred to that
     /// point itself. `None` if it meets nothing.
-    pub fn start(&self, u: f64, v: f64) -> Option<(State<V>, Field<V>)> {
+    pub fn start(&self, u: f64, v: f64) -> Option<(WaveState<V>, WaveField<V>)> {
         self.cell.first_hit(u, v, -self.incident.wi).map(|at| self.start_at(at))
     }
 
     /// [`CoherentMesh::start`] of light that is known to meet this first.
-    pub fn start_at(&self, at: FacetHit) -> (State<V>, Field<V>) {
-        (State { at, wavevector: self.incident.wavevector, tube_area: V::one() }, self.incident.field)
+    pub fn start_at(&self, at: FacetHit) -> (WaveState<V>, WaveField<V>) {
+        (WaveState { at, wavevector: self.incident.wavevector, tube_area: V::one() }, self.incident.field)
     }
 
     /// Power of rays that were lost: in holes of the mesh, or after too many periods. Adds up over calls of `split`.
@@ -168,12 +168,16 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
         propagate(wavevector.dot_real(step_nm).scale(self.per_wavelength))
     }
 
-    fn tube_power(&self, field: &Field<V>, tube_area: V, medium: MediumIndex) -> Polarised<V> {
+    fn tube_power(&self, field: &WaveField<V>, tube_area: V, medium: MediumIndex) -> Polarised<V> {
         self.incident.tube_power(field, tube_area, self.media.eta_of(medium))
     }
 
     /// Sends a ray from a facet into `medium` and says where it goes, with its field there.
-    fn propagate(&mut self, from: &State<V>, leaving: Outgoing<V>) -> Propagated<V> {
+    fn propagate(
+        &mut self,
+        from: &WaveState<V>,
+        leaving: Outgoing<V>,
+    ) -> Propagated<WaveState<V>, ExitWave<V>, WaveField<V>> {
         let Outgoing { wavevector, field, medium, normal, tube_area, power } = leaving;
         let evanescent = is_evanescent(&wavevector, normal);
         let direction = if evanescent { normal } else { wavevector.direction(hero::<V>()) };
@@ -190,7 +194,7 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
                     let left = power.zip(factor_power(factor), |power, factor| power * factor);
                     self.absorbed = self.absorbed.zip(power.zip(left, |a, b| a - b), |sum, lost| sum + lost);
                 }
-                Some((Target::State(State { at, wavevector, tube_area }), arriving))
+                Some((Target::State(WaveState { at, wavevector, tube_area }), arriving))
             }
             _ if evanescent => None,
             NextEvent::Lost => {
@@ -208,13 +212,10 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
     }
 }
 
-/// Where a ray goes that leaves a facet, and its field there; nothing if it is lost or fades away.
-type Propagated<V> = Option<(Target<State<V>, ExitWave<V>>, Field<V>)>;
-
 /// A ray as it leaves a facet.
 struct Outgoing<V: Lanes> {
     wavevector: VectorLanes<V::Precise>,
-    field: Field<V>,
+    field: WaveField<V>,
     medium: MediumIndex,
     /// Of the facet, towards the side on which the ray leaves.
     normal: DVec3,
@@ -246,16 +247,16 @@ fn s_axis<V: Lanes>(normal: DVec3, wavevector: &VectorLanes<V>) -> VectorLanes<V
 }
 
 impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
-    type State = State<V>;
-    type Field = Field<V>;
+    type State = WaveState<V>;
+    type Field = WaveField<V>;
     type Exit = ExitWave<V>;
     const MAX_PROBES: usize = usize::MAX;
 
-    fn bucket(&self, state: &State<V>) -> usize {
+    fn bucket(&self, state: &WaveState<V>) -> usize {
         2 * state.at.facet as usize + usize::from(state.at.front)
     }
 
-    fn is_same_wave(&self, a: &State<V>, b: &State<V>) -> bool {
+    fn is_same_wave(&self, a: &WaveState<V>, b: &WaveState<V>) -> bool {
         let apart = a.wavevector.direction(hero::<V>()) - b.wavevector.direction(hero::<V>());
         let plane = self.cell.facet(a.at.facet).normal.dot(a.at.point_nm - b.at.point_nm);
         a.at.facet == b.at.facet
@@ -264,18 +265,18 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
             && plane.abs() < SAME_PLANE_NM
     }
 
-    fn merge(&self, into: &State<V>, field: Field<V>, from: &State<V>, more: Field<V>) -> Field<V> {
+    fn merge(&self, into: &WaveState<V>, field: WaveField<V>, from: &WaveState<V>, more: WaveField<V>) -> WaveField<V> {
         let factor = self.carry(&into.wavevector, into.at.point_nm - from.at.point_nm);
         field.zip(more, |a, b| a + b.scale(factor))
     }
 
-    fn power(&self, state: &State<V>, field: &Field<V>) -> V {
+    fn power(&self, state: &WaveState<V>, field: &WaveField<V>) -> V {
         let Some(Sides { near, .. }) = self.cell.sides(&state.at) else { return V::zero() };
         let Polarised { s, p } = self.tube_power(field, state.tube_area, near);
         (s + p) * V::splat(0.5)
     }
 
-    fn split(&mut self, state: &State<V>, field: &Field<V>) -> Split<State<V>, ExitWave<V>, Field<V>> {
+    fn split(&mut self, state: &WaveState<V>, field: &WaveField<V>) -> Split<WaveState<V>, ExitWave<V>, WaveField<V>> {
         let Some(Sides { normal, near, far }) = self.cell.sides(&state.at) else { return [None, None] };
 
         let q = state.wavevector;
@@ -371,7 +372,7 @@ pub(crate) fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, normal: DVec3
     decays && re.dot(im).abs() <= PERPENDICULAR * magnitudes
 }
 
-impl<V: Lanes> State<V> {
+impl<V: Lanes> WaveState<V> {
     /// Where the ray meets its facet, unwrapped.
     pub fn point_nm(&self) -> DVec3 {
         self.at.point_nm
@@ -380,7 +381,7 @@ impl<V: Lanes> State<V> {
 
 /// A slot in which no ray waits.
 #[must_use]
-pub fn free_slot<V: Lanes>() -> Slot<State<V>, Field<V>> {
-    let state = State { at: FacetHit::NONE, wavevector: VectorLanes::zero(), tube_area: V::zero() };
+pub fn free_slot<V: Lanes>() -> Slot<WaveState<V>, WaveField<V>> {
+    let state = WaveState { at: FacetHit::NONE, wavevector: VectorLanes::zero(), tube_area: V::zero() };
     Slot::free(state, Polarised::both(VectorLanes::zero()))
 }

@@ -20,9 +20,9 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::attenuation;
 use crate::simd::vector::{RealLanes, VectorLanes};
-use crate::trace::coherent_mesh::{CoherentMesh, Field, Incident, State, hero, is_evanescent};
-use crate::trace::paths::{AsPath, Paths, Propagated};
-use crate::trace::waves::{Slot, Target};
+use crate::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, hero, is_evanescent};
+use crate::trace::paths::{AsPath, Paths};
+use crate::trace::waves::{Propagated, Slot, Target};
 use glam::DVec3;
 use num_complex::Complex64;
 
@@ -108,7 +108,7 @@ pub struct ExitPath<V> {
 pub struct IncoherentMesh<'a, V: Lanes> {
     cell: MeshCell<'a>,
     media: MediaLanes<'a, V>,
-    incident: Incident<V>,
+    incident: IncidentWave<V>,
     lost: V,
     absorbed: V,
 }
@@ -120,13 +120,13 @@ const GRAZING: f64 = 1e-9;
 
 impl<'a, V: Lanes> IncoherentMesh<'a, V> {
     /// A cell, its media and the light.
-    pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: Incident<V>) -> Self {
+    pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         Self { cell, media, incident, lost: V::zero(), absorbed: V::zero() }
     }
 
     /// Starts a path over a point of the period, (u, v) in [0, 1)². `None` if it meets nothing.
     pub fn start(&self, u: f64, v: f64) -> Option<(Path<V>, Coherency<V>)> {
-        let Incident { wi, across, .. } = self.incident;
+        let IncidentWave { wi, across, .. } = self.incident;
         let at = self.cell.first_hit(u, v, -wi)?;
         let half = V::splat(0.5);
         let path = Path { at, direction: RealLanes::<V>::splat(-wi), across: RealLanes::<V>::splat(across) };
@@ -316,7 +316,7 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
 }
 
 impl<V: Lanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
-    fn path(&self, state: &State<V>, field: &Field<V>) -> Option<(Path<V>, Coherency<V>)> {
+    fn path(&self, state: &WaveState<V>, field: &WaveField<V>) -> Option<(Path<V>, Coherency<V>)> {
         let Sides { normal, near, .. } = self.cell.sides(&state.at)?;
         if is_evanescent(&state.wavevector, normal) {
             return None;
@@ -392,7 +392,7 @@ mod tests {
         let media = [1.0, 1.7, 1.2].map(|n| Medium::constant(n.into()).unwrap());
         let mut eta = [ComplexLanes::zero(); 3];
         let media = MediaLanes::<F64>::evaluate(&media, &[550.0], &mut eta).unwrap();
-        let incident = Incident::new(DVec3::new(0.6, 0.48, 0.64), media.eta_of(0));
+        let incident = IncidentWave::new(DVec3::new(0.6, 0.48, 0.64), media.eta_of(0));
         let (mut waves, mut paths) =
             (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
 

@@ -5,7 +5,7 @@
 
 use crate::simd::lanes::Lanes;
 use crate::trace::random::Random;
-use crate::trace::waves::{Limits, OnFull, Sink, Slot, Target, Trace, Waves, generations};
+use crate::trace::waves::{Limits, OnFull, Propagated, Sink, Slot, Target, Trace, Waves, generations};
 
 /// A cell as the tracer of paths sees it.
 pub trait Paths<V: Lanes> {
@@ -32,9 +32,6 @@ pub trait Paths<V: Lanes> {
         light: &Self::Light,
     ) -> Propagated<Self::State, Self::Exit, Self::Light>;
 }
-
-/// Where a branch arrives, and its light there; nothing if it is lost.
-pub type Propagated<S, X, L> = Option<(Target<S, X>, L)>;
 
 /// Paths that go on where a wave gives up its interference.
 pub trait AsPath<V: Lanes, W: Waves<V>>: Paths<V> {

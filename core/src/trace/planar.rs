@@ -26,23 +26,23 @@ use crate::trace::ledger::{Ledger, Specular};
 use crate::trace::waves::{Limits, OnFull, Sink, Slot, Split, Target, Trace, Waves, generations};
 
 /// Amplitudes of s and p, which do not mix where all facets share the plane of incidence.
-pub type Field<V> = Polarised<ComplexLanes<V>>;
+pub type PlanarField<V> = Polarised<ComplexLanes<V>>;
 
 /// About to meet `facet` from `side`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct State {
+pub struct PlanarState {
     facet: u32,
     side: Side,
 }
 
 /// A slot of the tracer's workspace for planar cells.
-pub type LayerSlot<V> = Slot<State, Field<V>>;
+pub type PlanarSlot<V> = Slot<PlanarState, PlanarField<V>>;
 
 /// All that has met one facet, from above (travelling down) and from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Totals<V> {
-    down: Field<V>,
-    up: Field<V>,
+    down: PlanarField<V>,
+    up: PlanarField<V>,
 }
 
 impl<V: Lanes> Totals<V> {
@@ -69,7 +69,7 @@ pub enum Summation {
 #[derive(Clone, Debug)]
 pub struct Workspace<V: Lanes, const PLANES: usize = DEFAULT_PLANES> {
     totals: [Totals<V>; PLANES],
-    slots: [[LayerSlot<V>; 2]; PLANES],
+    slots: [[PlanarSlot<V>; 2]; PLANES],
 }
 
 /// Planes that the default workspace holds: 31 layers.
@@ -102,8 +102,8 @@ impl<V: Lanes, const PLANES: usize> Default for Workspace<V, PLANES> {
 
 /// A slot in which no ray waits.
 #[must_use]
-pub fn free_slot<V: Lanes>() -> LayerSlot<V> {
-    Slot::free(State { facet: 0, side: Side::Above }, Polarised::both(ComplexLanes::zero()))
+pub fn free_slot<V: Lanes>() -> PlanarSlot<V> {
+    Slot::free(PlanarState { facet: 0, side: Side::Above }, Polarised::both(ComplexLanes::zero()))
 }
 
 /// Memory of a trace through a planar cell.
@@ -112,7 +112,7 @@ pub struct TraceMemory<'m, V: Lanes> {
     /// One for each plane.
     pub totals: &'m mut [Totals<V>],
     /// Two for each plane; needed by [`Summation::Generations`] alone. Fewer cost rays, which the ledger accounts for.
-    pub slots: &'m mut [LayerSlot<V>],
+    pub slots: &'m mut [PlanarSlot<V>],
 }
 
 /// Planes for which there is room are fewer than the stack has.
@@ -211,7 +211,7 @@ impl<V: Lanes> Layers<'_, '_, V> {
     }
 
     /// The wave that leaves facet `j` downwards, of what met it.
-    fn departing_down(&self, j: usize) -> Field<V> {
+    fn departing_down(&self, j: usize) -> PlanarField<V> {
         let Totals { down, up } = self.totals[j];
         let r = self.optics.reflection_at(j);
         let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| {
@@ -221,7 +221,7 @@ impl<V: Lanes> Layers<'_, '_, V> {
     }
 
     /// The wave that leaves facet `j` upwards.
-    fn departing_up(&self, j: usize) -> Field<V> {
+    fn departing_up(&self, j: usize) -> PlanarField<V> {
         let Totals { down, up } = self.totals[j];
         let r = self.optics.reflection_at(j);
         let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| r * down + transmission(r, V::one()) * up;
@@ -229,7 +229,7 @@ impl<V: Lanes> Layers<'_, '_, V> {
     }
 
     /// Adds all rays by closing loops from the bottom upwards; leaves the totals of every state.
-    fn close_loops(&mut self, incident: Field<V>, sink: &mut impl Sink<Side, Field<V>>) -> Trace<V> {
+    fn close_loops(&mut self, incident: PlanarField<V>, sink: &mut impl Sink<Side, PlanarField<V>>) -> Trace<V> {
         let (last, sigma, one) = (self.last(), self.reversal, ComplexLanes::one());
         // Upwards. `rho_below` is all that a facet, with everything below it, returns of a unit wave from above. Totals hold
         // meanwhile: in `up`, what comes back to the facet of a unit wave that leaves it downwards; in `down`, what
@@ -267,13 +267,13 @@ impl<V: Lanes> Layers<'_, '_, V> {
     /// Adds rays hit by hit; leaves what met every state.
     fn generations(
         &mut self,
-        incident: Field<V>,
-        slots: &mut [LayerSlot<V>],
+        incident: PlanarField<V>,
+        slots: &mut [PlanarSlot<V>],
         limits: Limits,
     ) -> (Response<V>, Trace<V>) {
         self.totals.fill(Totals::none());
         let mut forecast = Forecast::new(self.totals.len(), limits);
-        let (start, mut sink) = (State { facet: 0, side: Side::Above }, Specular::new());
+        let (start, mut sink) = (PlanarState { facet: 0, side: Side::Above }, Specular::new());
         let trace = generations(self, start, incident, slots, limits, &mut forecast, &mut sink);
         (sink.response(), trace)
     }
@@ -303,24 +303,24 @@ impl<V: Lanes> Layers<'_, '_, V> {
 }
 
 impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
-    type State = State;
-    type Field = Field<V>;
+    type State = PlanarState;
+    type Field = PlanarField<V>;
     type Exit = Side;
     const MAX_PROBES: usize = 1;
 
-    fn bucket(&self, state: &State) -> usize {
+    fn bucket(&self, state: &PlanarState) -> usize {
         2 * state.facet as usize + usize::from(state.side == Side::Below)
     }
 
-    fn is_same_wave(&self, a: &State, b: &State) -> bool {
+    fn is_same_wave(&self, a: &PlanarState, b: &PlanarState) -> bool {
         a == b
     }
 
-    fn merge(&self, _: &State, a: Field<V>, _: &State, b: Field<V>) -> Field<V> {
+    fn merge(&self, _: &PlanarState, a: PlanarField<V>, _: &PlanarState, b: PlanarField<V>) -> PlanarField<V> {
         a.zip(b, |a, b| a + b)
     }
 
-    fn power(&self, state: &State, field: &Field<V>) -> V {
+    fn power(&self, state: &PlanarState, field: &PlanarField<V>) -> V {
         let stack = self.optics.stack();
         let interface = stack.interface(state.facet as usize);
         let medium = match (state.side, interface.below) {
@@ -334,7 +334,7 @@ impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
         of(here.s, incident.s, field.s).max(of(here.p, incident.p, field.p))
     }
 
-    fn split(&mut self, state: &State, &field: &Field<V>) -> Split<State, Side, Field<V>> {
+    fn split(&mut self, state: &PlanarState, &field: &PlanarField<V>) -> Split<PlanarState, Side, PlanarField<V>> {
         let j = state.facet as usize;
         if let Some(total) = self.totals.get_mut(j) {
             let total = if state.side == Side::Above { &mut total.down } else { &mut total.up };
@@ -356,14 +356,14 @@ impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
             None => (Target::Exit(Side::Above), up),
             Some(facet) => {
                 let e = self.optics.propagator_below(j - 1);
-                (Target::State(State { facet, side: Side::Below }), up.map(|a| a * e))
+                (Target::State(PlanarState { facet, side: Side::Below }), up.map(|a| a * e))
             }
         };
         let downwards = if j == self.last() {
             (Target::Exit(Side::Below), down)
         } else {
             let e = self.optics.propagator_below(j);
-            (Target::State(State { facet: state.facet + 1, side: Side::Above }), down.map(|a| a * e))
+            (Target::State(PlanarState { facet: state.facet + 1, side: Side::Above }), down.map(|a| a * e))
         };
         [Some(upwards), Some(downwards)]
     }
@@ -415,7 +415,7 @@ fn power<V: Lanes>(mut base: V, mut exponent: u64) -> V {
 }
 
 impl<V: Lanes, K> OnFull<V, Layers<'_, '_, V>, K> for Forecast<V> {
-    fn review(&mut self, slots: &mut [LayerSlot<V>], generation: u32, in_flight: V) -> V {
+    fn review(&mut self, slots: &mut [PlanarSlot<V>], generation: u32, in_flight: V) -> V {
         let (zero, one) = (V::zero(), V::one());
         self.present = self.present.max(in_flight);
         // 1 in lanes that end here; where nothing is in flight they have ended.

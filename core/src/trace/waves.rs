@@ -45,8 +45,11 @@ pub trait Waves<V: Lanes> {
     fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
 }
 
-/// The rays that come of a hit, each with where it goes: reflected, refracted.
-pub type Split<S, X, F> = [Option<(Target<S, X>, F)>; 2];
+/// Where a ray goes from a facet, and its field or light there; `None` if it is lost or fades away.
+pub type Propagated<S, X, F> = Option<(Target<S, X>, F)>;
+
+/// The reflected and the refracted ray of a hit.
+pub type Split<S, X, F> = [Propagated<S, X, F>; 2];
 
 /// Receives the rays that leave a cell. How they add is the sink's business: see [`crate::trace::ledger`].
 pub trait Sink<X, F> {

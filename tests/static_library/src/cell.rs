@@ -7,14 +7,14 @@ use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::geometry::side::Side;
 use goniochrome::glam::DVec3;
 use goniochrome::measure::bins::{BinFields, DirectionBins, ExitBuffer, ExitRecord, Histogram};
-use goniochrome::measure::orders::{Order, Orders, largest_order};
+use goniochrome::measure::orders::{Order, Orders, max_order};
 use goniochrome::optics::interface::Interface;
 use goniochrome::optics::medium::{Dispersion, Extrapolate, Formula, MediaLanes, Medium};
 use goniochrome::optics::stack::Film;
 use goniochrome::simd::complex::{ComplexLanes, Polarised};
 use goniochrome::simd::lanes::{F32, F64, Lanes};
 use goniochrome::simd::vector::VectorLanes;
-use goniochrome::trace::coherent_mesh::{CoherentMesh, Incident, free_slot};
+use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
 use goniochrome::trace::random::Random;
@@ -82,7 +82,7 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let mut eta = [ComplexLanes::zero(); 2];
     let media = MediaLanes::<V>::evaluate(&media, scene.wavelengths_nm, &mut eta).ok()?;
     let ambient = media.eta().first().copied()?;
-    let incident = Incident::new(scene.wi, ambient);
+    let incident = IncidentWave::new(scene.wi, ambient);
     let (mut polygons, mut geometric) =
         (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
     let (mut slots, mut paths) = ([free_slot::<V>(); 26], [incoherent_mesh::free_slot::<V>(); 10]);
@@ -90,7 +90,7 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let mut exits = ExitBuffer::new(&mut exit_memory, scene.grid, &media);
     let mut fields = [Polarised::both(VectorLanes::zero()); 64];
     let mut bins = BinFields::new(&mut fields, scene.grid, &media, incident.wavevector());
-    let most = largest_order(scene.period_nm[0], 1.0, 380.0);
+    let most = max_order(scene.period_nm[0], 1.0, 380.0);
     let mut order = [Order::new(scene.order.map(|m| m.min(most)), scene.wi, scene.period_nm, ambient, &media)];
     let mut orders = Orders::new(&mut order, scene.wi, ambient, &media);
     let limits = Limits { in_flight: 1e-13, generations: 10_000 };

@@ -2,7 +2,8 @@
 
 use goniochrome::glam::Vec3;
 use goniochrome::measure::bins::DirectionBins;
-use goniochrome::table::blob::{Blob, Contents, Precision, Space};
+use goniochrome::colour::RgbSpace;
+use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 
 /// What a blob gives for two directions; NaN if it is refused.
@@ -32,7 +33,7 @@ pub extern "C" fn table_write(
 ) -> bool {
     let precision = if half { Precision::Half } else { Precision::Single };
     let write = |contents: Contents<'_>, bytes: &mut [u8]| {
-        Blob { space: Space::Srgb, contents }.write(precision, bytes).is_ok()
+        Blob { space: Some(RgbSpace::Srgb), contents }.write(precision, bytes).is_ok()
     };
     let [theta, phi, cos, around] = *sides;
     let Ok(layout) = ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around }) else {
