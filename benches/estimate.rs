@@ -3,13 +3,14 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use goniochrome::optics::interface::Model;
 use goniochrome_benches::twenty_layers;
-use goniochrome_cli::solve::planar::Planar;
-use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
+use goniochrome_cli::solve::planar_scene::PlanarScene;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
 use std::hint::black_box;
 
 fn estimate(c: &mut Criterion) {
     let scene = twenty_layers();
-    let planar = Planar::new(&scene).expect("a planar scene");
+    let planar = PlanarScene::new(&scene).expect("a planar scene");
     let theta: Vec<f64> = (0..90).map(f64::from).collect();
     let wavelengths: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();
     let mut group = c.benchmark_group("estimate");
@@ -21,7 +22,7 @@ fn estimate(c: &mut Criterion) {
         ("ray tracing f32, 2 threads", Method::Trace, Precision::F32, 2),
         ("hit by hit f32, 1 thread", Method::Hits, Precision::F32, 1),
     ] {
-        let request = Request { model: Model::Physical, method, precision, threads };
+        let request = SpectraRequest { model: Model::Physical, method, precision, threads };
         let run = || spectra(&planar, black_box(&theta), &wavelengths, &request, &|| ()).expect("a good grid");
         assert!(run().worst(|sample| sample.reflectance.s) <= 1.0 + 1e-5);
         if method == Method::Hits {

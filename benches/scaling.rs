@@ -20,9 +20,10 @@ use goniochrome_benches::{MAX_PLANES, contrast, group, stages};
 use goniochrome_cli::render::mesh::TriangleMesh;
 use goniochrome_cli::scene::load;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::planar::Planar;
-use goniochrome_cli::solve::scatter::{Coherence, Request as Scatter, scatter};
-use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
+use goniochrome_cli::solve::planar_scene::PlanarScene;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, scatter};
+use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
 
 /// Cost in seconds against a size.
 struct Curve {
@@ -64,10 +65,11 @@ fn layers(summation: Summation) -> impl FnMut(usize) -> f64 {
 
 fn wavelengths(count: usize) -> f64 {
     let scene = twenty_layers();
-    let planar = Planar::new(&scene).expect("a planar scene");
+    let planar = PlanarScene::new(&scene).expect("a planar scene");
     let theta: Vec<f64> = (0..90).map(f64::from).collect();
     let wavelengths: Vec<f64> = (0..count).map(|i| 380.0 + 400.0 * i as f64 / count as f64).collect();
-    let request = Request { model: Model::Physical, method: Method::Trace, precision: Precision::F32, threads: 1 };
+    let request =
+        SpectraRequest { model: Model::Physical, method: Method::Trace, precision: Precision::F32, threads: 1 };
     let run = || {
         for _ in 0..8 {
             black_box(spectra(&planar, &theta, &wavelengths, &request, &|| ()).expect("a good grid"));
@@ -97,7 +99,7 @@ fn polygons(level: usize) -> [f64; 2] {
 fn rays(count: usize, threads: usize) -> [f64; 2] {
     let scene = load("bumpy-soap-film").expect("a preset");
     let bumpy = MeshScene::new(&scene).expect("a cell");
-    let request = Scatter {
+    let request = ScatterRequest {
         coherence: Coherence::None,
         rays: count as u32,
         seed: 1,

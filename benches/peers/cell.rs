@@ -12,8 +12,8 @@ use goniochrome::optics::interface::Below;
 use goniochrome::optics::medium::MediumIndex;
 use goniochrome_cli::scene::{Scene, load};
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::scatter::{Coherence, Request, Scattered, scatter};
-use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, Scattered, scatter};
 use goniochrome_cli::table::statistics::MeanWithError;
 use serde_json::{Value, json};
 
@@ -67,7 +67,7 @@ fn task(scene: &Scene, task: &Value) -> Result<Value, Box<dyn Error>> {
         Some("none") => Coherence::None,
         _ => return Err("coherence is ray or none".into()),
     };
-    let request = Request {
+    let request = ScatterRequest {
         coherence,
         rays: whole("rays")?,
         seed: whole("seed")?,

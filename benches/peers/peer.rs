@@ -3,8 +3,9 @@
 use goniochrome::optics::interface::Model;
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::twenty_layers;
-use goniochrome_cli::solve::planar::Planar;
-use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
+use goniochrome_cli::solve::planar_scene::PlanarScene;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
 use std::env;
 use std::error::Error;
 use std::hint::black_box;
@@ -20,10 +21,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         other => return Err(format!("no method {other}").into()),
     };
     let precision = if precision == "f64" { Precision::F64 } else { Precision::F32 };
-    let request = Request { model: Model::Physical, method, precision, threads: 1 };
+    let request = SpectraRequest { model: Model::Physical, method, precision, threads: 1 };
 
     let scene = twenty_layers();
-    let planar = Planar::new(&scene)?;
+    let planar = PlanarScene::new(&scene)?;
     let theta: Vec<f64> = (0..90).map(f64::from).collect();
     let wavelengths: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();
     let mut seconds = Vec::new();

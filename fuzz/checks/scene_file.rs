@@ -1,7 +1,7 @@
 //! Any text as a scene file. A scene that is read can be laid out and traced.
 
 use goniochrome_cli::scene::{self, Shape};
-use goniochrome_cli::solve::planar::Planar;
+use goniochrome_cli::solve::planar_scene::PlanarScene;
 
 /// Holds for any bytes; those that are no text are no input.
 pub fn check(bytes: &[u8]) {
@@ -13,7 +13,7 @@ pub fn check(bytes: &[u8]) {
             if let Shape::Mesh(_) = scene.shape {
                 return; // a surface that the text describes
             }
-            let planar = Planar::new(&scene).expect("planes are planar");
+            let planar = PlanarScene::new(&scene).expect("planes are planar");
             let mut buffer = planar.buffer();
             planar.stack(&mut buffer).expect("the buffer is that of the scene");
             let _ = planar.longest_optical_path_nm([380.0, 780.0]);

@@ -13,8 +13,9 @@ use goniochrome::trace::paths::{IncoherentFallback, trace_with_fallback};
 use goniochrome::trace::random::Random;
 use goniochrome::trace::waves::Limits;
 use goniochrome_cli::scene::Scene;
-use goniochrome_cli::solve::planar::Planar;
-use goniochrome_cli::solve::spectra::{Method, Precision, Request, spectra};
+use goniochrome_cli::solve::planar_scene::PlanarScene;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
 use num_complex::Complex64;
 
 use super::height_field::{HeightField, Start, follow, with_cell};
@@ -93,8 +94,9 @@ fn flat_is_closed_form(cell: &Cell, scene: &Scene) {
     }
     let Start { wi, .. } = cell.start;
     let Some([reflected, truncated]) = merged(cell, scene) else { return };
-    let planar = Planar::new(scene).expect("horizontal planes");
-    let request = Request { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads: 1 };
+    let planar = PlanarScene::new(scene).expect("horizontal planes");
+    let request =
+        SpectraRequest { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads: 1 };
     let theta_deg = wi.z.acos().to_degrees();
     let closed =
         spectra(&planar, &[theta_deg], &[cell.wavelength_nm], &request, &|| ()).expect("a good stack").samples[0];

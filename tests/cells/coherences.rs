@@ -6,8 +6,8 @@ use goniochrome::table::ScatterLayout;
 use goniochrome_cli::solve::cell_table::{TableRequest, estimate};
 use goniochrome_cli::solve::diffraction;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::scatter::{Coherence, Request, Scattered, scatter};
-use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, Scattered, scatter};
 use goniochrome_cli::table::scatter::ScatterTable;
 
 use crate::height_field::HeightField;
@@ -26,7 +26,7 @@ fn found(coherence: Coherence) -> Scattered {
     let scene = cell(&flat, [3000.0, 3000.0], &interfaces);
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let bins = DirectionBins { cos: 8, phi: 16 };
-    let request = Request { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
+    let request = ScatterRequest { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
     let wi = towards(THETA_DEG, 100.0);
     scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
 }
@@ -70,7 +70,8 @@ fn a_starting_ray_whose_waves_have_no_sum_is_followed_without_interference() {
     let scene = cell(&flat, [3000.0, 3000.0], &interfaces);
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let bins = DirectionBins { cos: 8, phi: 16 };
-    let request = |coherence| Request { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
+    let request =
+        |coherence| ScatterRequest { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
     let found = |coherence| {
         let found = scatter(&bumpy, towards(THETA_DEG + 10.0, 100.0), &[WAVELENGTH_NM], &request(coherence), &|| ());
         found.expect("what has no sum is not an error").remove(0)
@@ -96,7 +97,7 @@ fn without_interference_the_faces_add_as_powers() {
 const BINS: DirectionBins = DirectionBins { cos: 4, phi: 8 };
 
 /// The table of a cell at one wavelength, which is all of its luminance.
-fn table(bumpy: &MeshScene<'_>, incident_phi: u32, tracing: Request) -> ScatterTable {
+fn table(bumpy: &MeshScene<'_>, incident_phi: u32, tracing: ScatterRequest) -> ScatterTable {
     let layout = ScatterLayout::new(2, incident_phi, BINS).expect("few directions");
     let (space, weights) = (RgbSpace::Srgb, [[0.0, 1.0, 0.0]]);
     let request = TableRequest { layout, tracing, target_error: None, weights: &weights, space, reciprocal: false };
@@ -125,12 +126,13 @@ fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
         let scene = field.scene();
         let bumpy = MeshScene::new(&scene).expect("a good mesh");
         for coherence in [Coherence::Ray, Coherence::None, Coherence::Bin] {
-            let tracing = Request { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
+            let tracing =
+                ScatterRequest { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
             let table = table(&bumpy, 4, tracing);
             let incident = 2 + number;
             let [theta, phi] = table.layout.incident(incident);
             // A table's directions have seeds of their own.
-            let request = Request { seed: incident as u32, ..tracing };
+            let request = ScatterRequest { seed: incident as u32, ..tracing };
             let wi = towards(theta.to_degrees(), phi.to_degrees());
             let found = scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0);
             let energy = &table.energy[incident];
@@ -161,7 +163,8 @@ fn the_coherences_of_a_bumpy_film_differ() {
     let scene = goniochrome_cli::scene::load("bumpy-soap-film").expect("a preset");
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let [ray, none, bin] = [Coherence::Ray, Coherence::None, Coherence::Bin].map(|coherence| {
-        let request = Request { coherence, rays: 128, seed: 0, bins: BINS, precision: Precision::F32, threads: 2 };
+        let request =
+            ScatterRequest { coherence, rays: 128, seed: 0, bins: BINS, precision: Precision::F32, threads: 2 };
         scatter(&bumpy, towards(0.0, 0.0), &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
     });
     let far = |a: &Scattered, b: &Scattered| {
@@ -182,8 +185,14 @@ fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
     };
     let scene = flat.scene();
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
-    let tracing =
-        Request { coherence: Coherence::Bin, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
+    let tracing = ScatterRequest {
+        coherence: Coherence::Bin,
+        rays: 64,
+        seed: 0,
+        bins: BINS,
+        precision: Precision::F64,
+        threads: 1,
+    };
     let [one, four] = [1, 4].map(|phi| table(&bumpy, phi, tracing));
     for theta in 0..2 {
         let (one_azimuth, isotropic) = (four.energy[4 * theta], one.energy[theta]);
@@ -197,7 +206,7 @@ fn a_table_of_orders_is_refused_with_the_command_that_computes_them() {
     let scene = small_cells()[0].scene();
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let coherence = Coherence::Cell;
-    let tracing = Request { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
+    let tracing = ScatterRequest { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
     let layout = ScatterLayout::new(2, 4, BINS).expect("few directions");
     let weights = [[0.0, 1.0, 0.0]];
     let request = TableRequest {
@@ -220,11 +229,13 @@ fn single_precision_is_honoured_where_starting_rays_interfere() {
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let wi = towards(THETA_DEG, 100.0);
     let bins = [Precision::F32, Precision::F64].map(|precision| {
-        let request = Request { coherence: Coherence::Bin, rays: 256, seed: 3, bins: BINS, precision, threads: 1 };
+        let request =
+            ScatterRequest { coherence: Coherence::Bin, rays: 256, seed: 3, bins: BINS, precision, threads: 1 };
         scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0).reflected.value
     });
     let orders = [Precision::F32, Precision::F64].map(|precision| {
-        let request = diffraction::Request { rays: 256, seed: 3, most: None, hits: 64, precision, threads: 1 };
+        let request =
+            diffraction::OrdersRequest { rays: 256, seed: 3, max_order: None, hits: 64, precision, threads: 1 };
         let found = diffraction::orders(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh");
         found.orders.iter().map(|order| order.efficiency.s.value).fold(0.0, f64::max)
     });

@@ -3,8 +3,8 @@
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome_cli::scene::Scene;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::scatter::{Coherence, Request, Scattered, scatter};
-use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, Scattered, scatter};
 use serde_json::Value;
 
 use crate::scene::{between, cell, extruded, towards};
@@ -18,7 +18,7 @@ fn traced(
     precision: Precision,
 ) -> Vec<Scattered> {
     let bumpy = MeshScene::new(scene).expect("a good mesh");
-    let request = Request {
+    let request = ScatterRequest {
         coherence: Coherence::Ray,
         rays,
         seed: 1,

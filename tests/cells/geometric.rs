@@ -2,8 +2,8 @@
 
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::scatter::{Coherence, Request, scatter};
-use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, scatter};
 use serde_json::Value;
 
 use crate::scene::{between, cell, towards};
@@ -27,7 +27,7 @@ fn holds(name: &str, obj: &str, reference: &str, interfaces: &[(&str, String)]) 
     let (mut compared, mut beyond_three) = (0u32, 0u32);
     for case in reference["cases"].as_array().expect("cases") {
         let wi = towards(number(&case["theta_deg"]), number(&case["phi_deg"]));
-        let request = Request {
+        let request = ScatterRequest {
             coherence: Coherence::None,
             rays: RAYS,
             seed: 1,

@@ -1,9 +1,9 @@
 //! Coherence `cell` against rigorous solvers: Fourier modal method, C method, finite elements.
 
 use goniochrome_cli::scene::Scene;
-use goniochrome_cli::solve::diffraction::{Request, orders};
+use goniochrome_cli::solve::diffraction::{OrdersRequest, orders};
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::solve::precision::Precision;
 use serde::Deserialize;
 
 use crate::scene::{between, cell, extruded, towards};
@@ -60,7 +60,8 @@ fn worst(letter: &str) -> Vec<(f64, f64)> {
     let grating = gratings.cases.iter().find(|g| g.name.starts_with(letter)).expect("the grating");
     let scene = scene(grating);
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
-    let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
+    let request =
+        OrdersRequest { rays: RAYS, seed: 1, max_order: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
     let each = grating.data.iter().map(|data| {
         let wi = towards(data.theta_deg, 180.0);
         let found = orders(&bumpy, wi, &[data.wavelength_nm], &request, &|| ()).expect("a good mesh").orders;
@@ -121,7 +122,8 @@ fn a_flat_interface_reflects_into_the_zeroth_order_alone() {
     let flat = extruded(&[[0.0, 0.0], [4000.0, 0.0]], 500.0, &[("s", 0.0)]);
     let scene = cell(&flat, [4000.0, 500.0], &[("s", between([1.0, 0.0], [1.5, 0.0]))]);
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
-    let request = Request { rays: 4096, seed: 1, most: None, hits: HITS, precision: Precision::F64, threads: 1 };
+    let request =
+        OrdersRequest { rays: 4096, seed: 1, max_order: None, hits: HITS, precision: Precision::F64, threads: 1 };
     let found = orders(&bumpy, towards(0.0, 0.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     for order in found {
         let expected = if order.index == [0, 0] { 0.04 } else { 0.0 };
@@ -137,7 +139,8 @@ fn a_shallow_mirror_keeps_its_power() {
     let obj = extruded(&points, 500.0, &[("s", 0.0)]);
     let scene = cell(&obj, [8000.0, 500.0], &[("s", "above = 1.0\nbelow = \"mirror\"".into())]);
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
-    let request = Request { rays: RAYS, seed: 1, most: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
+    let request =
+        OrdersRequest { rays: RAYS, seed: 1, max_order: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
     let found = orders(&bumpy, towards(20.0, 180.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     let sum: f64 = found.iter().map(|order| 0.5 * (order.efficiency.s.value + order.efficiency.p.value)).sum();
     assert!((sum - 1.0).abs() < 0.01, "{sum}");

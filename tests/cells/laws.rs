@@ -7,9 +7,10 @@ use goniochrome::measure::bins::DirectionBins;
 use goniochrome::optics::interface::Model;
 use goniochrome_cli::scene::Scene;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::planar::Planar;
-use goniochrome_cli::solve::scatter::{Coherence, Request, scatter};
-use goniochrome_cli::solve::spectra::{Method, Precision, Request as StackRequest, spectra};
+use goniochrome_cli::solve::planar_scene::PlanarScene;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, scatter};
+use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
 
 use crate::height_field::{HeightField, Outcome, Start, follow, moved};
 
@@ -281,12 +282,12 @@ fn flat_sheets_are_the_stack_in_closed_form() {
         let bumpy = MeshScene::new(&scene).expect("a good mesh");
         let bins = DirectionBins { cos: 1, phi: 1 };
         let precision = Precision::F64;
-        let request = Request { coherence: Coherence::Ray, rays: 32, seed: 0, bins, precision, threads: 1 };
+        let request = ScatterRequest { coherence: Coherence::Ray, rays: 32, seed: 0, bins, precision, threads: 1 };
         let (sin, cos) = theta_deg.to_radians().sin_cos();
         let wi = DVec3::new(0.6 * sin, 0.8 * sin, cos);
         let traced = &scatter(&bumpy, wi, &[550.0], &request, &|| ()).expect("a good mesh")[0];
-        let planar = Planar::new(&scene).expect("horizontal planes");
-        let request = StackRequest { model: Model::Physical, method: Method::Stack, precision, threads: 1 };
+        let planar = PlanarScene::new(&scene).expect("horizontal planes");
+        let request = SpectraRequest { model: Model::Physical, method: Method::Stack, precision, threads: 1 };
         let closed = spectra(&planar, &[theta_deg], &[550.0], &request, &|| ()).expect("a good stack").samples[0];
         let transmitted = 0.5 * (closed.transmittance.s + closed.transmittance.p);
         let error = (traced.reflected.value - closed.mean_reflectance()).abs();

@@ -4,10 +4,10 @@
 use std::fmt::Write as _;
 
 use goniochrome_cli::scene::parse;
-use goniochrome_cli::solve::diffraction::{Request, orders};
+use goniochrome_cli::solve::diffraction::{OrdersRequest, orders};
 use goniochrome_cli::solve::mesh_scene::MeshScene;
 use goniochrome_cli::solve::order_error::{SILENT, error_bounds, warning};
-use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::solve::precision::Precision;
 use serde::Deserialize;
 
 use crate::scene::towards;
@@ -61,7 +61,8 @@ fn compare(case: &Case) -> ([f64; 2], f64, bool) {
     let scene = parse("grating", &case.toml()).expect("a good scene");
     let bumpy = MeshScene::new(&scene).expect("a good mesh");
     let (wi, nm) = (towards(case.theta_deg, case.phi_deg), [case.wavelength_nm]);
-    let request = Request { rays: RAYS, seed: 1, most: None, hits: 1, precision: Precision::F64, threads: 1 };
+    let request =
+        OrdersRequest { rays: RAYS, seed: 1, max_order: None, hits: 1, precision: Precision::F64, threads: 1 };
     let found = orders(&bumpy, wi, &nm, &request, &|| ()).expect("a good mesh").orders;
     let mut worst = [0.0_f64; 2];
     for (place, &m) in case.orders.iter().enumerate() {

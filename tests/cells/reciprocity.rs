@@ -7,8 +7,8 @@ use goniochrome::measure::bins::DirectionBins;
 use goniochrome::trace::sobol::sobol;
 use goniochrome_cli::scene::load;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::scatter::{Coherence, Request, scatter};
-use goniochrome_cli::solve::spectra::Precision;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, scatter};
 
 const PRESETS: [&str; 9] = [
     "bumpy-glass",
@@ -45,7 +45,7 @@ fn sent(bumpy: &MeshScene<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2
     for i in 0..DIRECTIONS {
         let wi = direction_in(from, sobol(i, 7 + from as u32));
         let seed = i * GRID.count() as u32 + from as u32;
-        let request = Request { coherence, rays: RAYS, seed, bins: GRID, precision: Precision::F32, threads: 2 };
+        let request = ScatterRequest { coherence, rays: RAYS, seed, bins: GRID, precision: Precision::F32, threads: 2 };
         let found = &scatter(bumpy, wi, &[550.0], &request, &|| ()).expect("a preset")[0];
         for (sum, bin) in sums.iter_mut().zip(&found.bins) {
             *sum = [sum[0] + bin.value, sum[1] + bin.value * bin.value];

@@ -5,8 +5,9 @@ use std::fmt::Write;
 
 use goniochrome::optics::interface::Model;
 use goniochrome_cli::scene::parse;
-use goniochrome_cli::solve::planar::Planar;
-use goniochrome_cli::solve::spectra::{Method, Precision, Request, Sample, spectra};
+use goniochrome_cli::solve::planar_scene::PlanarScene;
+use goniochrome_cli::solve::precision::Precision;
+use goniochrome_cli::solve::spectra::{Method, Sample, SpectraRequest, spectra};
 use goniochrome_cli::table::file::{Table, read};
 
 use crate::user::{User, column};
@@ -142,9 +143,9 @@ fn no_sample_of_300_random_stacks_is_further_off_than_it_says() {
     for _ in 0..STACKS {
         let (scene, theta_deg) = any_stack(&mut random);
         let parsed = parse("random.toml", &scene).unwrap();
-        let planar = Planar::new(&parsed).unwrap();
+        let planar = PlanarScene::new(&parsed).unwrap();
         let run = |method, precision| {
-            let request = Request { model: Model::Physical, method, precision, threads: 1 };
+            let request = SpectraRequest { model: Model::Physical, method, precision, threads: 1 };
             spectra(&planar, &[theta_deg], &wavelength_nm, &request, &|| ()).unwrap()
         };
         let closed = run(Method::Stack, Precision::F64);

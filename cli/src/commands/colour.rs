@@ -10,7 +10,7 @@ use crate::commands::{compute, remark_on_colours, write_csv};
 use crate::plot::{OutOfGamut, hex, srgb8};
 use crate::scene::load;
 use crate::solve::colours::{Colour, colours};
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::Result;
 use crate::support::output;
 use crate::support::progress::note;
@@ -20,7 +20,7 @@ pub fn run(args: &ColourArgs) -> Result<()> {
     if let Some(csv) = &args.csv {
         output::check_destination(csv, &scene.files)?;
     }
-    let planar = Planar::new(&scene)?;
+    let planar = PlanarScene::new(&scene)?;
     let (wavelengths, illuminant) = (args.wavelengths.increasing(), args.colouring.illuminant.into());
     let spectra = compute(&planar, &args.theta.0, &wavelengths, illuminant, &args.computing)?;
     let space = RgbSpace::from(args.colouring.space);

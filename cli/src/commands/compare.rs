@@ -6,7 +6,7 @@ use crate::commands::args::CompareArgs;
 use crate::commands::{check_outputs, number, remark_fall_backs, write_csv};
 use crate::paper::comparison::Comparison;
 use crate::scene::load;
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
@@ -17,7 +17,7 @@ const MAX_CURVES: usize = 24;
 pub fn run(args: &CompareArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     check_outputs(&args.csv, args.output.as_deref(), &scene)?;
-    let planar = Planar::new(&scene)?;
+    let planar = PlanarScene::new(&scene)?;
     let request = args.computing.request();
     let wavelengths = args.wavelengths.resolve(&planar, &args.theta.0, Illuminant::D65, &request)?.wavelength_nm;
     if args.output.is_some() && wavelengths.len() > MAX_CURVES {

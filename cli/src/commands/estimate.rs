@@ -19,8 +19,8 @@ use crate::solve::checkpoint::Checkpoint;
 use crate::solve::colours::colours;
 use crate::solve::grid::Wavelengths;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::planar::Planar;
-use crate::solve::scatter::Request;
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::scatter::ScatterRequest;
 use crate::solve::spectra::{Method, Sample, Spectra};
 use crate::support::error::{Error, Result};
 use crate::support::output;
@@ -100,7 +100,7 @@ fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
             )));
         }
     }
-    let planar = Planar::new(scene)?;
+    let planar = PlanarScene::new(scene)?;
     let angles = args.angles.unwrap_or(90);
     let theta_deg: Vec<f64> = (0..angles).map(|i| 90.0 * f64::from(i) / f64::from(angles)).collect();
     let wavelengths = args.wavelengths.as_ref().map_or(Wavelengths::VISIBLE, Wavelengths::increasing);
@@ -175,7 +175,7 @@ fn scattering(
     let layout = ScatterLayout::new(theta, phi, bins)
         .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))?;
     let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
-    let tracing = Request {
+    let tracing = ScatterRequest {
         coherence: cell.coherence.unwrap_or_default(),
         rays: cell.rays.unwrap_or(RAYS),
         seed: cell.seed.unwrap_or(0),
@@ -186,7 +186,7 @@ fn scattering(
     let space = args.colouring.space.into();
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
-    let bumpy = MeshScene::new(scene)?;
+    let mesh_scene = MeshScene::new(scene)?;
     remark_on_media(scene, wavelength_nm, args.computing.running.quiet);
     let checkpoint = match output {
         Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), cell.restart)?,
@@ -200,7 +200,7 @@ fn scattering(
         said.call_once(|| says.iter().for_each(|says| progress.suspend(|| note(quiet, says))));
         progress.inc(1);
     };
-    let mut table = estimate(&bumpy, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
+    let mut table = estimate(&mesh_scene, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
     if let Err(error) = table.check() {
         checkpoint.map_or(Ok(()), Checkpoint::remove)?;
@@ -209,7 +209,7 @@ fn scattering(
     let coherence = request.tracing.coherence;
     let imbalance = table.worst_imbalance(|imbalance| unbalanced(coherence, imbalance).is_some());
     let alone = table.energy.iter().map(|energy| energy.without_interference).fold(0.0, f64::max);
-    let few = too_few(&bumpy, coherence, wavelength_nm);
+    let few = too_few(&mesh_scene, coherence, wavelength_nm);
     let warnings: Vec<String> =
         [unbalanced(coherence, imbalance), without_sum(alone), few].into_iter().flatten().collect();
     warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
@@ -230,7 +230,7 @@ fn scattering(
 fn scatter_metadata(
     args: &EstimateArgs,
     scene: &Scene,
-    tracing: &Request,
+    tracing: &ScatterRequest,
     imbalance: f64,
     warnings: &[String],
 ) -> BTreeMap<String, String> {

@@ -25,9 +25,10 @@ use crate::commands::args::{Command, Computing};
 use crate::scene::{NamedMedium, Scene};
 use crate::solve::fidelity;
 use crate::solve::grid::Wavelengths;
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::precision::Precision;
 use crate::solve::refine::{Choice, most};
-use crate::solve::spectra::{Precision, Spectra, spectra};
+use crate::solve::spectra::{Spectra, spectra};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
@@ -62,7 +63,7 @@ fn dispatch(command: &Command) -> Result<()> {
 /// Spectra over a grid with a progress bar; says how many wavelengths `auto` has chosen, and how true their colours
 /// are.
 fn compute(
-    planar: &Planar<'_>,
+    planar: &PlanarScene<'_>,
     theta_deg: &[f64],
     wavelengths: &Wavelengths,
     illuminant: Illuminant,
@@ -125,7 +126,7 @@ fn save(picture: &crate::plot::Picture, path: &Path, quiet: bool) -> Result<()> 
 
 /// Says what is amiss with the wavelengths from which colours are made.
 fn remark_on_colours(
-    planar: &Planar<'_>,
+    planar: &PlanarScene<'_>,
     spectra: &Spectra,
     wavelengths: &Wavelengths,
     illuminant: Illuminant,

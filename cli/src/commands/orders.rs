@@ -3,7 +3,7 @@
 use crate::commands::args::OrdersArgs;
 use crate::commands::{direction, named, remark_on_media, write_csv};
 use crate::scene::load;
-use crate::solve::diffraction::{Diffraction, Request, default_hits, groups, orders};
+use crate::solve::diffraction::{Diffraction, OrdersRequest, default_hits, groups, orders};
 use crate::solve::mesh_scene::MeshScene;
 use crate::solve::order_error;
 use crate::solve::scatter::BATCHES;
@@ -14,13 +14,13 @@ use crate::support::progress::{bar, note};
 pub fn run(args: &OrdersArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.csv, &scene.files)?;
-    let bumpy = MeshScene::new(&scene)?;
+    let mesh_scene = MeshScene::new(&scene)?;
     let wavelengths = named(&args.wavelengths, &scene)?;
-    let request = Request {
+    let request = OrdersRequest {
         rays: args.rays,
         seed: args.seed,
-        most: args.max_order,
-        hits: args.hits.unwrap_or_else(|| default_hits(&bumpy)),
+        max_order: args.max_order,
+        hits: args.hits.unwrap_or_else(|| default_hits(&mesh_scene)),
         precision: args.precision,
         threads: args.running.threads(),
     };
@@ -28,9 +28,9 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     remark_on_media(&scene, wavelengths, quiet);
     let progress = bar(&scene.name, BATCHES as usize * groups(wavelengths.len(), request.precision), quiet);
     let wi = direction(args.theta, args.phi)?;
-    let found = orders(&bumpy, wi, wavelengths, &request, &|| progress.inc(1))?;
+    let found = orders(&mesh_scene, wi, wavelengths, &request, &|| progress.inc(1))?;
     progress.finish_and_clear();
-    let off = order_error::warning(&bumpy, wi, wavelengths)?;
+    let off = order_error::warning(&mesh_scene, wi, wavelengths)?;
     for warning in [off, found.single_scattering(request.hits)].into_iter().flatten() {
         note(quiet, format_args!("{}: {warning}", scene.name));
     }

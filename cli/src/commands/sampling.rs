@@ -6,7 +6,7 @@ use crate::commands::args::SamplingArgs;
 use crate::commands::{check_outputs, remark_fall_backs, write_csv};
 use crate::paper::wavelength_count::{Setting, error_curve, picture};
 use crate::scene::load;
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::Result;
 use crate::support::output;
 use crate::support::progress::bar;
@@ -14,7 +14,7 @@ use crate::support::progress::bar;
 pub fn run(args: &SamplingArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     check_outputs(&args.csv, args.output.as_deref(), &scene)?;
-    let planar = Planar::new(&scene)?;
+    let planar = PlanarScene::new(&scene)?;
     let setting = Setting {
         theta_deg: &args.theta.0,
         illuminant: args.illuminant.into(),

@@ -9,7 +9,7 @@ use crate::scene::load;
 use crate::solve::cell_warnings::{unbalanced, without_sum};
 use crate::solve::mesh_scene::MeshScene;
 use crate::solve::order_error;
-use crate::solve::scatter::{Coherence, Request, Scattered, scatter, steps};
+use crate::solve::scatter::{Coherence, ScatterRequest, Scattered, scatter, steps};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
@@ -19,11 +19,11 @@ use crate::table::statistics::MeanWithError;
 pub fn run(args: &ScatterArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.json, &scene.files)?;
-    let bumpy = MeshScene::new(&scene)?;
+    let mesh_scene = MeshScene::new(&scene)?;
     let wavelengths = named(&args.wavelengths, &scene)?;
     let [cos, phi] = args.bins.0;
     let wi = direction(args.theta, args.phi)?;
-    let mut request = Request {
+    let mut request = ScatterRequest {
         coherence: args.coherence,
         rays: args.rays,
         seed: args.seed,
@@ -32,9 +32,9 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         threads: args.running.threads(),
     };
     remark_on_media(&scene, wavelengths, args.running.quiet);
-    let once = |request: &Request| {
+    let once = |request: &ScatterRequest| {
         let progress = bar(&scene.name, steps(wavelengths.len(), request), args.running.quiet);
-        let found = scatter(&bumpy, wi, wavelengths, request, &|| progress.inc(1));
+        let found = scatter(&mesh_scene, wi, wavelengths, request, &|| progress.inc(1));
         progress.finish_and_clear();
         found
     };
@@ -52,7 +52,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
     let mut reports = Vec::with_capacity(found.len());
     for (found, &nm) in found.iter().zip(wavelengths) {
         let off = match request.coherence {
-            Coherence::Cell => order_error::warning(&bumpy, wi, &[nm])?,
+            Coherence::Cell => order_error::warning(&mesh_scene, wi, &[nm])?,
             _ => None,
         };
         let warnings: Vec<String> =
@@ -86,7 +86,13 @@ fn estimate(of: MeanWithError) -> Value {
     json!({ "value": of.value, "std_error": of.std_error })
 }
 
-fn report(args: &ScatterArgs, wavelength_nm: f64, request: &Request, found: &Scattered, warnings: &[String]) -> Value {
+fn report(
+    args: &ScatterArgs,
+    wavelength_nm: f64,
+    request: &ScatterRequest,
+    found: &Scattered,
+    warnings: &[String],
+) -> Value {
     let grid = request.bins;
     let bins: Vec<Value> = found
         .bins

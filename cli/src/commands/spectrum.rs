@@ -5,14 +5,14 @@ use goniochrome::colour::Illuminant;
 use crate::commands::args::SpectrumArgs;
 use crate::commands::{compute, number, write_csv};
 use crate::scene::load;
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::Result;
 use crate::support::output;
 
 pub fn run(args: &SpectrumArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.csv, &scene.files)?;
-    let planar = Planar::new(&scene)?;
+    let planar = PlanarScene::new(&scene)?;
     let spectra = compute(&planar, &args.theta.0, &args.wavelengths, Illuminant::D65, &args.computing)?;
     let rows = (0..spectra.theta_deg.len()).flat_map(|angle| {
         let spectra = &spectra;

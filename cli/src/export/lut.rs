@@ -17,8 +17,9 @@ use goniochrome::optics::interface::Model;
 use crate::colour::{illuminant_of, space_name, space_of};
 use crate::scene::{Scene, Shape};
 use crate::solve::integral::Integral;
-use crate::solve::planar::Planar;
-use crate::solve::spectra::{Method, Precision, Request};
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::precision::Precision;
+use crate::solve::spectra::{Method, SpectraRequest};
 use crate::support::error::{Error, Result};
 use crate::support::parallel;
 use crate::support::text;
@@ -218,15 +219,15 @@ fn chromaticities(space: RgbSpace) -> Option<Chromaticities> {
 }
 
 fn row(scene: &Scene, width: usize) -> Result<Vec<[f32; 3]>> {
-    let planar = Planar::new(scene)?;
+    let planar = PlanarScene::new(scene)?;
     let theta_deg: Vec<f64> = angles(width).collect();
     let colours = exact_rgb(&planar, &theta_deg)?;
     Ok(colours.into_iter().map(|rgb| rgb.map(|c| c as f32)).collect())
 }
 
 /// Linear sRGB in D65 by the closed form, integrated over the wavelength, unclipped.
-pub(super) fn exact_rgb(planar: &Planar<'_>, theta_deg: &[f64]) -> Result<Vec<[f64; 3]>> {
-    let request = Request {
+pub(super) fn exact_rgb(planar: &PlanarScene<'_>, theta_deg: &[f64]) -> Result<Vec<[f64; 3]>> {
+    let request = SpectraRequest {
         model: Model::Physical,
         method: Method::Stack,
         precision: Precision::F64,

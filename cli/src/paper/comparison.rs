@@ -1,8 +1,8 @@
 //! Ray tracing beside the closed form: the paper's section 4.5 and figure 7.
 
 use crate::plot::{Picture, Profile, side_by_side};
-use crate::solve::planar::Planar;
-use crate::solve::spectra::{Method, Request, Spectra, spectra};
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::spectra::{Method, Spectra, SpectraRequest, spectra};
 use crate::support::error::Result;
 
 /// The same grid computed twice.
@@ -19,9 +19,14 @@ impl Comparison {
     ///
     /// # Errors
     /// As [`spectra`].
-    pub fn new(planar: &Planar<'_>, theta_deg: &[f64], wavelength_nm: &[f64], request: &Request) -> Result<Self> {
+    pub fn new(
+        planar: &PlanarScene<'_>,
+        theta_deg: &[f64],
+        wavelength_nm: &[f64],
+        request: &SpectraRequest,
+    ) -> Result<Self> {
         let traced = if request.method == Method::Stack { Method::Trace } else { request.method };
-        let run = |method| spectra(planar, theta_deg, wavelength_nm, &Request { method, ..*request }, &|| ());
+        let run = |method| spectra(planar, theta_deg, wavelength_nm, &SpectraRequest { method, ..*request }, &|| ());
         Ok(Self { closed: run(Method::Stack)?, traced: run(traced)? })
     }
 

@@ -10,7 +10,8 @@ use crate::paper::comparison::Comparison;
 use crate::paper::html::{Section, page};
 use crate::paper::teapots;
 use crate::solve::colours::Colour;
-use crate::solve::spectra::{Method, Precision, Request};
+use crate::solve::precision::Precision;
+use crate::solve::spectra::{Method, SpectraRequest};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 
@@ -18,7 +19,7 @@ use crate::paper::wavelength_count::{self, Point, Setting, error_curve};
 use crate::plot::{Disc, Picture, disc_grid};
 use crate::render::environment::EnvironmentLight;
 use crate::scene::{Scene, load};
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::support::progress::bar;
 
 /// Every degree; discs interpolate between them.
@@ -39,7 +40,7 @@ const FIGURE_7_NM: [f64; 3] = [436.0, 546.0, 700.0];
 pub fn write(folder: &Path, threads: usize, quiet: bool) -> Result<PathBuf> {
     let failed = |error| Error::failed(format_args!("{}: {error}; choose another -o", folder.display()));
     fs::create_dir_all(folder).map_err(failed)?;
-    let request = Request { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads };
+    let request = SpectraRequest { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads };
 
     let progress = bar("figures", 6, quiet);
     let sections = [
@@ -73,9 +74,14 @@ fn disc_angles() -> Vec<f64> {
 }
 
 /// Colours at every degree, by the integral over the wavelength.
-fn at_every_degree(scene: &Scene, illuminant: Illuminant, space: RgbSpace, request: &Request) -> Result<Vec<Colour>> {
+fn at_every_degree(
+    scene: &Scene,
+    illuminant: Illuminant,
+    space: RgbSpace,
+    request: &SpectraRequest,
+) -> Result<Vec<Colour>> {
     let setting = Setting { theta_deg: &disc_angles(), illuminant, space, request: *request };
-    wavelength_count::converged(&Planar::new(scene)?, &setting)
+    wavelength_count::converged(&PlanarScene::new(scene)?, &setting)
 }
 
 /// The colour between the computed angles.
@@ -89,9 +95,9 @@ fn between(colours: &[Colour], space: RgbSpace, theta_deg: f64) -> [f32; 3] {
 }
 
 /// Colours at every degree, for each rendering.
-fn computed(scene: &Scene, request: &Request) -> Result<Vec<Vec<Colour>>> {
+fn computed(scene: &Scene, request: &SpectraRequest) -> Result<Vec<Vec<Colour>>> {
     let colours = |&(_, model, illuminant, space): &Rendering| {
-        at_every_degree(scene, illuminant, space, &Request { model, ..*request })
+        at_every_degree(scene, illuminant, space, &SpectraRequest { model, ..*request })
     };
     RENDERINGS.iter().map(colours).collect()
 }
@@ -123,12 +129,12 @@ fn teapot(
     teapots::draw(folder, table, vec![(file, EnvironmentLight::White)], threads)
 }
 
-fn figure_5(folder: &Path, request: &Request) -> Result<Section> {
+fn figure_5(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     let computed = computed(&load("paper-fig4")?, request)?;
     teapots::figure_5(folder, teapots::table(&computed[2], RENDERINGS[2].3), request.threads)
 }
 
-fn figure_3(folder: &Path, request: &Request) -> Result<Section> {
+fn figure_3(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     let scene = load("paper-fig3")?;
     let computed = computed(&scene, request)?;
     renderings(&computed, "Figure 3: film n = 2.4, 300 nm, on a mirror").save(&folder.join("figure-3.png"))?;
@@ -147,7 +153,7 @@ fn figure_3(folder: &Path, request: &Request) -> Result<Section> {
     })
 }
 
-fn figure_4(folder: &Path, request: &Request) -> Result<Section> {
+fn figure_4(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     let scene = load("paper-fig4")?;
     let title = "Figure 4: three films n = 2.4, 180 nm apart";
     let computed = computed(&scene, request)?;
@@ -165,7 +171,7 @@ fn figure_4(folder: &Path, request: &Request) -> Result<Section> {
     })
 }
 
-fn figure_6(folder: &Path, request: &Request) -> Result<Section> {
+fn figure_6(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     let scenes = [load("paper-fig6-300")?, load("paper-fig6-3000")?];
     let labels = ["film 300 nm", "film 3000 nm"];
     let space = RgbSpace::Srgb;
@@ -178,7 +184,7 @@ fn figure_6(folder: &Path, request: &Request) -> Result<Section> {
     let mut grid: Vec<Vec<Colour>> = Vec::new();
     let mut curves = Vec::new();
     for (scene, label) in scenes.iter().zip(labels) {
-        let planar = Planar::new(scene)?;
+        let planar = PlanarScene::new(scene)?;
         for count in FIGURE_6_COUNTS {
             grid.push(wavelength_count::sampled(&planar, count, &disc_setting)?);
         }
@@ -229,9 +235,9 @@ fn figure_6_caption(thin: &[Point], thick: &[Point]) -> String {
     )
 }
 
-fn figure_7(folder: &Path, request: &Request) -> Result<Section> {
+fn figure_7(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     let theta = disc_angles();
-    let request = Request { method: Method::Hits, ..*request };
+    let request = SpectraRequest { method: Method::Hits, ..*request };
     let mut images = Vec::new();
     let mut differences = Vec::new();
     for (name, title, file) in [
@@ -239,7 +245,7 @@ fn figure_7(folder: &Path, request: &Request) -> Result<Section> {
         ("paper-fig4", "Figure 7: the three films of figure 4", "figure-7-three-films.png"),
     ] {
         let scene = load(name)?;
-        let planar = Planar::new(&scene)?;
+        let planar = PlanarScene::new(&scene)?;
         let comparison = Comparison::new(&planar, &theta, &FIGURE_7_NM, &request)?;
         comparison.picture(title).save(&folder.join(file))?;
         images.push(file.to_owned());
@@ -274,7 +280,7 @@ const GALLERY: [&str; 8] = [
 /// Beyond, every surface is white, so brightness is judged within.
 const GALLERY_BRIGHTNESS_DEG: usize = 70;
 
-fn gallery(folder: &Path, request: &Request) -> Result<Section> {
+fn gallery(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     let computed = GALLERY
         .iter()
         .map(|name| at_every_degree(&load(name)?, Illuminant::D65, RgbSpace::Srgb, request))

@@ -5,8 +5,8 @@ use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM};
 use crate::plot::{LineOptions, PALETTE, Picture, Series, line_chart};
 use crate::solve::colours::{Colour, colours};
 use crate::solve::integral::Integral;
-use crate::solve::planar::Planar;
-use crate::solve::spectra::{Request, Spectra, spectra};
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::spectra::{Spectra, SpectraRequest, spectra};
 use crate::support::error::Result;
 
 /// What the colours are made with.
@@ -19,7 +19,7 @@ pub struct Setting<'a> {
     /// The space in which the error is taken.
     pub space: RgbSpace,
     /// How to compute.
-    pub request: Request,
+    pub request: SpectraRequest,
 }
 
 /// The colour error that a number of samples makes.
@@ -42,7 +42,7 @@ pub fn midpoints(count: u16) -> Vec<f64> {
 ///
 /// # Errors
 /// As [`spectra`].
-pub fn sampled(planar: &Planar<'_>, count: u16, setting: &Setting<'_>) -> Result<Vec<Colour>> {
+pub fn sampled(planar: &PlanarScene<'_>, count: u16, setting: &Setting<'_>) -> Result<Vec<Colour>> {
     setting.colours(&setting.spectra(planar, count)?)
 }
 
@@ -50,14 +50,14 @@ pub fn sampled(planar: &Planar<'_>, count: u16, setting: &Setting<'_>) -> Result
 ///
 /// # Errors
 /// As [`Integral::new`].
-pub fn converged(planar: &Planar<'_>, setting: &Setting<'_>) -> Result<Vec<Colour>> {
+pub fn converged(planar: &PlanarScene<'_>, setting: &Setting<'_>) -> Result<Vec<Colour>> {
     let integral = Integral::new(planar, VISIBLE_NM.map(f64::from), setting.illuminant, &setting.request)?;
     let colours = integral.colours(setting.theta_deg)?;
     Ok(colours.into_iter().map(|xyz| Colour { xyz, rgb: setting.space.from_xyz(xyz) }).collect())
 }
 
 impl Setting<'_> {
-    fn spectra(&self, planar: &Planar<'_>, count: u16) -> Result<Spectra> {
+    fn spectra(&self, planar: &PlanarScene<'_>, count: u16) -> Result<Spectra> {
         spectra(planar, self.theta_deg, &midpoints(count), &self.request, &|| ())
     }
 
@@ -71,7 +71,7 @@ impl Setting<'_> {
 /// # Errors
 /// As [`spectra`] and [`Integral::new`].
 pub fn error_curve(
-    planar: &Planar<'_>,
+    planar: &PlanarScene<'_>,
     counts: &[u16],
     setting: &Setting<'_>,
     progress: &dyn Fn(&Spectra),

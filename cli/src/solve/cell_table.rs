@@ -14,10 +14,10 @@ use crate::solve::checkpoint::{Checkpoint, Identity};
 use crate::solve::coherent::BinLight;
 use crate::solve::groups::{Group, Groups};
 use crate::solve::mesh_scene::MeshScene;
+use crate::solve::precision::Precision;
 use crate::solve::scatter::{
-    Adding, BATCHES, Coherence, Paths, Request, Tally, Workspace, refuse_no_result, states, trace_batch,
+    Adding, BATCHES, Coherence, Paths, ScatterRequest, Tally, Workspace, refuse_no_result, states, trace_batch,
 };
-use crate::solve::spectra::Precision;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::support::parallel;
@@ -27,13 +27,13 @@ use crate::table::statistics::MeanWithError;
 /// Starting rays of one incident direction beyond which `target_error` asks for no more.
 pub const MAX_RAYS: u32 = 1 << 22;
 
-/// What to compute besides a [`Request`], whose bins must be those of the layout.
+/// What to compute besides a [`ScatterRequest`], whose bins must be those of the layout.
 #[derive(Clone, Copy, Debug)]
 pub struct TableRequest<'r> {
     /// The grid of directions.
     pub layout: ScatterLayout,
     /// Rays, seed, coherence, precision, threads; `rays` of each incident direction.
-    pub tracing: Request,
+    pub tracing: ScatterRequest,
     /// Double the rays of an incident direction until the standard error of its albedo is no larger, or [`MAX_RAYS`].
     pub target_error: Option<f64>,
     /// Weights of XYZ for each wavelength.
@@ -50,7 +50,7 @@ impl TableRequest<'_> {
     #[must_use]
     pub fn identity(&self, scene: &Scene, wavelength_nm: &[f64]) -> Identity {
         let Self { layout, tracing, target_error, weights, .. } = self;
-        let Request { coherence, rays, seed, bins, precision, threads: _ } = tracing;
+        let ScatterRequest { coherence, rays, seed, bins, precision, threads: _ } = tracing;
         let options = (layout, coherence, rays, seed, bins, precision, target_error);
         let identity = Identity::of_program();
         let identity = match scene.shape.polygons() {
@@ -77,7 +77,7 @@ impl TableRequest<'_> {
 /// Coherence `cell`, a table that is too large, more light left out than [`crate::solve::scatter::MAX_TRUNCATED`], a mesh that
 /// the core refuses, a medium without data at a wavelength, a checkpoint that cannot be read or written.
 pub fn estimate(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wavelength_nm: &[f64],
     request: &TableRequest<'_>,
     checkpoint: Option<&Checkpoint>,
@@ -85,8 +85,8 @@ pub fn estimate(
 ) -> Result<ScatterTable> {
     check_scatter_size(&request.layout, wavelength_nm.len())?;
     let mut table = match request.tracing.precision {
-        Precision::F32 => run::<F32>(bumpy, wavelength_nm, request, checkpoint, progress),
-        Precision::F64 => run::<F64>(bumpy, wavelength_nm, request, checkpoint, progress),
+        Precision::F32 => run::<F32>(mesh_scene, wavelength_nm, request, checkpoint, progress),
+        Precision::F64 => run::<F64>(mesh_scene, wavelength_nm, request, checkpoint, progress),
     }?;
     if request.reciprocal {
         reciprocal(&mut table);
@@ -115,7 +115,7 @@ fn tabulated(coherence: Coherence) -> Result<Tabulated> {
 }
 
 fn run<V: Lanes>(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wavelength_nm: &[f64],
     request: &TableRequest<'_>,
     checkpoint: Option<&Checkpoint>,
@@ -125,13 +125,13 @@ fn run<V: Lanes>(
     if let Tabulated::Fields = tabulated {
         BinLight::expect_room::<V>(&request.tracing)?;
     }
-    let mut buffer = bumpy.buffer();
-    let cell = bumpy.cell(&mut buffer)?;
-    let media = bumpy.media();
+    let mut buffer = mesh_scene.buffer();
+    let cell = mesh_scene.cell(&mut buffer)?;
+    let media = mesh_scene.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
     let groups = groups
         .evaluate(&media, cell.above(), wavelength_nm)
-        .map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+        .map_err(|(index, error)| mesh_scene.scene().medium_error(index, &error))?;
     let layout = request.layout;
     let (bins, pairs) = (layout.bins().count(), layout.count());
     let mut table = ScatterTable {
@@ -167,8 +167,8 @@ fn run<V: Lanes>(
             groups: &groups,
             request,
             tabulated,
-            states: states(bumpy),
-            memory: Workspace::<V>::new(bumpy),
+            states: states(mesh_scene),
+            memory: Workspace::<V>::new(mesh_scene),
         },
         |worker, (incident, row)| {
             if lost.get().is_some() {
@@ -177,7 +177,7 @@ fn run<V: Lanes>(
             let energy = worker.direction(incident, row.brdf, row.error);
             *row.energy = energy;
             let totals = [energy.reflected.value, energy.transmitted, energy.absorbed, energy.truncated];
-            let kept = refuse_no_result(bumpy, request.tracing.coherence, totals)
+            let kept = refuse_no_result(mesh_scene, request.tracing.coherence, totals)
                 .and_then(|()| checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(incident, &row.write())));
             if let Err(error) = kept {
                 let _ = lost.set(error);
@@ -318,7 +318,7 @@ impl<V: Lanes> Worker<'_, V> {
         let mut sums = Sums::new(wavelengths, bins);
         // Independent scramblings for each direction: errors of neighbours must not agree by construction.
         let seed = request.tracing.seed.wrapping_mul(0x9e37_79b9).wrapping_add(incident as u32);
-        let tracing = Request { seed, threads: 1, ..request.tracing };
+        let tracing = ScatterRequest { seed, threads: 1, ..request.tracing };
         let (mut from, mut to) = (0, (request.tracing.rays / BATCHES).max(1));
         loop {
             match self.tabulated {
@@ -388,7 +388,7 @@ impl<V: Lanes> Worker<'_, V> {
     /// Adds the starting rays `rays` of one batch, which add as powers.
     fn powers(
         &mut self,
-        tracing: &Request,
+        tracing: &ScatterRequest,
         paths: Paths,
         incident: usize,
         number: usize,
@@ -411,7 +411,7 @@ impl<V: Lanes> Worker<'_, V> {
 
     /// Adds `rays` starting rays of each batch, which interfere. Returns how many they were: each azimuth of an
     /// isotropic table needs one in each of its own batches.
-    fn fields(&self, tracing: &Request, incident: usize, rays: u32, sums: &mut Sums) -> u32 {
+    fn fields(&self, tracing: &ScatterRequest, incident: usize, rays: u32, sums: &mut Sums) -> u32 {
         let Self { cell, states, .. } = *self;
         let isotropic = self.request.layout.phi() == 1;
         let rays = if isotropic { rays.div_ceil(BATCHES) * BATCHES } else { rays };
@@ -421,7 +421,7 @@ impl<V: Lanes> Worker<'_, V> {
             if isotropic {
                 for batch in &batches {
                     let seed = tracing.seed.wrapping_mul(BATCHES).wrapping_add(batch.number as u32);
-                    let request = Request { seed, ..*tracing };
+                    let request = ScatterRequest { seed, ..*tracing };
                     let light = BinLight { cell, states, wi: batch.wi, rays: rays / BATCHES, request: &request };
                     let found = light.tallies(*media, wavelengths.len(), &|| ());
                     for w in 0..wavelengths.len() {

@@ -41,13 +41,13 @@ pub fn without_sum(share: f64) -> Option<String> {
 
 /// A warning where wavelengths are too far apart for the fringes of films on or between facets.
 #[must_use]
-pub fn too_few(bumpy: &MeshScene<'_>, coherence: Coherence, wavelength_nm: &[f64]) -> Option<String> {
+pub fn too_few(mesh_scene: &MeshScene<'_>, coherence: Coherence, wavelength_nm: &[f64]) -> Option<String> {
     /// Where fringes are judged: those of shorter waves are closer, but hardly seen.
     const JUDGED_NM: f64 = 450.0;
     /// With three and more a fringe, colours of single films are within 1e-3.
     const FEWEST: f64 = 3.0;
     let step_nm = wavelength_nm.windows(2).find(|pair| pair[1] >= JUDGED_NM).map(|pair| pair[1] - pair[0])?;
-    let path_nm = bumpy.film_path_nm(JUDGED_NM);
+    let path_nm = mesh_scene.film_path_nm(JUDGED_NM);
     let fringe_nm = JUDGED_NM * JUDGED_NM / (2.0 * path_nm);
     (coherence != Coherence::None && step_nm * FEWEST > fringe_nm).then(|| {
         format!(

@@ -14,7 +14,7 @@ use goniochrome::trace::waves::{Slot, trace};
 
 use crate::solve::diffraction::{self, default_hits, orders};
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::scatter::{BATCHES, Request, Scattered, Tally, WAVES, states};
+use crate::solve::scatter::{BATCHES, ScatterRequest, Scattered, Tally, WAVES, states};
 use crate::support::error::Result;
 use crate::support::memory::expect_list;
 use crate::support::parallel;
@@ -31,7 +31,7 @@ pub(crate) struct BinLight<'c> {
     /// Starting rays of each batch.
     pub rays: u32,
     /// Bins, seed and threads.
-    pub request: &'c Request,
+    pub request: &'c ScatterRequest,
 }
 
 /// Sums over the starting rays of one batch.
@@ -43,12 +43,12 @@ struct Batch<V: Lanes> {
 
 impl<'c> BinLight<'c> {
     /// For as many starting rays as were asked for, at least one in each batch.
-    pub fn new(bumpy: &MeshScene<'_>, cell: MeshCell<'c>, wi: DVec3, request: &'c Request) -> Self {
-        Self { cell, states: states(bumpy), wi, rays: (request.rays / BATCHES).max(1), request }
+    pub fn new(mesh_scene: &MeshScene<'_>, cell: MeshCell<'c>, wi: DVec3, request: &'c ScatterRequest) -> Self {
+        Self { cell, states: states(mesh_scene), wi, rays: (request.rays / BATCHES).max(1), request }
     }
 
     /// Refuses bins that memory does not hold.
-    pub fn expect_room<V: Lanes>(request: &Request) -> Result<()> {
+    pub fn expect_room<V: Lanes>(request: &ScatterRequest) -> Result<()> {
         let fields = BinFields::<V>::required_len(request.bins);
         expect_list::<WaveField<V>>(&[fields, BATCHES as usize], "the fields of all --bins")
     }
@@ -155,16 +155,16 @@ fn pseudo_values(sums: impl Iterator<Item = Components> + Clone) -> impl Iterato
 /// Light from `wi` with coherence `cell`: reflected orders, each in the bin of its direction. Transmitted orders are
 /// not computed: what is not reflected is left as imbalance.
 pub(crate) fn orders_in_bins(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &ScatterRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>> {
-    let &Request { rays, seed, precision, threads, .. } = request;
-    let hits = default_hits(bumpy);
-    let how = diffraction::Request { rays, seed, most: None, hits, precision, threads };
-    let found = orders(bumpy, wi, wavelength_nm, &how, progress)?;
+    let &ScatterRequest { rays, seed, precision, threads, .. } = request;
+    let hits = default_hits(mesh_scene);
+    let how = diffraction::OrdersRequest { rays, seed, max_order: None, hits, precision, threads };
+    let found = orders(mesh_scene, wi, wavelength_nm, &how, progress)?;
     let of_wavelength = |(&nm, left_out): (&f64, &diffraction::LeftOut)| {
         let mut bins = vec![MeanWithError::default(); request.bins.count()];
         let mut reflected = MeanWithError::default();

@@ -12,8 +12,8 @@ use goniochrome::trace::waves::{Limits, Slot, trace};
 
 use crate::solve::groups::Groups;
 use crate::solve::mesh_scene::MeshScene;
+use crate::solve::precision::Precision;
 use crate::solve::scatter::{BATCHES, MAX_TRUNCATED, refuse_divergence, refuse_truncation, states};
-use crate::solve::spectra::Precision;
 use crate::support::error::{Error, Result};
 use crate::support::memory::expect_list;
 use crate::support::parallel;
@@ -21,13 +21,13 @@ use crate::table::statistics::MeanWithError;
 
 /// What to compute.
 #[derive(Clone, Copy, Debug)]
-pub struct Request {
+pub struct OrdersRequest {
     /// Starting rays over the period.
     pub rays: u32,
     /// Of the scrambled sequence.
     pub seed: u32,
     /// Largest |m| and |n|; `None` for all that travel.
-    pub most: Option<i32>,
+    pub max_order: Option<i32>,
     /// Hits after which rays are dropped: 1 is single scattering.
     pub hits: u32,
     /// Single or double.
@@ -93,15 +93,15 @@ impl Diffraction {
     }
 }
 
-/// [`Request::hits`] of single scattering.
+/// [`OrdersRequest::hits`] of single scattering.
 const SINGLE_SCATTERING: u32 = 1;
 
 /// Hits for a scene: physical optics of one rough surface holds for single scattering, since between its facets, often
 /// narrower than a wavelength, light does not travel as rays. Layers need their bounces.
 #[must_use]
-pub fn default_hits(bumpy: &MeshScene<'_>) -> u32 {
+pub fn default_hits(mesh_scene: &MeshScene<'_>) -> u32 {
     const LAYERED: u32 = 64;
-    if bumpy.interface_count() == 1 { SINGLE_SCATTERING } else { LAYERED }
+    if mesh_scene.interface_count() == 1 { SINGLE_SCATTERING } else { LAYERED }
 }
 
 /// Orders that are computed at most; a period of 20 µm has some thousands.
@@ -116,15 +116,15 @@ const IN_FLIGHT: f64 = 1e-10;
 /// A mesh that the core refuses, a medium without data at a wavelength, more orders than are computed or memory holds,
 /// more light left out than [`MAX_TRUNCATED`].
 pub fn orders(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &OrdersRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Diffraction> {
     match request.precision {
-        Precision::F32 => run::<F32>(bumpy, wi, wavelength_nm, request, progress),
-        Precision::F64 => run::<F64>(bumpy, wi, wavelength_nm, request, progress),
+        Precision::F32 => run::<F32>(mesh_scene, wi, wavelength_nm, request, progress),
+        Precision::F64 => run::<F64>(mesh_scene, wi, wavelength_nm, request, progress),
     }
 }
 
@@ -138,34 +138,34 @@ pub fn groups(wavelengths: usize, precision: Precision) -> usize {
 }
 
 fn run<V: Lanes>(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &OrdersRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Diffraction> {
-    let mut buffer = bumpy.buffer();
-    let cell = bumpy.cell(&mut buffer)?;
-    let media = bumpy.media();
+    let mut buffer = mesh_scene.buffer();
+    let cell = mesh_scene.cell(&mut buffer)?;
+    let media = mesh_scene.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
     let groups = groups
         .evaluate(&media, cell.above(), wavelength_nm)
-        .map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+        .map_err(|(index, error)| mesh_scene.scene().medium_error(index, &error))?;
     let mut found = Diffraction { orders: Vec::new(), left_out: Vec::new() };
     for (media, wavelengths) in &groups {
-        let light = Light { cell, media: *media, wavelengths, wi, states: states(bumpy) };
+        let light = Light { cell, media: *media, wavelengths, wi, states: states(mesh_scene) };
         light.add(request, progress, &mut found)?;
     }
     found.orders.sort_by_key(|order| order.index);
     let worst = found.left_out.iter().copied().fold(LeftOut::default(), |worst, left_out| {
         if left_out.truncated(request.hits) > worst.truncated(request.hits) { left_out } else { worst }
     });
-    refuse_divergence(bumpy, worst.truncated(request.hits))?;
+    refuse_divergence(mesh_scene, worst.truncated(request.hits))?;
     let remedy = match worst.in_flight > worst.lost {
         true => "orders --hits follows it further",
         false => "its surfaces may cut through one another: correct the mesh",
     };
-    refuse_truncation(bumpy, worst.truncated(request.hits), remedy)?;
+    refuse_truncation(mesh_scene, worst.truncated(request.hits), remedy)?;
     Ok(found)
 }
 
@@ -187,7 +187,7 @@ struct Batch<V: Lanes> {
 
 impl<V: Lanes> Light<'_, V> {
     /// Traces all batches and adds what they found.
-    fn add(&self, request: &Request, progress: &(dyn Fn() + Sync), found: &mut Diffraction) -> Result<()> {
+    fn add(&self, request: &OrdersRequest, progress: &(dyn Fn() + Sync), found: &mut Diffraction) -> Result<()> {
         let blank = self.blank(request)?;
         expect_list::<Order<V>>(&[blank.len(), BATCHES as usize], "all orders that travel")?;
         let rays = (request.rays / BATCHES).max(1);
@@ -214,12 +214,12 @@ impl<V: Lanes> Light<'_, V> {
     }
 
     /// The orders that travel at some of the wavelengths, without any light.
-    fn blank(&self, request: &Request) -> Result<Vec<Order<V>>> {
+    fn blank(&self, request: &OrdersRequest) -> Result<Vec<Order<V>>> {
         let eta = self.eta();
         let shortest = self.wavelengths.iter().copied().fold(f64::INFINITY, f64::min);
         let most = self.cell.period_nm().map(|period| {
             let all = max_order(period, eta.re.lane(0), shortest);
-            request.most.map_or(all, |most| most.min(all))
+            request.max_order.map_or(all, |max| max.min(all))
         });
         let mut blank = Vec::new();
         for m in -most[0]..=most[0] {
@@ -244,7 +244,7 @@ impl<V: Lanes> Light<'_, V> {
 
     fn trace(
         &self,
-        request: &Request,
+        request: &OrdersRequest,
         rays: u32,
         batch: u32,
         slots: &mut [Slot<WaveState<V>, WaveField<V>>],

@@ -5,8 +5,8 @@ use goniochrome::colour::{Illuminant, Quadrature, VISIBLE_NM, xyz};
 use crate::colour::difference::{delta_e, lab_of_xyz};
 use crate::colour::visible_weights;
 use crate::solve::integral::Integral;
-use crate::solve::planar::Planar;
-use crate::solve::spectra::{Request, Spectra};
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::spectra::{Spectra, SpectraRequest};
 use crate::support::error::Result;
 
 /// ΔE2000 that is worth a remark.
@@ -54,10 +54,10 @@ pub fn left_out(wavelength_nm: &[f64], illuminant: Illuminant) -> Result<Option<
 /// # Errors
 /// As [`Integral::new`].
 pub fn too_few(
-    planar: &Planar<'_>,
+    planar: &PlanarScene<'_>,
     spectra: &Spectra,
     illuminant: Illuminant,
-    request: &Request,
+    request: &SpectraRequest,
 ) -> Result<Option<String>> {
     let &[first, .., last] = spectra.wavelength_nm.as_slice() else { return Ok(None) };
     let range = [first.max(VISIBLE_NM[0].into()), last.min(VISIBLE_NM[1].into())];

@@ -4,9 +4,9 @@ use std::str::FromStr;
 
 use goniochrome::colour::{Illuminant, VISIBLE_NM};
 
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::solve::refine::{Choice, choose};
-use crate::solve::spectra::Request;
+use crate::solve::spectra::SpectraRequest;
 use crate::support::error::Result;
 use crate::table::mirror::{MAX_ANGLES, MAX_WAVELENGTHS};
 
@@ -116,10 +116,10 @@ impl Wavelengths {
     /// As [`choose`].
     pub fn resolve(
         &self,
-        planar: &Planar<'_>,
+        planar: &PlanarScene<'_>,
         theta_deg: &[f64],
         illuminant: Illuminant,
-        request: &Request,
+        request: &SpectraRequest,
     ) -> Result<Choice> {
         match self {
             Self::List(list) => Ok(Choice { wavelength_nm: list.clone(), xyz: Vec::new() }),

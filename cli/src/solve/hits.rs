@@ -6,7 +6,8 @@
 
 use goniochrome::trace::waves::Limits;
 
-use crate::solve::spectra::{Precision, Sample, Spectra};
+use crate::solve::precision::Precision;
+use crate::solve::spectra::{Sample, Spectra};
 
 /// The largest error of a sample that is not replaced.
 fn tolerance(precision: Precision) -> f64 {

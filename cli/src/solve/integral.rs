@@ -8,8 +8,9 @@ use std::borrow::Cow;
 
 use goniochrome::colour::{Illuminant, Quadrature, SpectrumCubic, VISIBLE_NM, xyz, xyz_weights};
 
-use crate::solve::planar::Planar;
-use crate::solve::spectra::{Method, Precision, Request, Sample, spectra};
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::precision::Precision;
+use crate::solve::spectra::{Method, Sample, SpectraRequest, spectra};
 use crate::support::error::{Error, Result};
 
 /// The coarsest step. Observer, illuminants and the dispersion of materials are smooth over it.
@@ -85,8 +86,8 @@ impl Weights {
 /// A planar scene over a range of wavelengths, in the light of an illuminant.
 #[derive(Debug)]
 pub struct Integral<'p, 's> {
-    planar: &'p Planar<'s>,
-    request: Request,
+    planar: &'p PlanarScene<'s>,
+    request: SpectraRequest,
     illuminant: Illuminant,
     base: Vec<f64>,
     /// Of the base.
@@ -98,7 +99,12 @@ impl<'p, 's> Integral<'p, 's> {
     ///
     /// # Errors
     /// A medium without data in the range, an optical path beyond some centimetres.
-    pub fn new(planar: &'p Planar<'s>, range_nm: [f64; 2], illuminant: Illuminant, request: &Request) -> Result<Self> {
+    pub fn new(
+        planar: &'p PlanarScene<'s>,
+        range_nm: [f64; 2],
+        illuminant: Illuminant,
+        request: &SpectraRequest,
+    ) -> Result<Self> {
         // Light crosses the stack and returns.
         let path_nm = 2.0 * planar.longest_optical_path_nm(range_nm)?;
         let fewest = if planar.layers() > 1 { LEVELS_OF_FILMS } else { LEVELS_OF_A_FILM };
@@ -120,7 +126,7 @@ impl<'p, 's> Integral<'p, 's> {
         }
         base.push(range_nm[1]);
         let weights = Weights::new(&base, illuminant);
-        let request = Request { method: Method::Stack, precision: Precision::F64, ..*request };
+        let request = SpectraRequest { method: Method::Stack, precision: Precision::F64, ..*request };
         Ok(Self { planar, request, illuminant, base, weights })
     }
 
@@ -176,7 +182,7 @@ impl<'p, 's> Integral<'p, 's> {
         if nm.is_empty() {
             return Ok(());
         }
-        let found = spectra(self.planar, &[theta], nm, &Request { threads: 1, ..self.request }, &|| ())?;
+        let found = spectra(self.planar, &[theta], nm, &SpectraRequest { threads: 1, ..self.request }, &|| ())?;
         let count = spectrum.wavelength_nm.len() + nm.len();
         let mut all = Spectrum { wavelength_nm: Vec::with_capacity(count), reflectance: Vec::with_capacity(count) };
         let mut push = |(nm, rho): (f64, f64)| {

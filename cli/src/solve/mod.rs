@@ -1,6 +1,7 @@
 //! From scenes to numbers: spectra of planes, scattering and diffraction of cells, and the tables made of them.
 
-pub mod planar;
+pub mod precision;
+pub mod planar_scene;
 pub mod mesh_scene;
 pub mod groups;
 pub mod spectra;

@@ -88,17 +88,18 @@ struct Lit {
 ///
 /// # Errors
 /// A mesh that the core refuses.
-pub fn error_bounds(bumpy: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Result<Vec<f64>> {
-    let relief = Relief::new(bumpy, wi)?;
-    let bound = |&nm: &f64| (relief.error_bound(bumpy, nm) + exchange(bumpy, wi, nm)).min(1.0);
+pub fn error_bounds(mesh_scene: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Result<Vec<f64>> {
+    let relief = Relief::new(mesh_scene, wi)?;
+    let bound = |&nm: &f64| (relief.error_bound(mesh_scene, nm) + exchange(mesh_scene, wi, nm)).min(1.0);
     Ok(wavelength_nm.iter().map(bound).collect())
 }
 
 /// What an absorbing ambient medium adds near grazing incidence: ((k/n)/cos²θ)². There the incident wave's own q_n is
 /// complex, which physical optics leaves out. Errors of a flat metal under n = 1.5 with k of 1e-6 to 1e-3 at 88° to 89.9°
 /// are at most half of it.
-fn exchange(bumpy: &MeshScene<'_>, wi: DVec3, wavelength_nm: f64) -> f64 {
-    let eta = bumpy.media()[usize::from(bumpy.above())].eta(wavelength_nm).unwrap_or(Complex64::new(1.0, 0.0));
+fn exchange(mesh_scene: &MeshScene<'_>, wi: DVec3, wavelength_nm: f64) -> f64 {
+    let eta =
+        mesh_scene.media()[usize::from(mesh_scene.above())].eta(wavelength_nm).unwrap_or(Complex64::new(1.0, 0.0));
     (eta.im / eta.re / (wi.z * wi.z)).powi(2)
 }
 
@@ -106,10 +107,10 @@ fn exchange(bumpy: &MeshScene<'_>, wi: DVec3, wavelength_nm: f64) -> f64 {
 ///
 /// # Errors
 /// As [`error_bounds`].
-pub fn warning(bumpy: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Result<Option<String>> {
+pub fn warning(mesh_scene: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Result<Option<String>> {
     /// Light from nearer to the normal than this, in radians, has no plane of incidence to speak of.
     const NORMAL: f64 = 1e-3;
-    let bounds = error_bounds(bumpy, wi, wavelength_nm)?;
+    let bounds = error_bounds(mesh_scene, wi, wavelength_nm)?;
     let worst = bounds.iter().zip(wavelength_nm).max_by(|a, b| a.0.total_cmp(b.0));
     let Some((&bound, nm)) = worst.filter(|(bound, _)| **bound > SILENT) else { return Ok(None) };
     let how_far = match bound {
@@ -122,7 +123,7 @@ pub fn warning(bumpy: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Resul
     } else {
         ""
     };
-    let because = if exchange(bumpy, wi, *nm) > 0.5 * bound {
+    let because = if exchange(mesh_scene, wi, *nm) > 0.5 * bound {
         "light near grazing incidence comes through a medium that absorbs"
     } else {
         "bends and shadows of the surface are too near to each other for physical optics"
@@ -133,18 +134,18 @@ pub fn warning(bumpy: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Resul
 }
 
 impl Relief {
-    fn new(bumpy: &MeshScene<'_>, wi: DVec3) -> Result<Self> {
-        let area_nm2 = bumpy.period_nm()[0] * bumpy.period_nm()[1];
-        let mut buffer = bumpy.buffer();
-        let lost = lost(&bumpy.cell(&mut buffer)?, wi);
-        let heights = || bumpy.triangles().flat_map(|(corners, ..)| corners.map(|corner| corner.z));
+    fn new(mesh_scene: &MeshScene<'_>, wi: DVec3) -> Result<Self> {
+        let area_nm2 = mesh_scene.period_nm()[0] * mesh_scene.period_nm()[1];
+        let mut buffer = mesh_scene.buffer();
+        let lost = lost(&mesh_scene.cell(&mut buffer)?, wi);
+        let heights = || mesh_scene.triangles().flat_map(|(corners, ..)| corners.map(|corner| corner.z));
         let depth_nm = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
-        let bend_per_nm = bend(bumpy, wi.z) / area_nm2;
-        let flat = matches!(bumpy.scene().shape, Shape::Planes(_));
+        let bend_per_nm = bend(mesh_scene, wi.z) / area_nm2;
+        let flat = matches!(mesh_scene.scene().shape, Shape::Planes(_));
         let mut relief = Self { bend_per_nm, depth_nm, lost, flat, overhangs: false, lit: Vec::new() };
-        for ([a, b, c], Interface { above, below }, coated) in bumpy.triangles() {
+        for ([a, b, c], Interface { above, below }, coated) in mesh_scene.triangles() {
             let twice_area = (b - a).cross(c - a);
-            let plane = (above == bumpy.above(), below == Below::Medium(bumpy.above()));
+            let plane = (above == mesh_scene.above(), below == Below::Medium(mesh_scene.above()));
             // The side from which the light comes, and what is beyond.
             let (outward, beyond) = match plane {
                 (true, _) => (twice_area, Some(below)),
@@ -162,7 +163,7 @@ impl Relief {
         Ok(relief)
     }
 
-    fn error_bound(&self, bumpy: &MeshScene<'_>, wavelength_nm: f64) -> f64 {
+    fn error_bound(&self, mesh_scene: &MeshScene<'_>, wavelength_nm: f64) -> f64 {
         if self.flat {
             return MIN;
         }
@@ -173,14 +174,15 @@ impl Relief {
         if per_reflected == 0.0 {
             return MIN;
         }
-        (MIN + self.reflected(bumpy, wavelength_nm) * per_reflected).min(1.0)
+        (MIN + self.reflected(mesh_scene, wavelength_nm) * per_reflected).min(1.0)
     }
 
     /// R.
-    fn reflected(&self, bumpy: &MeshScene<'_>, wavelength_nm: f64) -> f64 {
+    fn reflected(&self, mesh_scene: &MeshScene<'_>, wavelength_nm: f64) -> f64 {
         // Orders of a medium without data have been refused before.
-        let eta: Vec<Option<Complex64>> = bumpy.media().iter().map(|medium| medium.eta(wavelength_nm).ok()).collect();
-        let near = eta[usize::from(bumpy.above())];
+        let eta: Vec<Option<Complex64>> =
+            mesh_scene.media().iter().map(|medium| medium.eta(wavelength_nm).ok()).collect();
+        let near = eta[usize::from(mesh_scene.above())];
         let part = |lit: &Lit| match (near, lit.below) {
             (Some(near), Some(Below::Medium(far))) => {
                 eta[usize::from(far)].map_or(1.0, |far| fresnel(near, far, lit.cos_theta))
@@ -205,12 +207,12 @@ fn fresnel(near: Complex64, far: Complex64, cos_theta: f64) -> f64 {
 }
 
 /// B times the area of the period.
-fn bend(bumpy: &MeshScene<'_>, cos_theta: f64) -> f64 {
+fn bend(mesh_scene: &MeshScene<'_>, cos_theta: f64) -> f64 {
     /// Vertices nearer than this fraction of the period are one: files round to 6 or 7 digits.
     const SAME: f64 = 1e-5;
     /// Regular meshes have no vertex between two cells of the raster if it begins here.
     const OFFSET: f64 = 0.381_966;
-    let period = bumpy.period_nm();
+    let period = mesh_scene.period_nm();
     let raster = SAME * period[0].max(period[1]);
     // A place modulo the period, and the period that it lies in.
     let corner = |place: DVec3| {
@@ -220,7 +222,7 @@ fn bend(bumpy: &MeshScene<'_>, cos_theta: f64) -> f64 {
     };
     // At each edge its length, and the directions in which the facets extend from it.
     let mut edges: HashMap<_, (f64, Vec<DVec3>)> = HashMap::new();
-    for (corners, ..) in bumpy.triangles() {
+    for (corners, ..) in mesh_scene.triangles() {
         for i in 0..3 {
             let [from, to, third] = [0, 1, 2].map(|step| corners[(i + step) % 3]);
             let along = to - from;

@@ -9,8 +9,8 @@ use goniochrome::colour::{Illuminant, SpectrumCubic, xyz};
 
 use crate::colour::difference::{delta_e, lab_of_xyz};
 use crate::solve::integral::{Integral, Spectrum, Weights, even};
-use crate::solve::planar::Planar;
-use crate::solve::spectra::Request;
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::spectra::SpectraRequest;
 use crate::support::error::Result;
 use crate::table::mirror::{MAX_SAMPLES, MAX_WAVELENGTHS};
 
@@ -37,11 +37,11 @@ pub struct Choice {
 /// # Errors
 /// As [`Integral::new`].
 pub fn choose(
-    planar: &Planar<'_>,
+    planar: &PlanarScene<'_>,
     theta_deg: &[f64],
     range_nm: [f64; 2],
     illuminant: Illuminant,
-    request: &Request,
+    request: &SpectraRequest,
 ) -> Result<Choice> {
     let most = most(theta_deg.len());
     let integral = Integral::new(planar, range_nm, illuminant, request)?;

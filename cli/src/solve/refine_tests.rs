@@ -7,12 +7,13 @@ use super::*;
 use crate::scene::parse;
 use crate::solve::colours::colours;
 use crate::solve::fidelity::largest_error;
-use crate::solve::spectra::{Method, Precision, spectra};
+use crate::solve::precision::Precision;
+use crate::solve::spectra::{Method, spectra};
 
 /// Steps of 0.01 nm.
 const FINE: u32 = 40_000;
-const REQUEST: Request =
-    Request { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads: 2 };
+const REQUEST: SpectraRequest =
+    SpectraRequest { model: Model::Physical, method: Method::Stack, precision: Precision::F64, threads: 2 };
 const VISIBLE: [f64; 2] = [VISIBLE_NM[0] as f64, VISIBLE_NM[1] as f64];
 
 /// A scene file's stack in air: index and thickness of each layer.
@@ -26,7 +27,7 @@ fn stack(layers: &[(&str, f64)], substrate: &str) -> String {
 /// over samples so fine that they need no interpolation.
 fn found(scene: &str, theta_deg: &[f64]) -> (usize, f64, f64) {
     let scene = parse("scene", scene).unwrap();
-    let planar = Planar::new(&scene).unwrap();
+    let planar = PlanarScene::new(&scene).unwrap();
     let choice = choose(&planar, theta_deg, VISIBLE, Illuminant::D65, &REQUEST).unwrap();
     let kept = spectra(&planar, theta_deg, &choice.wavelength_nm, &REQUEST, &|| ()).unwrap();
     let told = largest_error(&kept, &choice.xyz, Illuminant::D65).unwrap().0;
@@ -123,7 +124,7 @@ fn a_full_table_tells_its_error() {
 #[test]
 fn invisible_spectra_are_resolved_too() {
     let scene = parse("scene", &stack(&[("1.5", 2e4)], "1.0")).unwrap();
-    let planar = Planar::new(&scene).unwrap();
+    let planar = PlanarScene::new(&scene).unwrap();
     let choice = choose(&planar, &[0.0], [800.0, 1600.0], Illuminant::D65, &REQUEST).unwrap();
     // 37 fringes.
     assert!((150..1500).contains(&choice.wavelength_nm.len()), "{}", choice.wavelength_nm.len());

@@ -20,7 +20,7 @@ use crate::solve::coherent::{BinLight, orders_in_bins};
 use crate::solve::diffraction::groups;
 use crate::solve::groups::{Group, Groups};
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::spectra::Precision;
+use crate::solve::precision::Precision;
 use crate::support::error::{Error, Result};
 use crate::support::memory::expect_list;
 use crate::support::parallel;
@@ -84,7 +84,7 @@ impl Coherence {
 
 /// What to compute.
 #[derive(Clone, Copy, Debug)]
-pub struct Request {
+pub struct ScatterRequest {
     /// How exits add.
     pub coherence: Coherence,
     /// Starting rays over the period.
@@ -127,15 +127,15 @@ const MAX_EXITS: usize = 512;
 const STATES: usize = 36;
 
 /// The same for a cell: the default, or as many as its waves need.
-pub(crate) fn states(bumpy: &MeshScene<'_>) -> usize {
-    STATES.max(waves(bumpy))
+pub(crate) fn states(mesh_scene: &MeshScene<'_>) -> usize {
+    STATES.max(waves(mesh_scene))
 }
 
 /// States in which waves wait for their equals: as many as a planar stack of the cell's interfaces has, and two pairs for
 /// waves that a ray sends beyond an edge. Light that has more is scattered by curved facets and meets no equals: between 6
 /// and 26 states the soap film reflects the same within a thousandth.
-fn waves(bumpy: &MeshScene<'_>) -> usize {
-    2 * bumpy.interface_count() + 4
+fn waves(mesh_scene: &MeshScene<'_>) -> usize {
+    2 * mesh_scene.interface_count() + 4
 }
 
 /// Paths that may wait while another is followed: each is the stronger branch of a hit that split.
@@ -149,9 +149,9 @@ pub(crate) struct Workspace<V: Lanes> {
 }
 
 impl<V: Lanes> Workspace<V> {
-    pub(crate) fn new(bumpy: &MeshScene<'_>) -> Self {
+    pub(crate) fn new(mesh_scene: &MeshScene<'_>) -> Self {
         Self {
-            waves: vec![free_slot(); waves(bumpy)],
+            waves: vec![free_slot(); waves(mesh_scene)],
             paths: vec![incoherent_mesh::free_slot(); WAITING],
             exits: vec![ExitRecord::none(); MAX_EXITS],
         }
@@ -176,23 +176,23 @@ pub(crate) const WAVES: Limits = Limits { in_flight: 1e-13, generations: 10_000 
 /// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs too much, more
 /// memory than there is, waves without a sum, more light left out than [`MAX_TRUNCATED`].
 pub fn scatter(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &ScatterRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>> {
     let tallies = [BATCHES as usize, wavelength_nm.len(), request.bins.count()];
     expect_list::<f64>(&tallies, "all --bins at all --wavelengths")?;
     match request.precision {
-        Precision::F32 => run::<F32>(bumpy, wi, wavelength_nm, request, progress),
-        Precision::F64 => run::<F64>(bumpy, wi, wavelength_nm, request, progress),
+        Precision::F32 => run::<F32>(mesh_scene, wi, wavelength_nm, request, progress),
+        Precision::F64 => run::<F64>(mesh_scene, wi, wavelength_nm, request, progress),
     }
 }
 
 /// Steps of which [`scatter`] tells.
 #[must_use]
-pub fn steps(wavelengths: usize, request: &Request) -> usize {
+pub fn steps(wavelengths: usize, request: &ScatterRequest) -> usize {
     BATCHES as usize
         * match request.coherence.adding() {
             Adding::Powers(_) => 1,
@@ -201,19 +201,19 @@ pub fn steps(wavelengths: usize, request: &Request) -> usize {
 }
 
 fn run<V: Lanes>(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &ScatterRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>> {
     match request.coherence.adding() {
-        Adding::Powers(paths) => tallied::<V>(bumpy, wavelength_nm, request, |cell, groups| {
-            Ok(powers(bumpy, cell, groups, wi, paths, request, progress))
+        Adding::Powers(paths) => tallied::<V>(mesh_scene, wavelength_nm, request, |cell, groups| {
+            Ok(powers(mesh_scene, cell, groups, wi, paths, request, progress))
         }),
-        Adding::Fields => tallied::<V>(bumpy, wavelength_nm, request, |cell, groups| {
+        Adding::Fields => tallied::<V>(mesh_scene, wavelength_nm, request, |cell, groups| {
             BinLight::expect_room::<V>(request)?;
-            let light = BinLight::new(bumpy, cell, wi, request);
+            let light = BinLight::new(mesh_scene, cell, wi, request);
             let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
             for (media, wavelengths) in groups {
                 let found = light.tallies(*media, wavelengths.len(), progress);
@@ -221,49 +221,49 @@ fn run<V: Lanes>(
             }
             Ok(batches)
         }),
-        Adding::Orders => orders_in_bins(bumpy, wi, wavelength_nm, request, progress),
+        Adding::Orders => orders_in_bins(mesh_scene, wi, wavelength_nm, request, progress),
     }
 }
 
 /// Means over the tallies that `work` makes of a cell: for each batch one for each wavelength.
 fn tallied<V: Lanes>(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &ScatterRequest,
     work: impl FnOnce(MeshCell<'_>, &[Group<'_, V>]) -> Result<Vec<Vec<Tally>>>,
 ) -> Result<Vec<Scattered>> {
-    let mut buffer = bumpy.buffer();
-    let cell = bumpy.cell(&mut buffer)?;
-    let media = bumpy.media();
+    let mut buffer = mesh_scene.buffer();
+    let cell = mesh_scene.cell(&mut buffer)?;
+    let media = mesh_scene.media();
     let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
     let groups = groups
         .evaluate(&media, cell.above(), wavelength_nm)
-        .map_err(|(index, error)| bumpy.scene().medium_error(index, &error))?;
+        .map_err(|(index, error)| mesh_scene.scene().medium_error(index, &error))?;
     let batches = work(cell, &groups)?;
     let found: Vec<Scattered> =
         (0..wavelength_nm.len()).map(|i| summarise(batches.iter().map(|batch| &batch[i]))).collect();
     for Scattered { reflected, transmitted, absorbed, truncated, .. } in &found {
         let totals = [reflected, transmitted, absorbed, truncated].map(|total| total.value);
-        refuse_no_result(bumpy, request.coherence, totals)?;
+        refuse_no_result(mesh_scene, request.coherence, totals)?;
     }
     Ok(found)
 }
 
 /// The tallies of each batch, where starting rays add as powers.
 fn powers<V: Lanes>(
-    bumpy: &MeshScene<'_>,
+    mesh_scene: &MeshScene<'_>,
     cell: MeshCell<'_>,
     groups: &[Group<'_, V>],
     wi: DVec3,
     paths: Paths,
-    request: &Request,
+    request: &ScatterRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Vec<Vec<Tally>> {
     let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
     parallel::for_each(
         request.threads,
         batches.iter_mut().zip(0u32..),
-        || Workspace::<V>::new(bumpy),
+        || Workspace::<V>::new(mesh_scene),
         |workspace, (out, batch)| {
             for (group, wavelengths) in groups {
                 let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
@@ -335,7 +335,7 @@ pub(crate) fn trace_batch<V: Lanes>(
     batch: u32,
     rays: Range<u32>,
     adding: Paths,
-    request: &Request,
+    request: &ScatterRequest,
     Workspace { waves, paths, exits }: &mut Workspace<V>,
     tallies: &mut [Tally],
 ) {
@@ -402,18 +402,18 @@ pub const MAX_TRUNCATED: f64 = 1e-3;
 
 /// Refuses what was reflected, transmitted, absorbed and truncated if it is no result. Waves in absorbing bodies
 /// narrower than a wavelength may meet loops of gain above 1, whose sum by hits has no end.
-pub(crate) fn refuse_no_result(bumpy: &MeshScene<'_>, coherence: Coherence, totals: [f64; 4]) -> Result<()> {
+pub(crate) fn refuse_no_result(mesh_scene: &MeshScene<'_>, coherence: Coherence, totals: [f64; 4]) -> Result<()> {
     let truncated = if totals.iter().all(|total| total.is_finite()) { totals[3] } else { f64::INFINITY };
-    refuse_divergence(bumpy, truncated)?;
+    refuse_divergence(mesh_scene, truncated)?;
     let remedy = match coherence.adding() {
         Adding::Powers(Paths::Alone) => "its surfaces may cut through one another: correct the mesh",
         Adding::Powers(Paths::Interfering) | Adding::Fields | Adding::Orders => "use --coherence none",
     };
-    refuse_truncation(bumpy, truncated, remedy)
+    refuse_truncation(mesh_scene, truncated, remedy)
 }
 
 /// Refuses waves of which more is left in flight than came.
-pub(crate) fn refuse_divergence(bumpy: &MeshScene<'_>, truncated: f64) -> Result<()> {
+pub(crate) fn refuse_divergence(mesh_scene: &MeshScene<'_>, truncated: f64) -> Result<()> {
     /// Of a sum over wavelengths whose weights add up to 1.
     const ROUNDING: f64 = 1e-9;
     if truncated <= 1.0 + ROUNDING {
@@ -421,19 +421,19 @@ pub(crate) fn refuse_divergence(bumpy: &MeshScene<'_>, truncated: f64) -> Result
     }
     Err(Error::failed(format_args!(
         "{}: interfering waves do not converge in this cell; scatter and estimate add powers with --coherence none",
-        bumpy.scene().name
+        mesh_scene.scene().name
     )))
 }
 
 /// Refuses a result that leaves out more light than [`MAX_TRUNCATED`].
-pub(crate) fn refuse_truncation(bumpy: &MeshScene<'_>, truncated: f64, remedy: &str) -> Result<()> {
+pub(crate) fn refuse_truncation(mesh_scene: &MeshScene<'_>, truncated: f64, remedy: &str) -> Result<()> {
     if truncated <= MAX_TRUNCATED {
         return Ok(());
     }
     Err(Error::failed(format_args!(
         "{}: {truncated:.1e} of the light was lost or given up on its way, more than the {MAX_TRUNCATED:.0e} that a result may \
          leave out; {remedy}",
-        bumpy.scene().name
+        mesh_scene.scene().name
     )))
 }
 

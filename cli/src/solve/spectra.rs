@@ -13,7 +13,8 @@ use goniochrome::trace::waves::Limits;
 
 use crate::solve::groups::Groups;
 use crate::solve::hits;
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
+use crate::solve::precision::Precision;
 use crate::support::error::{Error, Result};
 use crate::support::parallel;
 use crate::table::mirror::MAX_SAMPLES;
@@ -31,34 +32,13 @@ pub enum Method {
     Hits,
 }
 
-/// Width of the numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Single precision. R and T of planes to 1e-5: samples that it cannot hold are computed again with more digits.
-    #[default]
-    F32,
-    /// Double precision. R and T of planes to 1e-11, likewise.
-    F64,
-}
-
-impl Precision {
-    /// Most by which rounding may move R or T of planes in closed form and with closed loops.
-    #[must_use]
-    pub fn tolerance(self) -> f64 {
-        match self {
-            Self::F32 => 1e-5,
-            Self::F64 => 1e-11,
-        }
-    }
-}
-
 /// The share of [`Precision::tolerance`] beyond which an estimated error is not accepted: the estimate may be too small
 /// by this.
 const ACCEPTED: f64 = 0.5;
 
 /// How to compute.
 #[derive(Clone, Copy, Debug)]
-pub struct Request {
+pub struct SpectraRequest {
     /// Exact physics or the paper's words.
     pub model: Model,
     /// Closed form or rays.
@@ -126,27 +106,27 @@ impl Spectra {
 /// # Errors
 /// A medium without data at a wavelength, an ambient medium that absorbs too much, a grid larger than [`MAX_SAMPLES`].
 pub fn spectra(
-    planar: &Planar<'_>,
+    planar: &PlanarScene<'_>,
     theta_deg: &[f64],
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &SpectraRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Spectra> {
     let found = computed(planar, theta_deg, wavelength_nm, request, progress)?;
     if request.method != Method::Hits {
         return Ok(found);
     }
-    let closed = Request { method: Method::Trace, ..*request };
+    let closed = SpectraRequest { method: Method::Trace, ..*request };
     let closed = computed(planar, theta_deg, wavelength_nm, &closed, &|| ())?;
     Ok(hits::settled(found, &closed, request.precision))
 }
 
 /// What the method itself gives, in lanes of as many digits as each sample needs.
 fn computed(
-    planar: &Planar<'_>,
+    planar: &PlanarScene<'_>,
     theta_deg: &[f64],
     wavelength_nm: &[f64],
-    request: &Request,
+    request: &SpectraRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Spectra> {
     let count = theta_deg.len().saturating_mul(wavelength_nm.len());
@@ -182,11 +162,11 @@ fn computed(
 
 /// What is to be computed.
 struct Grid<'g> {
-    planar: &'g Planar<'g>,
+    planar: &'g PlanarScene<'g>,
     stack: Stack<'g>,
     theta_deg: &'g [f64],
     wavelength_nm: &'g [f64],
-    request: &'g Request,
+    request: &'g SpectraRequest,
 }
 
 /// A sample, and whether it is still to be computed, or computed again.
@@ -274,7 +254,7 @@ impl<V: Lanes> Worker<V> {
         stack: Stack<'_>,
         group: &MediaLanes<'_, V>,
         incidence: Incidence<V::Precise>,
-        request: &Request,
+        request: &SpectraRequest,
         limits: Limits,
     ) {
         let Self { waves, reflections, propagators, totals, slots } = self;

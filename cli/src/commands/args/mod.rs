@@ -15,8 +15,9 @@ use goniochrome::colour::RgbSpace;
 use goniochrome::simd::lanes::simd_level;
 
 use crate::solve::grid::{Angles, Wavelengths};
+use crate::solve::precision::Precision;
 use crate::solve::scatter::Coherence;
-use crate::solve::spectra::{Method, Precision, Request};
+use crate::solve::spectra::{Method, SpectraRequest};
 use crate::support::parallel;
 
 pub use plot::{PlotArgs, PlotKind};
@@ -138,8 +139,8 @@ pub struct Computing {
 impl Computing {
     /// As the estimator wants it.
     #[must_use]
-    pub fn request(&self) -> Request {
-        Request {
+    pub fn request(&self) -> SpectraRequest {
+        SpectraRequest {
             model: self.model.into(),
             method: self.method,
             precision: self.precision,

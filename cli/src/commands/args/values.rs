@@ -8,8 +8,9 @@ use goniochrome::optics::interface::Model;
 use crate::colour::{SPACES, space_name};
 use crate::obj::Axes;
 use crate::render::tone::ToneMap;
+use crate::solve::precision::Precision;
 use crate::solve::scatter::Coherence;
-use crate::solve::spectra::{Method, Precision};
+use crate::solve::spectra::Method;
 
 /// `--model`.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]

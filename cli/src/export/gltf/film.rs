@@ -5,7 +5,7 @@ use goniochrome::optics::interface::Below;
 use goniochrome::optics::medium::MediumIndex;
 use num_complex::Complex64;
 
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::{Error, Result};
 
 /// A film as the extension sees it.
@@ -69,7 +69,7 @@ impl SingleFilm {
     ///
     /// # Errors
     /// What the extension cannot describe, with the reason.
-    pub fn of(planar: &Planar<'_>) -> Result<Self> {
+    pub fn of(planar: &PlanarScene<'_>) -> Result<Self> {
         let name = &planar.scene().name;
         let refuse =
             |why: String| Err(Error::failed(format_args!("{name}: {why}; export a lut, which holds any stack")));
@@ -103,7 +103,7 @@ impl SingleFilm {
     }
 }
 
-fn base(planar: &Planar<'_>, below: Below) -> Result<(Base, Behind)> {
+fn base(planar: &PlanarScene<'_>, below: Below) -> Result<(Base, Behind)> {
     let Below::Medium(medium) = below else { return Ok((Base::Metal { f0: [1.0; 3] }, Behind::Opaque)) };
     let mut clear = true;
     for nm in SEEN_NM {
@@ -130,7 +130,7 @@ fn base(planar: &Planar<'_>, below: Below) -> Result<(Base, Behind)> {
     Ok((Base::Metal { f0 }, Behind::Opaque))
 }
 
-fn index(planar: &Planar<'_>, medium: MediumIndex, nm: f64) -> Result<Complex64> {
+fn index(planar: &PlanarScene<'_>, medium: MediumIndex, nm: f64) -> Result<Complex64> {
     let place = usize::from(medium);
     planar.media()[place].eta(nm).map_err(|error| planar.scene().medium_error(place, &error))
 }
@@ -142,7 +142,7 @@ mod tests {
 
     fn film(stack: &str) -> Result<SingleFilm> {
         let scene = scene::parse("film", &format!("[stack]\n{stack}\n")).unwrap();
-        SingleFilm::of(&Planar::new(&scene).unwrap())
+        SingleFilm::of(&PlanarScene::new(&scene).unwrap())
     }
 
     #[test]

@@ -26,7 +26,7 @@ use self::transmission::transmitted;
 use super::lut::exact_rgb;
 use crate::colour::difference::{Colour, Summary, lab};
 use crate::scene::Scene;
-use crate::solve::planar::Planar;
+use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::{Error, Result};
 use crate::support::text;
 
@@ -60,7 +60,7 @@ impl Fitted {
     /// # Errors
     /// Scenes that the extension cannot describe, with the reason.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let planar = Planar::new(scene)
+        let planar = PlanarScene::new(scene)
             .map_err(|error| Error::failed(format_args!("glTF's iridescence is a plane film: {error}")))?;
         let film = SingleFilm::of(&planar)?;
         if planar.longest_optical_path_nm(VISIBLE_NM.map(f64::from))? > LONGEST_NM {

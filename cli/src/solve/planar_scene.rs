@@ -11,7 +11,7 @@ use crate::support::error::{Error, Result};
 
 /// A planar scene as a multilayer: that of its stack, or the planes of its mesh.
 #[derive(Debug, Clone)]
-pub struct Planar<'s> {
+pub struct PlanarScene<'s> {
     scene: &'s Scene,
     ambient: MediumIndex,
     layers: Vec<Film>,
@@ -36,7 +36,7 @@ impl StackBuffer {
     }
 }
 
-impl<'s> Planar<'s> {
+impl<'s> PlanarScene<'s> {
     /// The planes of a scene: those of a mesh, or those between the layers of a stack.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ impl<'s> Planar<'s> {
         Ok(Self { scene, ambient: stack.ambient(), layers, substrate: stack.substrate() })
     }
 
-    /// Memory for [`Planar::stack`].
+    /// Memory for [`PlanarScene::stack`].
     #[must_use]
     pub fn buffer(&self) -> StackBuffer {
         StackBuffer::for_planes(self.layers.len() + 1)
