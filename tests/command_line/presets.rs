@@ -3,7 +3,7 @@
 use exr::prelude::{FlatImage, read_first_flat_layer_from_file};
 use goniochrome_cli::scene::presets;
 use goniochrome_cli::scene::{Shape, load};
-use resvg::tiny_skia::Pixmap;
+use tiny_skia::Pixmap;
 
 use crate::user::{User, column, largest_difference, triples};
 

@@ -1,37 +1,81 @@
-//! Colour differences ΔE2000 (CIE 142-2001), by the crate `palette`.
+//! Colour differences ΔE2000 (CIE 142-2001).
 //!
 //! L*, a*, b* refer to the white of D65 reflected by a perfect mirror: reflectance 1 is L* = 100, as bright as the light
 //! itself. A film on glass, which reflects some 4 % at normal incidence, has L* near 24.
 
 use glam::{DMat3, DVec3};
 use goniochrome::colour::RgbSpace;
-use palette::color_difference::Ciede2000;
-use palette::white_point::{D65, WhitePoint};
-use palette::{FromColor, Lab, Xyz};
 
-/// A colour in which differences are taken.
-pub type Colour = Lab<D65, f64>;
+/// X, Y and Z of D65, the white of sRGB.
+const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
+
+/// A colour in CIE L*a*b*, in which differences are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour {
+    /// L*, from 0 for black to 100 for white.
+    pub l: f64,
+    /// a*, from green to red.
+    pub a: f64,
+    /// b*, from blue to yellow.
+    pub b: f64,
+}
 
 /// L*a*b* of linear sRGB, unclipped.
 #[must_use]
 pub fn lab(rgb: [f64; 3]) -> Colour {
     let to_xyz = DMat3::from_cols_array_2d(&RgbSpace::Srgb.matrix()).transpose().inverse();
-    let xyz = to_xyz * DVec3::from_array(rgb);
-    Colour::from_color(Xyz::<D65, f64>::new(xyz.x, xyz.y, xyz.z))
+    lab_of_xyz((to_xyz * DVec3::from_array(rgb)).to_array(), D65)
 }
 
-/// L*a*b* of a colour beside the white of its own light.
+/// L*a*b* of a colour beside the white of its own light (CIE 15:2004, section 8.2.1).
 #[must_use]
 pub fn lab_of_xyz(xyz: [f64; 3], white: [f64; 3]) -> Colour {
-    let [x, y, z] = std::array::from_fn(|c| xyz[c] / white[c]);
-    let d65 = <D65 as WhitePoint<f64>>::get_xyz();
-    Colour::from_color(Xyz::<D65, f64>::new(x * d65.x, y * d65.y, z * d65.z))
+    let response = |ratio: f64| {
+        // Below, the cube root gives way to its tangent.
+        if ratio > (6.0_f64 / 29.0).powi(3) { ratio.cbrt() } else { 841.0 / 108.0 * ratio + 4.0 / 29.0 }
+    };
+    let [x, y, z] = std::array::from_fn(|c| response(xyz[c] / white[c]));
+    Colour { l: 116.0 * y - 16.0, a: 500.0 * (x - y), b: 200.0 * (y - z) }
 }
 
-/// ΔE2000.
+/// ΔE2000, as G. Sharma, W. Wu and E. N. Dalal write it in "The CIEDE2000 color-difference formula: Implementation
+/// notes, supplementary test data, and mathematical observations", Color Research & Application 30, 21 (2005).
 #[must_use]
-pub fn delta_e(a: Colour, b: Colour) -> f64 {
-    a.difference(b)
+pub fn delta_e(one: Colour, two: Colour) -> f64 {
+    let share = |chroma: f64| (chroma.powi(7) / (chroma.powi(7) + 25.0_f64.powi(7))).sqrt();
+    // Chroma C′ and hue h′ in degrees, of a* stretched for near-neutral colours.
+    let stretch = 1.5 - 0.5 * share(0.5 * (one.a.hypot(one.b) + two.a.hypot(two.b)));
+    let chroma_and_hue = |colour: Colour| {
+        let a = stretch * colour.a;
+        let grey = a == 0.0 && colour.b == 0.0;
+        (a.hypot(colour.b), if grey { 0.0 } else { colour.b.atan2(a).to_degrees().rem_euclid(360.0) })
+    };
+    let ((chroma_1, hue_1), (chroma_2, hue_2)) = (chroma_and_hue(one), chroma_and_hue(two));
+
+    // Hues differ, and have their mean, along the shorter arc; a grey has none.
+    let (turn, hue) = match hue_2 - hue_1 {
+        _ if chroma_1 * chroma_2 == 0.0 => (0.0, hue_1 + hue_2),
+        turn if turn.abs() <= 180.0 => (turn, 0.5 * (hue_1 + hue_2)),
+        turn => (turn - 360.0 * turn.signum(), (0.5 * (hue_1 + hue_2) + 180.0).rem_euclid(360.0)),
+    };
+    let by_hue = 2.0 * (chroma_1 * chroma_2).sqrt() * (0.5 * turn).to_radians().sin();
+    let (lightness, chroma) = (0.5 * (one.l + two.l), 0.5 * (chroma_1 + chroma_2));
+
+    let cos = |degrees: f64| degrees.to_radians().cos();
+    let t = 1.0 - 0.17 * cos(hue - 30.0) + 0.24 * cos(2.0 * hue) + 0.32 * cos(3.0 * hue + 6.0)
+        - 0.20 * cos(4.0 * hue - 63.0);
+    let from_mid_grey = (lightness - 50.0).powi(2);
+    let weight_of_lightness = 1.0 + 0.015 * from_mid_grey / (20.0 + from_mid_grey).sqrt();
+    let weight_of_chroma = 1.0 + 0.045 * chroma;
+    let weight_of_hue = 1.0 + 0.015 * chroma * t;
+    let rotation = 30.0 * (-((hue - 275.0) / 25.0).powi(2)).exp();
+    let blue = -2.0 * share(chroma) * (2.0 * rotation).to_radians().sin();
+
+    let lightness = (two.l - one.l) / weight_of_lightness;
+    let chroma = (chroma_2 - chroma_1) / weight_of_chroma;
+    let hue = by_hue / weight_of_hue;
+    // Rounding may leave a little less than 0 of equal colours.
+    (lightness.powi(2) + chroma.powi(2) + hue.powi(2) + blue * chroma * hue).max(0.0).sqrt()
 }
 
 /// Mean, 95th percentile (nearest rank) and largest of some differences.
@@ -110,7 +154,7 @@ mod tests {
         /// The published digits.
         const PRINTED: f64 = 0.5e-4 + 1e-9;
         for (a, b, want) in SHARMA {
-            let [a, b] = [a, b].map(|[l, a, b]| Colour::new(l, a, b));
+            let [a, b] = [a, b].map(|[l, a, b]| Colour { l, a, b });
             for got in [delta_e(a, b), delta_e(b, a)] {
                 assert!((got - want).abs() <= PRINTED, "{a:?} {b:?}: {got} for {want}");
             }

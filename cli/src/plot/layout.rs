@@ -19,7 +19,7 @@ pub fn rows(title: &str, rows: &[Vec<Picture>]) -> Picture {
     for row in rows {
         let mut x = 0.5 * (width - row_width(row));
         for picture in row {
-            canvas.moved(x, y, |canvas| canvas.raw(picture.body()));
+            canvas.moved(x, y, |canvas| canvas.picture(picture));
             x += picture.width + GAP;
         }
         y += row.iter().map(|p| p.height).fold(0.0, f64::max) + GAP;

@@ -1,26 +1,27 @@
-//! Pictures: every chart is written once as SVG, and its PNG is drawn from that SVG with the bundled font.
+//! Pictures: every chart is drawn once, as SVG and as the shapes of its PNG, whose letters are the bundled fonts'.
 
 mod axis;
 mod chromaticity;
 mod compare;
 mod disc;
 mod encode;
+mod font;
 mod gamut;
 mod heat_map;
 mod layout;
 mod line_chart;
+mod paint;
 mod raster;
 mod svg;
 mod swatch;
 pub mod tables;
 
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
 
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{Options, Tree, fontdb};
+use tiny_skia::{Color, Pixmap, Transform};
 
 use crate::support::error::{Error, Result};
+use paint::Shape;
 use svg::Canvas;
 
 pub use chromaticity::{ColourAt, chromaticity, xy};
@@ -46,6 +47,7 @@ const MAX_PNG_SIDE: f64 = 16_384.0;
 pub struct Picture {
     svg: String,
     body: std::ops::Range<usize>,
+    shapes: Vec<Shape>,
     width: f64,
     height: f64,
     out_of_gamut: OutOfGamut,
@@ -60,10 +62,11 @@ impl Picture {
              <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n"
         );
         let start = svg.len();
-        svg.push_str(&canvas.finish());
+        let (elements, shapes) = canvas.finish();
+        svg.push_str(&elements);
         let body = start..svg.len();
         svg.push_str("</svg>\n");
-        Self { svg, body, width, height, out_of_gamut: OutOfGamut::default() }
+        Self { svg, body, shapes, width, height, out_of_gamut: OutOfGamut::default() }
     }
 
     /// The same picture, which shows such colours.
@@ -96,9 +99,6 @@ impl Picture {
 
     /// The same picture as PNG, `scale` pixels per SVG unit, with the same letters on every machine.
     pub fn png(&self, scale: f64) -> Result<Vec<u8>> {
-        let options = Options { fontdb: fonts(), font_family: "Inter".to_owned(), ..Options::default() };
-        let tree = Tree::from_str(&self.svg, &options)
-            .map_err(|error| Error::failed(format_args!("cannot draw the picture: {error}")))?;
         let (width, height) = ((self.width * scale).round(), (self.height * scale).round());
         if !(width >= 1.0 && height >= 1.0 && width.max(height) <= MAX_PNG_SIDE) {
             return Err(Error::failed(format_args!(
@@ -107,7 +107,8 @@ impl Picture {
         }
         let mut pixels = Pixmap::new(width as u32, height as u32)
             .ok_or_else(|| Error::failed(format_args!("no memory for {width} × {height} pixels")))?;
-        resvg::render(&tree, Transform::from_scale(scale as f32, scale as f32), &mut pixels.as_mut());
+        pixels.fill(Color::WHITE);
+        paint::paint(&self.shapes, Transform::from_scale(scale as f32, scale as f32), None, &mut pixels);
         pixels.encode_png().map_err(|error| Error::failed(format_args!("cannot encode the PNG: {error}")))
     }
 
@@ -146,19 +147,6 @@ impl Format {
             ))),
         }
     }
-}
-
-/// System fonts are left out: they differ from machine to machine.
-fn fonts() -> Arc<fontdb::Database> {
-    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
-    let load = || {
-        let mut fonts = fontdb::Database::new();
-        fonts.load_font_data(include_bytes!("../../fonts/Inter-Regular.ttf").to_vec());
-        fonts.load_font_data(include_bytes!("../../fonts/Inter-SemiBold.ttf").to_vec());
-        fonts.set_sans_serif_family("Inter");
-        Arc::new(fonts)
-    };
-    FONTS.get_or_init(load).clone()
 }
 
 #[cfg(test)]

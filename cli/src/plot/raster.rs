@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use resvg::tiny_skia::{ColorU8, Pixmap};
+use tiny_skia::{ColorU8, Pixmap};
 
 use super::encode::srgb8;
 
@@ -53,6 +53,10 @@ impl Raster {
     #[must_use]
     pub fn png(&self) -> Vec<u8> {
         self.pixels.encode_png().expect("encoding into memory does not fail")
+    }
+
+    pub(super) fn pixels(&self) -> &Pixmap {
+        &self.pixels
     }
 
     pub(super) fn data_uri(&self) -> String {
