@@ -2,7 +2,7 @@
 
 use goniochrome::colour::RgbSpace;
 use goniochrome::table::blob::{Blob, Contents};
-use goniochrome_cli::table::file::{self, Table};
+use goniochrome_cli::table::{Table, file};
 
 use crate::user::User;
 

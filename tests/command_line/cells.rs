@@ -1,6 +1,7 @@
 //! `estimate` of cells of tilted facets: energy, threads, reciprocity, refusals.
 
-use goniochrome_cli::table::file::{Table, read};
+use goniochrome_cli::table::Table;
+use goniochrome_cli::table::file::read;
 use goniochrome_cli::table::scatter::ScatterTable;
 
 use crate::user::User;
@@ -238,14 +239,14 @@ fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
     let ran = user.ok(&format!("estimate morpho-ridges -o ray.exr {options}"));
     assert!(ran.stderr.contains("power balances only to") && ran.stderr.contains("imbalance ≤ "), "{}", ran.stderr);
     let ray = table(&user, "ray.exr");
-    let warning = &ray.metadata["warning"];
+    let warning = ray.metadata.get("warning").unwrap();
     assert!(warning.contains("--coherence none keeps power") && warning.contains("starting rays do not converge"));
     assert!(ray.energy.iter().any(|energy| energy.without_interference > 0.01));
-    assert!(ray.metadata["imbalance_max"].parse::<f64>().unwrap().abs() > 0.05);
+    assert!(ray.metadata.get("imbalance_max").unwrap().parse::<f64>().unwrap().abs() > 0.05);
     assert!(ray.energy.iter().any(|energy| energy.imbalance.value.abs() > 0.05));
     user.ok(&format!("estimate morpho-ridges -o none.exr {options} --coherence none"));
     let none = table(&user, "none.exr");
-    assert!(!none.metadata.contains_key("warning") && none.energy.iter().all(|e| e.imbalance.value.abs() < 1e-4));
+    assert!(none.metadata.get("warning").is_none() && none.energy.iter().all(|e| e.imbalance.value.abs() < 1e-4));
 }
 
 /// Waves that fit into no slot, or ring for ever, are followed without interference, and their light is not left out.
@@ -292,7 +293,7 @@ fn wavelengths_too_few_for_films_on_facets_are_told() {
     let user = User::with(&[("thick.toml", &scene(15_000)), ("thin.toml", &scene(150))]);
     let said = |line: &str| user.ok(&format!("estimate {line} -o t.exr --incident 2x2 --bins 2x4 --rays 32")).stderr;
     assert!(said("thick.toml").contains("too few for the fringes of films"));
-    assert!(table(&user, "t.exr").metadata["warning"].contains("too few"));
+    assert!(table(&user, "t.exr").metadata.get("warning").unwrap().contains("too few"));
     for line in ["thin.toml", "thick.toml --wavelengths 400:500:0.5", "thick.toml --coherence none"] {
         assert!(!said(line).contains("too few"), "{line}");
     }

@@ -7,9 +7,9 @@ use exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, WritableIm
 use glam::{DVec3, Vec3};
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::ScatterLayout;
-use goniochrome_cli::table::file::{self, Table};
 use goniochrome_cli::table::mirror::MirrorTable;
 use goniochrome_cli::table::scatter::{Energy, ScatterTable};
+use goniochrome_cli::table::{Table, file};
 
 use crate::user::User;
 

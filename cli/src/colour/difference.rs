@@ -3,8 +3,10 @@
 //! L*, a*, b* refer to the white of D65 reflected by a perfect mirror: reflectance 1 is L* = 100, as bright as the light
 //! itself. A film on glass, which reflects some 4 % at normal incidence, has L* near 24.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use goniochrome::colour::RgbSpace;
+
+use crate::colour::xyz_to_rgb;
 
 /// X, Y and Z of D65, the white of sRGB.
 const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
@@ -23,7 +25,7 @@ pub struct Colour {
 /// L*a*b* of linear sRGB, unclipped.
 #[must_use]
 pub fn lab(rgb: [f64; 3]) -> Colour {
-    let to_xyz = DMat3::from_cols_array_2d(&RgbSpace::Srgb.matrix()).transpose().inverse();
+    let to_xyz = xyz_to_rgb(RgbSpace::Srgb).inverse();
     lab_of_xyz((to_xyz * DVec3::from_array(rgb)).to_array(), D65)
 }
 

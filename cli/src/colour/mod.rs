@@ -2,45 +2,37 @@
 
 pub mod difference;
 
-use std::collections::BTreeMap;
-
 use glam::{DMat3, DVec3};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM, xyz_weights};
 
 use crate::support::error::{Error, Result};
 
-/// The light that a table's colours were made for.
+/// Weights of linear R, G and B (Rec. 709 primaries, white D65) in the luminance Y: ITU-R BT.709-6, section 3.
+pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// [`LUMINANCE`] in single precision.
+pub const LUMINANCE_F32: [f32; 3] = [LUMINANCE[0] as f32, LUMINANCE[1] as f32, LUMINANCE[2] as f32];
+
+/// Luminance of linear RGB.
 #[must_use]
-pub fn illuminant_of(metadata: &BTreeMap<String, String>) -> Illuminant {
-    match metadata.get("illuminant").map(String::as_str) {
-        Some("E") => Illuminant::E,
-        _ => Illuminant::D65,
-    }
+pub fn luminance(rgb: [f64; 3]) -> f64 {
+    rgb.iter().zip(LUMINANCE).map(|(c, weight)| c * weight).sum()
 }
 
-/// The space in which a screen takes a table's colours: linear sRGB, except that the paper's matrix is its own display.
+/// Matrix from XYZ to linear RGB of a colour space.
 #[must_use]
-pub fn screen_space(metadata: &BTreeMap<String, String>) -> RgbSpace {
-    if space_of(metadata) == RgbSpace::Paper { RgbSpace::Paper } else { RgbSpace::Srgb }
+pub fn xyz_to_rgb(space: RgbSpace) -> DMat3 {
+    DMat3::from_cols_array_2d(&space.matrix()).transpose()
 }
 
-/// A table's colours as a screen takes them.
+/// Linear RGB of one colour space as linear RGB of another.
 #[must_use]
-pub fn screen_rgb(metadata: &BTreeMap<String, String>, rgb: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let (from, to) = (space_of(metadata), screen_space(metadata));
+pub fn converted(from: RgbSpace, to: RgbSpace, rgb: &[[f32; 3]]) -> Vec<[f32; 3]> {
     if from == to {
         return rgb.to_vec();
     }
-    let matrix = |space: RgbSpace| DMat3::from_cols_array_2d(&space.matrix()).transpose();
-    let convert = matrix(to) * matrix(from).inverse();
+    let convert = xyz_to_rgb(to) * xyz_to_rgb(from).inverse();
     rgb.iter().map(|&rgb| (convert * DVec3::from_array(rgb.map(f64::from))).to_array().map(|c| c as f32)).collect()
-}
-
-/// The space of a table's colours.
-#[must_use]
-pub fn space_of(metadata: &BTreeMap<String, String>) -> RgbSpace {
-    let named = metadata.get("colour_space").map_or("", String::as_str);
-    SPACES.into_iter().find(|space| space_name(*space).eq_ignore_ascii_case(named)).unwrap_or(RgbSpace::Srgb)
 }
 
 /// The colour spaces that have a name.
@@ -55,6 +47,12 @@ pub fn space_name(space: RgbSpace) -> &'static str {
         RgbSpace::Rec2020 => "rec2020",
         RgbSpace::AcesCg => "acescg",
     }
+}
+
+/// Colour space of a name, in upper or lower case.
+#[must_use]
+pub fn space_named(name: &str) -> Option<RgbSpace> {
+    SPACES.into_iter().find(|space| space_name(*space).eq_ignore_ascii_case(name))
 }
 
 /// Whether increasing wavelengths reach into the visible range, so that they have a colour.
@@ -82,4 +80,25 @@ pub fn visible_weights(wavelength_nm: &[f64], illuminant: Illuminant, quadrature
     xyz_weights(wavelength_nm, illuminant, quadrature, &mut weights)
         .map_err(|error| Error::usage(format_args!("--wavelengths: {error}")))?;
     Ok(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_stays_white_between_spaces() {
+        for from in [RgbSpace::Srgb, RgbSpace::Rec2020, RgbSpace::AcesCg] {
+            let [white] = converted(from, RgbSpace::Srgb, &[[1.0; 3]])[..] else { panic!("one colour") };
+            // The matrices have seven digits.
+            assert!(white.iter().all(|c| (c - 1.0).abs() < 1e-5), "{white:?}");
+        }
+    }
+
+    // The constants themselves, not what they compute.
+    #[allow(clippy::float_cmp)]
+    #[test]
+    fn single_precision_weights_are_the_nearest_to_the_published_digits() {
+        assert_eq!(LUMINANCE_F32, [0.2126, 0.7152, 0.0722]);
+    }
 }

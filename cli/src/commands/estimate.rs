@@ -1,6 +1,5 @@
 //! `goniochrome estimate`.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Once;
 
@@ -25,8 +24,9 @@ use crate::solve::spectra::{Method, Sample, Spectra};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
-use crate::table::file::{self, Table};
+use crate::table::metadata::{Metadata, MetadataKey};
 use crate::table::mirror::MirrorTable;
+use crate::table::{Table, file};
 
 /// Starting rays of an incident direction unless the user says otherwise.
 const RAYS: u32 = 4096;
@@ -123,7 +123,7 @@ fn mirror_like(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
         reflectance_s: reflectance(|sample| sample.reflectance.s),
         reflectance_p: reflectance(|sample| sample.reflectance.p),
         rgb,
-        metadata: metadata(args, scene, &spectra),
+        metadata: planar_metadata(args, scene, &spectra),
         theta_deg,
         wavelength_nm: spectra.wavelength_nm.clone(),
     };
@@ -226,54 +226,49 @@ fn scattering(
     Ok((table.into(), said, checkpoint))
 }
 
-/// How the table of a cell was made.
+/// Metadata of a cell's table.
 fn scatter_metadata(
     args: &EstimateArgs,
     scene: &Scene,
     tracing: &ScatterRequest,
     imbalance: f64,
     warnings: &[String],
-) -> BTreeMap<String, String> {
-    let warning = (!warnings.is_empty()).then(|| ("warning", warnings.join("; ")));
-    [
-        ("generator", format!("goniochrome {}", env!("CARGO_PKG_VERSION"))),
-        ("scene", scene.name.clone()),
-        ("scene_toml", scene.toml.clone()),
-        ("model", spelled(args.computing.model)),
-        ("precision", spelled(args.computing.precision)),
-        ("coherence", spelled(tracing.coherence)),
-        ("seed", tracing.seed.to_string()),
-        ("reciprocal", args.cell.reciprocal.to_string()),
-        ("illuminant", spelled(args.colouring.illuminant)),
-        ("colour_space", spelled(args.colouring.space)),
-        ("observer", "CIE 1931 2 degree".into()),
-        ("imbalance_max", format!("{imbalance:e}")),
-    ]
-    .into_iter()
-    .chain(warning)
-    .map(|(key, value)| (key.to_owned(), value))
-    .collect()
+) -> Metadata {
+    let mut metadata = common_metadata(args, scene, imbalance);
+    metadata.insert(MetadataKey::Coherence, spelled(tracing.coherence));
+    metadata.insert(MetadataKey::Seed, tracing.seed.to_string());
+    metadata.insert(MetadataKey::Reciprocal, args.cell.reciprocal.to_string());
+    if !warnings.is_empty() {
+        metadata.insert(MetadataKey::Warning, warnings.join("; "));
+    }
+    metadata
 }
 
-/// How the table was made. Nothing here depends on when or where, so equal runs give equal files.
-fn metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spectra) -> BTreeMap<String, String> {
-    let fell_back = (args.computing.method == Method::Hits).then(|| ("fell_back", spectra.fell_back.to_string()));
+/// Metadata of a planar scene's table.
+fn planar_metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spectra) -> Metadata {
+    let mut metadata = common_metadata(args, scene, spectra.worst(|sample| sample.imbalance));
+    metadata.insert(MetadataKey::Method, spelled(args.computing.method));
+    metadata.insert(MetadataKey::TruncatedMax, format!("{:e}", spectra.worst(|sample| sample.truncated)));
+    metadata.insert(MetadataKey::Recomputed, spectra.recomputed.to_string());
+    if args.computing.method == Method::Hits {
+        metadata.insert(MetadataKey::FellBack, spectra.fell_back.to_string());
+    }
+    metadata
+}
+
+/// Metadata of every table. Nothing here depends on when or where, so equal runs give equal files.
+fn common_metadata(args: &EstimateArgs, scene: &Scene, imbalance_max: f64) -> Metadata {
     [
-        ("generator", format!("goniochrome {}", env!("CARGO_PKG_VERSION"))),
-        ("scene", scene.name.clone()),
-        ("scene_toml", scene.toml.clone()),
-        ("model", spelled(args.computing.model)),
-        ("method", spelled(args.computing.method)),
-        ("precision", spelled(args.computing.precision)),
-        ("illuminant", spelled(args.colouring.illuminant)),
-        ("colour_space", spelled(args.colouring.space)),
-        ("observer", "CIE 1931 2 degree".into()),
-        ("truncated_max", format!("{:e}", spectra.worst(|sample| sample.truncated))),
-        ("recomputed", spectra.recomputed.to_string()),
-        ("imbalance_max", format!("{:e}", spectra.worst(|sample| sample.imbalance))),
+        (MetadataKey::Generator, format!("goniochrome {}", env!("CARGO_PKG_VERSION"))),
+        (MetadataKey::Scene, scene.name.clone()),
+        (MetadataKey::SceneToml, scene.toml.clone()),
+        (MetadataKey::Model, spelled(args.computing.model)),
+        (MetadataKey::Precision, spelled(args.computing.precision)),
+        (MetadataKey::Illuminant, spelled(args.colouring.illuminant)),
+        (MetadataKey::ColourSpace, spelled(args.colouring.space)),
+        (MetadataKey::Observer, "CIE 1931 2 degree".into()),
+        (MetadataKey::ImbalanceMax, format!("{imbalance_max:e}")),
     ]
     .into_iter()
-    .chain(fell_back)
-    .map(|(key, value)| (key.to_owned(), value))
     .collect()
 }

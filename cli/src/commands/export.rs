@@ -5,7 +5,6 @@ use std::slice;
 
 use goniochrome::table::blob::Precision;
 
-use crate::colour::{screen_rgb, screen_space};
 use crate::commands::args::export::{ExportArgs, ExportKind, Origin};
 use crate::commands::args::spelled;
 use crate::export::blob;
@@ -16,7 +15,8 @@ use crate::scene::{Scene, load, parse};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
-use crate::table::file::{self, Table};
+use crate::table::metadata::MetadataKey;
+use crate::table::{Table, file};
 
 /// Texels over cos θ.
 const WIDTH: u16 = 256;
@@ -144,8 +144,8 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
                 let mut lut = Lut::of_table(&table, width).map_err(named)?;
                 if to_png {
                     // Its chunks say sRGB, whatever the table's space.
-                    lut.texels = screen_rgb(&table.metadata, &lut.texels);
-                    lut.space = screen_space(&table.metadata);
+                    lut.texels = table.metadata.screen_rgb(&lut.texels);
+                    lut.space = table.metadata.screen_space();
                 }
                 lut
             }
@@ -204,17 +204,18 @@ fn scene_of_table(path: &Path) -> Result<Scene> {
             "{name}: the table scatters into all directions, and glTF's iridescence is a plane film; export a bsdf"
         )));
     };
-    let entry = |key: &str| table.metadata.get(key).map(String::as_str);
-    if entry("model") == Some("paper") {
+    let metadata = &table.metadata;
+    if metadata.get(MetadataKey::Model) == Some("paper") {
         return Err(Error::failed(format_args!(
             "{name}: made with --model paper, and glTF's film obeys physics; make the table without"
         )));
     }
-    let toml = entry("scene_toml")
+    let toml = metadata
+        .get(MetadataKey::SceneToml)
         .ok_or_else(|| Error::failed(format_args!("{name}: its header holds no scene; export the scene itself")))?;
     let mut scene = parse(&format!("scene in {name}"), toml)
         .map_err(|error| Error::failed(format_args!("{error}; export the scene file itself")))?;
-    if let Some(known) = entry("scene") {
+    if let Some(known) = metadata.get(MetadataKey::Scene) {
         known.clone_into(&mut scene.name);
     }
     Ok(scene)

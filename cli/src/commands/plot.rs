@@ -6,7 +6,7 @@ use crate::commands::source::Source;
 use crate::plot::{Format, Picture, tables};
 use crate::support::error::{Error, Result};
 use crate::support::output;
-use crate::table::file::Table;
+use crate::table::Table;
 use crate::table::scatter::ScatterTable;
 
 /// Angles marked on the path of the colour.

@@ -8,7 +8,7 @@ use crate::commands::estimate;
 use crate::scene::{Scene, load};
 use crate::support::error::Result;
 use crate::support::progress::note;
-use crate::table::file::{self, Table};
+use crate::table::{Table, file};
 
 /// Where a table comes from.
 pub(super) enum Source {

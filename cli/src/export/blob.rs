@@ -4,10 +4,9 @@ use goniochrome::colour::RgbSpace;
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{MirrorTable as Mirror, ScatterSampler, ScatterTable as Scatter};
 
-use crate::colour::{SPACES, space_name};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
-use crate::table::file::Table;
+use crate::table::Table;
 use crate::table::mirror::MirrorTable;
 
 /// The bytes of the blob.
@@ -19,13 +18,13 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
         Table::Mirror(mirror) => {
             let largest = largest_angle(mirror)?;
             let table = Mirror::new(mirror.colours()?.as_flattened(), 3, largest).map_err(Error::failed)?;
-            write(space(&mirror.metadata), Contents::Mirror(table), precision)
+            write(mirror.metadata.named_space(), Contents::Mirror(table), precision)
         }
         Table::Scatter(scatter) => {
             let table = Scatter::new(scatter.rgb.as_flattened(), scatter.layout, 3).map_err(Error::failed)?;
             let mut memory = filled(0.0, ScatterSampler::required_len(&scatter.layout), "the blob")?;
             let sampler = ScatterSampler::new(&table, &mut memory).map_err(Error::failed)?;
-            write(space(&scatter.metadata), Contents::Scatter(table, sampler), precision)
+            write(scatter.metadata.named_space(), Contents::Scatter(table, sampler), precision)
         }
     }
 }
@@ -56,12 +55,6 @@ fn largest_angle(table: &MirrorTable) -> Result<f64> {
         ));
     }
     Ok(last.to_radians())
-}
-
-/// The colour space that the table's metadata name, if it is one that blobs have.
-fn space(metadata: &std::collections::BTreeMap<String, String>) -> Option<RgbSpace> {
-    let name = metadata.get("colour_space")?;
-    SPACES.into_iter().find(|&space| space_name(space) == name)
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Vec2, 
 use goniochrome::colour::{Illuminant, RgbSpace, VISIBLE_NM};
 use goniochrome::optics::interface::Model;
 
-use crate::colour::{illuminant_of, space_name, space_of};
+use crate::colour::space_name;
 use crate::scene::{Scene, Shape};
 use crate::solve::integral::Integral;
 use crate::solve::planar_scene::PlanarScene;
@@ -86,12 +86,11 @@ impl Lut {
     /// A table without colours.
     pub fn of_table(table: &MirrorTable, width: usize) -> Result<Self> {
         table.colours()?;
-        let name = table.metadata.get("scene").map_or("table", String::as_str);
         Ok(Self {
             width,
             texels: angles(width).map(|theta| table.rgb_at(theta)).collect(),
-            space: space_of(&table.metadata),
-            facts: facts(name, illuminant_of(&table.metadata)),
+            space: table.metadata.space(),
+            facts: facts(table.metadata.scene_name(), table.metadata.illuminant()),
             rows_nm: None,
         })
     }

@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::Reflection;
 use super::reflection::{Evaluator, ReflectionKind};
 use crate::support::error::{Error, Result};
-use crate::table::file::Table;
+use crate::table::Table;
 
 const THETA_H: usize = 90;
 const THETA_D: usize = 90;

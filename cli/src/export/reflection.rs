@@ -5,7 +5,7 @@ use goniochrome::table::{ScatterLayout, ScatterTable as Lookup};
 
 use super::ggx::Ggx;
 use crate::support::error::{Error, Result};
-use crate::table::file::Table;
+use crate::table::Table;
 
 /// A BRDF to export: RGB, or a channel for each wavelength.
 pub struct Reflection {
@@ -36,47 +36,28 @@ impl Reflection {
     /// # Errors
     /// A roughness that is missing or has no use.
     pub fn new(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Self> {
-        let values_of = |count: usize, colours: &[[f32; 3]], spectral: &dyn Fn(usize) -> f32| -> Vec<f32> {
-            if rgb { colours.as_flattened().to_vec() } else { (0..count).map(spectral).collect() }
-        };
-        let channels = |wavelengths: &[f64]| if rgb { 3 } else { wavelengths.len() };
-        let wavelengths = |wavelengths: &[f64]| if rgb { Vec::new() } else { wavelengths.to_vec() };
-        if let (Table::Mirror(table), true) = (table, rgb) {
-            table.colours()?;
-        }
-        match (table, roughness) {
-            (Table::Mirror(_), None) => Err(Error::usage(
-                "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \
-                 give the width of the GGX lobe that shall stand in for it, as --roughness 0.1",
-            )),
-            (Table::Scatter(_), Some(_)) => Err(Error::usage(
-                "--roughness is for mirror-like tables; this one holds the scattering of tilted facets as it is: leave it out",
-            )),
-            (Table::Mirror(table), Some(alpha)) => Ok(Self {
-                channels: channels(&table.wavelength_nm),
-                wavelength_nm: wavelengths(&table.wavelength_nm),
-                values: values_of(table.reflectance_s.len(), &table.rgb, &|i| {
-                    0.5 * (table.reflectance_s[i] + table.reflectance_p[i])
-                }),
-                kind: ReflectionKind::Lobe {
-                    ggx: Ggx { alpha },
-                    theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
-                },
-            }),
-            (Table::Scatter(table), None) => {
-                let (bins, count) = (table.layout.bins().count(), table.wavelength_nm.len());
-                let spectral = |i: usize| {
-                    let (pair, wavelength) = (i / count, i % count);
-                    table.row(pair / bins, wavelength)[pair % bins]
-                };
-                Ok(Self {
-                    channels: channels(&table.wavelength_nm),
-                    wavelength_nm: wavelengths(&table.wavelength_nm),
-                    values: values_of(table.brdf.len(), &table.rgb, &spectral),
-                    kind: ReflectionKind::Scatter(table.layout),
-                })
+        let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra() };
+        let wavelength_nm = if rgb { Vec::new() } else { table.wavelength_nm().to_vec() };
+        let channels = if rgb { 3 } else { wavelength_nm.len() };
+        let kind = match (table, roughness) {
+            (Table::Mirror(_), None) => {
+                return Err(Error::usage(
+                    "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \
+                     give the width of the GGX lobe that shall stand in for it, as --roughness 0.1",
+                ));
             }
-        }
+            (Table::Scatter(_), Some(_)) => {
+                return Err(Error::usage(
+                    "--roughness is for mirror-like tables; this one holds the scattering of tilted facets as it is: leave it out",
+                ));
+            }
+            (Table::Mirror(table), Some(alpha)) => ReflectionKind::Lobe {
+                ggx: Ggx { alpha },
+                theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
+            },
+            (Table::Scatter(table), None) => ReflectionKind::Scatter(table.layout),
+        };
+        Ok(Self { channels, wavelength_nm, values, kind })
     }
 
     /// Where the values come from.

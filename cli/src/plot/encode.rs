@@ -10,8 +10,7 @@
 //! Luminance has the Rec. 709 weights. Colours without positive luminance are black. Tables and CSV files keep the
 //! values as they are.
 
-/// Rec. 709 luminance of linear R, G and B.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+use crate::colour::luminance;
 
 /// The colour as 8-bit sRGB, under the gamut policy of this module.
 #[must_use]
@@ -57,7 +56,7 @@ pub fn wavelength_colour(wavelength_nm: f64) -> String {
 #[must_use]
 pub fn in_gamut(linear: [f32; 3]) -> [f64; 3] {
     let rgb = linear.map(f64::from);
-    let luminance: f64 = rgb.iter().zip(LUMINANCE).map(|(c, weight)| c * weight).sum();
+    let luminance = luminance(rgb);
     if !(luminance > 0.0 && luminance.is_finite()) {
         return [0.0; 3];
     }
@@ -96,7 +95,6 @@ mod tests {
         let from = [0.5, 0.3, -0.2_f32];
         let to = in_gamut(from);
         assert!(to[2].abs() < 1e-12, "{to:?}");
-        let luminance = |rgb: [f64; 3]| rgb.iter().zip(LUMINANCE).map(|(c, w)| c * w).sum::<f64>();
         assert!((luminance(to) - luminance(from.map(f64::from))).abs() < 1e-7);
         // Equal ratios of differences are an equal hue.
         assert!(((to[0] - to[1]) / (to[1] - to[2]) - 0.4).abs() < 1e-6, "{to:?}");

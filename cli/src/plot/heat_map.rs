@@ -114,14 +114,15 @@ fn viridis(fraction: f64) -> [u8; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colour::luminance;
 
     #[test]
     fn colours_brighten_with_the_value() {
-        let luminance = |v: f64| {
+        let brightness = |v: f64| {
             let [r, g, b, _] = viridis(v).map(f64::from);
-            0.2126 * r + 0.7152 * g + 0.0722 * b
+            luminance([r, g, b])
         };
-        assert!((0..100).all(|i| luminance(f64::from(i) / 100.0) < luminance(f64::from(i + 1) / 100.0)));
+        assert!((0..100).all(|i| brightness(f64::from(i) / 100.0) < brightness(f64::from(i + 1) / 100.0)));
         assert_eq!((viridis(-3.0), viridis(7.0)), ([68, 1, 84, 255], [253, 231, 37, 255]));
         assert_eq!(viridis(f64::NAN)[..3], UNKNOWN);
     }

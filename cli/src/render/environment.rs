@@ -15,9 +15,7 @@ use glam::DVec3;
 
 pub use super::latlong::{ImageRepairs, decode};
 use super::studio::Studio;
-
-/// Weights of red, green and blue in luminance, Rec. 709.
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+use crate::colour::LUMINANCE_F32;
 
 /// Cells of the grid by which the studio is sampled: its edges are a few degrees wide.
 const STUDIO_CELLS: [usize; 2] = [256, 128];
@@ -106,7 +104,7 @@ impl Environment {
     /// `light`, turned by an angle about z, counter-clockwise from above.
     #[must_use]
     pub fn new(light: EnvironmentLight, turn_deg: f64) -> Self {
-        let luminance = |rgb: [f32; 3]| -> f64 { rgb.iter().zip(LUMINANCE).map(|(c, w)| f64::from(c * w)).sum() };
+        let luminance = |rgb: [f32; 3]| -> f64 { rgb.iter().zip(LUMINANCE_F32).map(|(c, w)| f64::from(c * w)).sum() };
         let cells = match &light {
             EnvironmentLight::White => Cells::new([1, 1], |_, _| 1.0),
             EnvironmentLight::Studio(studio) => {

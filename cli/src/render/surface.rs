@@ -1,14 +1,12 @@
 //! A table made ready to shade by.
 
-use glam::{DMat3, DVec3, Vec3};
-use goniochrome::colour::RgbSpace;
+use glam::{DVec3, Vec3};
 use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 
 use super::channels::Channels;
-use crate::colour::{illuminant_of, screen_space, space_of};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
-use crate::table::file::Table;
+use crate::table::Table;
 
 /// A reflectance for each channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,38 +39,16 @@ impl Surface {
     /// If the table's wavelengths cannot tell colours apart.
     pub fn new(table: &Table, spectral: bool) -> Result<Self> {
         table.check()?;
-        let metadata = match table {
-            Table::Mirror(table) => &table.metadata,
-            Table::Scatter(table) => &table.metadata,
+        let metadata = table.metadata();
+        let channels = if spectral {
+            Channels::spectral(table.wavelength_nm(), metadata.illuminant(), metadata.screen_space())?
+        } else {
+            Channels::rgb()
         };
-        let (illuminant, space, shown) = (illuminant_of(metadata), space_of(metadata), screen_space(metadata));
-        let convert = conversion(space, shown);
-        let colour = |rgb: &[f32; 3]| (convert * DVec3::from_array(rgb.map(f64::from))).to_array().map(|c| c as f32);
-        let wavelength_nm = match table {
-            Table::Mirror(table) => &table.wavelength_nm,
-            Table::Scatter(table) => &table.wavelength_nm,
-        };
-        let channels = if spectral { Channels::spectral(wavelength_nm, illuminant, shown)? } else { Channels::rgb() };
+        let values = if spectral { table.spectra() } else { metadata.screen_rgb(table.rgb()?).as_flattened().to_vec() };
         let kind = match table {
-            Table::Mirror(table) => {
-                let mean = || table.reflectance_s.iter().zip(&table.reflectance_p).map(|(s, p)| 0.5 * s + 0.5 * p);
-                let values =
-                    if spectral { mean().collect() } else { table.colours()?.iter().flat_map(colour).collect() };
-                Kind::Mirror { theta_deg: table.theta_deg.clone(), values }
-            }
-            Table::Scatter(table) => {
-                let bins = table.layout.bins().count();
-                let spectrum = |pair: usize| {
-                    let (incident, bin) = (pair / bins, pair % bins);
-                    (0..table.wavelength_nm.len()).map(move |w| table.row(incident, w)[bin])
-                };
-                let values = if spectral {
-                    (0..table.layout.count()).flat_map(spectrum).collect()
-                } else {
-                    table.rgb.iter().flat_map(colour).collect()
-                };
-                Kind::Scatter { layout: table.layout, values }
-            }
+            Table::Mirror(table) => Kind::Mirror { theta_deg: table.theta_deg.clone(), values },
+            Table::Scatter(table) => Kind::Scatter { layout: table.layout, values },
         };
         Ok(Self { channels, kind })
     }
@@ -119,15 +95,6 @@ pub(super) fn reflect(theta_deg: &[f64], values: &[f32], at_deg: f64, throughput
     }
 }
 
-/// From one linear RGB space to another.
-fn conversion(from: RgbSpace, to: RgbSpace) -> DMat3 {
-    if from == to {
-        return DMat3::IDENTITY;
-    }
-    let matrix = |space: RgbSpace| DMat3::from_cols_array_2d(&space.matrix()).transpose();
-    matrix(to) * matrix(from).inverse()
-}
-
 /// A direction of the surface frame as the core takes it.
 pub(super) fn narrow(local: DVec3) -> Vec3 {
     local.as_vec3()
@@ -151,15 +118,6 @@ mod tests {
             reflect(&table.theta_deg, &values, at, &mut found);
             let expected = table.rgb_at(at);
             assert!((0..3).all(|c| (found[c] - 2.0 * expected[c]).abs() < 1e-6), "{at}: {found:?} {expected:?}");
-        }
-    }
-
-    #[test]
-    fn white_stays_white_between_spaces() {
-        for from in [RgbSpace::Srgb, RgbSpace::Rec2020, RgbSpace::AcesCg] {
-            let white = conversion(from, RgbSpace::Srgb) * DVec3::ONE;
-            // The matrices have seven digits.
-            assert!(white.distance(DVec3::ONE) < 1e-5, "{white}");
         }
     }
 }

@@ -1,5 +1,7 @@
 //! From scene-linear radiance to what a PNG shows.
 
+use crate::colour::LUMINANCE_F32;
+
 /// How bright light is brought into the range of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneMap {
@@ -19,7 +21,8 @@ impl ToneMap {
         match self {
             Self::None => rgb,
             Self::Reinhard => {
-                let luminance = (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]).max(0.0);
+                let [r, g, b] = std::array::from_fn(|c| LUMINANCE_F32[c] * rgb[c]);
+                let luminance = (r + g + b).max(0.0);
                 let scale = (1.0 + luminance / 16.0) / (1.0 + luminance);
                 rgb.map(|c| c * scale)
             }

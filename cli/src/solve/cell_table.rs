@@ -21,6 +21,7 @@ use crate::solve::scatter::{
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::support::parallel;
+use crate::table::metadata::Metadata;
 use crate::table::scatter::{Energy, ScatterTable, check_scatter_size};
 use crate::table::statistics::MeanWithError;
 
@@ -141,7 +142,7 @@ fn run<V: Lanes>(
         rgb: filled([0.0; 3], pairs, "the table")?,
         luminance_error: filled(0.0, pairs, "the table")?,
         energy: filled(Energy::default(), layout.incident_count(), "the table")?,
-        metadata: std::collections::BTreeMap::default(),
+        metadata: Metadata::default(),
     };
     let brdfs = table.brdf.chunks_mut(bins * wavelength_nm.len());
     let rows = brdfs.zip(table.luminance_error.chunks_mut(bins)).zip(&mut table.energy);

@@ -1,9 +1,8 @@
 //! Results in memory: what an estimate produces, and pictures and files take.
 
-use std::collections::BTreeMap;
-
 use crate::colour::visible;
 use crate::support::error::{Error, Result};
+use crate::table::metadata::Metadata;
 
 /// Directions that one table may hold; 0.01° steps need 9001.
 pub const MAX_ANGLES: usize = 16_384;
@@ -28,7 +27,7 @@ pub struct MirrorTable {
     /// Linear RGB per angle; components may be negative or above 1. Empty where no wavelength is visible.
     pub rgb: Vec<[f32; 3]>,
     /// What made the table: scene, model, colour space.
-    pub metadata: BTreeMap<String, String>,
+    pub metadata: Metadata,
 }
 
 impl MirrorTable {
@@ -67,6 +66,12 @@ impl MirrorTable {
             ));
         }
         Ok(&self.rgb)
+    }
+
+    /// Unpolarised reflectance, the mean of s and p, `[theta][wavelength]`.
+    pub fn unpolarised(&self) -> impl Iterator<Item = f64> {
+        let polarised = self.reflectance_s.iter().zip(&self.reflectance_p);
+        polarised.map(|(&s, &p)| 0.5 * (f64::from(s) + f64::from(p)))
     }
 
     /// Linear RGB at any angle, interpolated between its neighbours and constant beyond the ends.
@@ -134,8 +139,8 @@ pub(crate) mod tests {
             reflectance_p: vec![0.0, 0.7, 1.0 / 3.0, 0.4, 0.25, 0.125],
             rgb: vec![[1.39, 0.72, -0.01], [0.5, 0.5, 0.5], [0.0, 0.1, 0.2]],
             metadata: [("scene", "três \"films\"\nn = 2.4, θ"), ("model", "physical"), ("note", "")]
-                .map(|(k, v)| (k.to_owned(), v.to_owned()))
-                .into(),
+                .into_iter()
+                .collect(),
         }
     }
 

@@ -1,6 +1,10 @@
 //! BRDF tables as data, and their files.
 
 pub mod statistics;
+pub mod metadata;
 pub mod mirror;
 pub mod scatter;
+mod kind;
 pub mod file;
+
+pub use kind::Table;

@@ -1,10 +1,9 @@
 //! The BRDF of a cell of tilted facets in memory: what an estimate produces, and pictures and files take.
 
-use std::collections::BTreeMap;
-
 use goniochrome::table::ScatterLayout;
 
 use crate::support::error::{Error, Result};
+use crate::table::metadata::Metadata;
 use crate::table::mirror::{MAX_WAVELENGTHS, check_wavelengths};
 use crate::table::statistics::MeanWithError;
 
@@ -49,7 +48,7 @@ pub struct ScatterTable {
     /// One for each incident direction.
     pub energy: Vec<Energy>,
     /// What made the table: scene, seed, colour space.
-    pub metadata: BTreeMap<String, String>,
+    pub metadata: Metadata,
 }
 
 impl ScatterTable {
@@ -58,6 +57,13 @@ impl ScatterTable {
     pub fn row(&self, incident: usize, wavelength: usize) -> &[f32] {
         let bins = self.layout.bins().count();
         &self.brdf[(incident * self.wavelength_nm.len() + wavelength) * bins..][..bins]
+    }
+
+    /// f of one pair of directions at each wavelength, in 1/sr; pairs count as in `rgb`.
+    pub fn spectrum(&self, pair: usize) -> impl Iterator<Item = f32> {
+        let bins = self.layout.bins().count();
+        let (incident, bin) = (pair / bins, pair % bins);
+        (0..self.wavelength_nm.len()).map(move |wavelength| self.row(incident, wavelength)[bin])
     }
 
     /// Refuses sizes that do not fit together and numbers that are no BRDF.
@@ -160,7 +166,7 @@ pub(crate) mod tests {
             rgb: (0..pairs).map(|i| [own(i), -own(i), 2.0 * own(i)]).collect(),
             luminance_error: (0..pairs).map(|i| 0.1 * own(i)).collect(),
             energy: (0..4).map(energy).collect(),
-            metadata: [("scene".to_owned(), "bumps".to_owned())].into(),
+            metadata: [("scene", "bumps")].into_iter().collect(),
         }
     }
 

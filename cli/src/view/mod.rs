@@ -14,7 +14,7 @@ use crate::render::camera::View;
 use crate::render::studio::{CEILING, FLOOR, HORIZON, SOFT_BOXES};
 use crate::support::error::{Error, Result};
 use crate::support::text;
-use crate::table::file::Table;
+use crate::table::Table;
 
 /// Bytes of a page: beyond, phones give up.
 pub const MAX_BYTES: usize = 48 << 20;
@@ -111,7 +111,7 @@ mod tests {
 
     fn mirror() -> Table {
         let mut table = crate::table::mirror::tests::sample();
-        table.metadata.insert("scene".into(), "</script><b>\"films\" & {{data}}".into());
+        table.metadata.insert("scene", "</script><b>\"films\" & {{data}}");
         table.into()
     }
 

@@ -5,10 +5,11 @@ use goniochrome::table::{ScatterSampler, ScatterTable as Lookup};
 use serde_json::{Value, json};
 
 use super::pack;
-use crate::colour::{illuminant_of, screen_rgb, screen_space, visible_weights};
+use crate::colour::visible_weights;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
-use crate::table::file::Table;
+use crate::table::Table;
+use crate::table::metadata::MetadataKey;
 use crate::table::mirror::MirrorTable;
 use crate::table::scatter::ScatterTable;
 
@@ -24,21 +25,18 @@ pub(super) fn packed(table: &Table) -> Result<Value> {
 
 /// What every table says of itself.
 fn facts(table: &Table) -> Value {
-    let metadata = match table {
-        Table::Mirror(table) => &table.metadata,
-        Table::Scatter(table) => &table.metadata,
-    };
-    let known = |key: &str| metadata.get(key).map_or("", String::as_str);
+    let metadata = table.metadata();
+    let known = |key: MetadataKey| metadata.get(key).unwrap_or_default();
     json!({
         "name": table.name(),
-        "model": known("model"),
-        "illuminant": known("illuminant"),
-        "papersColours": screen_space(metadata) == RgbSpace::Paper,
+        "model": known(MetadataKey::Model),
+        "illuminant": known(MetadataKey::Illuminant),
+        "papersColours": metadata.screen_space() == RgbSpace::Paper,
     })
 }
 
 fn mirror_like(table: &MirrorTable, facts: &Value) -> Result<Value> {
-    let rgb = screen_rgb(&table.metadata, table.colours()?);
+    let rgb = table.metadata.screen_rgb(table.colours()?);
     let shown = MirrorTable { theta_deg: table.theta_deg.clone(), rgb, ..MirrorTable::default() };
     let lookup = (0..=STEPS).flat_map(|step| shown.rgb_at(90.0 * f64::from(step) / f64::from(STEPS)));
     Ok(json!({
@@ -53,7 +51,7 @@ fn mirror_like(table: &MirrorTable, facts: &Value) -> Result<Value> {
 }
 
 fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
-    let rgb = screen_rgb(&table.metadata, &table.rgb);
+    let rgb = table.metadata.screen_rgb(&table.rgb);
     let values = rgb.as_flattened();
     let lookup = Lookup::new(values, table.layout, 3).map_err(Error::failed)?;
     let mut cumulative = filled(0.0, ScatterSampler::required_len(&table.layout), "sampling the table")?;
@@ -68,8 +66,8 @@ fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
             row.map(|(bin, &f)| f64::from(f) * bins.projected_solid_angle(bin)).sum::<f64>() as f32
         })
     });
-    let weights = visible_weights(&table.wavelength_nm, illuminant_of(&table.metadata), Quadrature::Interpolated)?;
-    let space = screen_space(&table.metadata);
+    let weights = visible_weights(&table.wavelength_nm, table.metadata.illuminant(), Quadrature::Interpolated)?;
+    let space = table.metadata.screen_space();
     Ok(json!({
         "kind": "scatter",
         "facts": facts,

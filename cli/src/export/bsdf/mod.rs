@@ -24,7 +24,7 @@ use super::reflection::{Evaluator, ReflectionKind};
 use crate::support::error::Result;
 use crate::support::memory::filled;
 use crate::support::parallel;
-use crate::table::file::Table;
+use crate::table::Table;
 
 /// Samples of D and σ over u: interpolation of D at α = 0.001 errs by 1e-4.
 const FINE: usize = 4096;

@@ -6,7 +6,7 @@ use glam::Vec3;
 use goniochrome::colour::Quadrature;
 use goniochrome::table::ScatterTable as Lookup;
 
-use crate::colour::{illuminant_of, visible_weights};
+use crate::colour::visible_weights;
 use crate::plot::Picture;
 use crate::plot::disc::{Disc, Mark, marked_disc};
 use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
@@ -84,13 +84,9 @@ pub fn outgoing(table: &ScatterTable, name: &str, theta_deg: Option<&[f64]>, phi
 /// # Errors
 /// None of the wavelengths is visible.
 pub fn lobes(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
-    let weights = visible_weights(&table.wavelength_nm, illuminant_of(&table.metadata), Quadrature::Interpolated)?;
-    let bins = table.layout.bins().count();
+    let weights = visible_weights(&table.wavelength_nm, table.metadata.illuminant(), Quadrature::Interpolated)?;
     let luminance: Vec<f32> = (0..table.layout.count())
-        .map(|pair| {
-            let f = |w| f64::from(table.row(pair / bins, w)[pair % bins]);
-            weights.iter().enumerate().map(|(w, weight)| weight[1] * f(w)).sum::<f64>() as f32
-        })
+        .map(|pair| weights.iter().zip(table.spectrum(pair)).map(|(w, f)| w[1] * f64::from(f)).sum::<f64>() as f32)
         .collect();
     let lookup = Lookup::new(&luminance, table.layout, 1).map_err(Error::failed)?;
     let series: Vec<Series> = theta_deg

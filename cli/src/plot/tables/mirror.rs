@@ -2,7 +2,7 @@
 
 use goniochrome::colour::{Quadrature, xyz};
 
-use crate::colour::{illuminant_of, visible_weights};
+use crate::colour::visible_weights;
 use crate::plot::Picture;
 use crate::plot::chromaticity::{ColourAt, chromaticity};
 use crate::plot::disc::{Disc, disc as draw_disc};
@@ -56,12 +56,7 @@ pub fn map(table: &MirrorTable, name: &str) -> Result<Picture> {
     if table.wavelength_nm.len() < 2 || table.theta_deg.len() < 2 {
         return Err(Error::usage("--kind map: a map needs two angles and two wavelengths or more"));
     }
-    let mean: Vec<f64> = table
-        .reflectance_s
-        .iter()
-        .zip(&table.reflectance_p)
-        .map(|(s, p)| 0.5 * (f64::from(*s) + f64::from(*p)))
-        .collect();
+    let mean: Vec<f64> = table.unpolarised().collect();
     Ok(heat_map(
         &format!("{name}: unpolarised reflectance"),
         HeatAxis { label: "Wavelength (nm)", coordinates: &table.wavelength_nm },
@@ -77,17 +72,12 @@ pub fn map(table: &MirrorTable, name: &str) -> Result<Picture> {
 /// # Errors
 /// None of the wavelengths is visible.
 pub fn colour_path(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Result<Picture> {
-    let light = illuminant_of(&table.metadata);
+    let light = table.metadata.illuminant();
     let weights = visible_weights(&table.wavelength_nm, light, Quadrature::Interpolated)?;
-    let width = weights.len();
-    let row = |angle: usize| -> Vec<f64> {
-        let at = angle * width..(angle + 1) * width;
-        let both = table.reflectance_s[at.clone()].iter().zip(&table.reflectance_p[at]);
-        both.map(|(s, p)| 0.5 * (f64::from(*s) + f64::from(*p))).collect()
-    };
-    let path: Vec<_> = (0..table.theta_deg.len())
-        .map(|angle| ColourAt { theta_deg: table.theta_deg[angle], xyz: xyz(&weights, row(angle)) })
-        .collect();
+    let mean: Vec<f64> = table.unpolarised().collect();
+    let rows = table.theta_deg.iter().zip(mean.chunks(weights.len()));
+    let path: Vec<_> =
+        rows.map(|(&theta_deg, row)| ColourAt { theta_deg, xyz: xyz(&weights, row.iter().copied()) }).collect();
     let marked: Vec<_> = theta_deg.iter().map(|&theta| between(&path, theta)).collect();
     Ok(chromaticity(&format!("{name}: colour over the angle from the normal"), light, &path, &marked))
 }

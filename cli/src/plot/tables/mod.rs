@@ -6,7 +6,7 @@ pub mod scatter;
 
 use crate::plot::Picture;
 use crate::support::error::Result;
-use crate::table::file::Table;
+use crate::table::Table;
 
 /// The hemisphere of a table as a disc: the colour of every direction of a mirror-like surface; for a cell, where the
 /// light from (θ, φ) goes.

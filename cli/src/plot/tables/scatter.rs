@@ -2,7 +2,7 @@
 
 use goniochrome::colour::{Quadrature, xyz};
 
-use crate::colour::{illuminant_of, visible_weights};
+use crate::colour::visible_weights;
 use crate::plot::Picture;
 use crate::plot::chromaticity::{ColourAt, chromaticity};
 use crate::plot::heat_map::{HeatAxis, heat_map};
@@ -93,7 +93,7 @@ pub fn map(table: &ScatterTable, name: &str, phi_deg: f64) -> Result<Picture> {
 /// # Errors
 /// None of the wavelengths is visible.
 pub fn colour_path(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
-    let light = illuminant_of(&table.metadata);
+    let light = table.metadata.illuminant();
     let weights = visible_weights(&table.wavelength_nm, light, Quadrature::Interpolated)?;
     let at = |theta_deg: f64| ColourAt { theta_deg, xyz: xyz(&weights, reflected(table, theta_deg, phi_deg)) };
     let path: Vec<_> = (0..STEPS).map(|theta| at(f64::from(theta))).collect();

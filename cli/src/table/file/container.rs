@@ -18,6 +18,7 @@ use exr::prelude::{
 use super::lazy_channel::LazyChannel;
 use crate::support::error::{Error, Result};
 use crate::support::parallel::for_each;
+use crate::table::metadata::Metadata;
 
 /// Before the name of each attribute of ours.
 pub(crate) const PREFIX: &str = "goniochrome.";
@@ -41,9 +42,9 @@ pub(super) struct Contents<'t> {
 
 impl Contents<'_> {
     /// Adds the user's metadata, which must not use the names of what is there already.
-    pub fn add_metadata(&mut self, metadata: &BTreeMap<String, String>) -> Result<()> {
-        for (key, value) in metadata {
-            if self.attributes.insert(key.clone(), value.clone()).is_some() {
+    pub fn add_metadata(&mut self, metadata: &Metadata) -> Result<()> {
+        for (key, value) in metadata.iter() {
+            if self.attributes.insert(key.to_owned(), value.to_owned()).is_some() {
                 return Err(Error::failed(format_args!("the metadata key \"{key}\" is reserved")));
             }
         }

@@ -12,51 +12,9 @@ pub mod scatter;
 use std::path::Path;
 
 use crate::support::error::{Error, Result};
-use crate::table::mirror::MirrorTable;
-use crate::table::scatter::ScatterTable;
+use crate::table::Table;
 use container::{KIND, Opened};
 pub(crate) use container::{PREFIX, sort_attributes};
-
-/// A table of either kind.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Table {
-    /// Of a mirror-like surface.
-    Mirror(MirrorTable),
-    /// Of a cell of tilted facets.
-    Scatter(ScatterTable),
-}
-
-impl From<MirrorTable> for Table {
-    fn from(table: MirrorTable) -> Self {
-        Self::Mirror(table)
-    }
-}
-
-impl From<ScatterTable> for Table {
-    fn from(table: ScatterTable) -> Self {
-        Self::Scatter(table)
-    }
-}
-
-impl Table {
-    /// Refuses sizes that do not fit together and numbers that cannot be.
-    pub fn check(&self) -> Result<()> {
-        match self {
-            Self::Mirror(table) => table.check(),
-            Self::Scatter(table) => table.check(),
-        }
-    }
-
-    /// The scene that the table was made from.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        let metadata = match self {
-            Self::Mirror(table) => &table.metadata,
-            Self::Scatter(table) => &table.metadata,
-        };
-        metadata.get("scene").map_or("table", String::as_str)
-    }
-}
 
 /// Writes the table to `path`, whole or not at all.
 pub fn write(path: &Path, table: &Table, threads: usize) -> Result<()> {

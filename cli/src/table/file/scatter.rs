@@ -221,7 +221,7 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
         wavelength_nm,
         brdf,
         energy,
-        metadata: file.attributes,
+        metadata: file.attributes.into(),
     };
     table.check()?;
     Ok(table)
@@ -229,7 +229,8 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Table, decode, encode};
+    use super::super::{decode, encode};
+    use crate::table::Table;
     use crate::table::scatter::tests::sample;
 
     #[test]
@@ -274,7 +275,7 @@ mod tests {
                 .contains("goniochrome.incident_theta_deg is not that of 2 × 2 incident directions")
         );
         let mut table = sample();
-        table.metadata.insert("bins".into(), "x".into());
+        table.metadata.insert("bins", "x");
         assert!(encode(&table.into(), 1).unwrap_err().to_string().contains("is reserved"));
     }
 
