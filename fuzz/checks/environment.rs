@@ -1,6 +1,6 @@
 //! Any bytes as an environment. What is read covers the sphere with radiance.
 
-use goniochrome_cli::render::environment::decode;
+use goniochrome_cli::render::decode::decode;
 
 /// Holds for any bytes.
 pub fn check(bytes: &[u8]) {

@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use super::Reflection;
 use super::reflection::{Evaluator, ReflectionKind};
+use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
 
@@ -29,7 +30,7 @@ fn directions(h: usize, d: usize, p: usize) -> [DVec3; 2] {
     let theta_h = ((h as f64 + 0.5) / THETA_H as f64).powi(2) * FRAC_PI_2;
     let theta_d = (d as f64 + 0.5) / THETA_D as f64 * FRAC_PI_2;
     let phi_d = (p as f64 + 0.5) / PHI_D as f64 * PI;
-    let difference = DVec3::new(theta_d.sin() * phi_d.cos(), theta_d.sin() * phi_d.sin(), theta_d.cos());
+    let difference = direction(theta_d, phi_d);
     let (sin, cos) = theta_h.sin_cos();
     // Turns the normal into the half vector.
     let turned = |w: DVec3| DVec3::new(cos * w.x + sin * w.z, w.y, cos * w.z - sin * w.x);

@@ -6,6 +6,7 @@ use goniochrome::table::{ScatterLayout, ScatterTable as Lookup};
 use super::ggx::Ggx;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
+use crate::table::mirror::neighbours;
 
 /// A BRDF to export: RGB, or a channel for each wavelength.
 pub struct Reflection {
@@ -80,10 +81,7 @@ impl Reflection {
 
     /// ρ at an angle, linear between the table's and held beyond them.
     fn interpolate(&self, theta: &[f64], at: f64, out: &mut [f64]) {
-        let above = theta.partition_point(|known| *known < at).clamp(1, theta.len().max(2) - 1).min(theta.len() - 1);
-        let below = above.saturating_sub(1);
-        let width = theta[above] - theta[below];
-        let weight = if width > 0.0 { ((at - theta[below]) / width).clamp(0.0, 1.0) } else { 0.0 };
+        let (below, above, weight) = neighbours(theta, at);
         for (c, out) in out.iter_mut().enumerate() {
             let at = |row: usize| f64::from(self.values[row * self.channels + c]);
             *out = at(below) + weight * (at(above) - at(below));

@@ -5,6 +5,7 @@ use super::encode::{grey, wavelength_colour};
 use super::layout::rows;
 use super::line_chart::{LineOptions, Series, line_chart};
 use super::{Picture, axis};
+use crate::table::mirror::neighbours;
 
 /// Reflectance over the angle at one wavelength, from both calculations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,12 +103,8 @@ fn composed(labels: [&str; 2], profiles: [&Profile; 3], white: f64) -> Picture {
 }
 
 fn interpolated(x: &[f64], y: &[f64], at: f64) -> f64 {
-    let above = x.partition_point(|&v| v < at);
-    if above == 0 || above == x.len() {
-        return y[above.min(x.len() - 1)];
-    }
-    let weight = (at - x[above - 1]) / (x[above] - x[above - 1]);
-    y[above - 1] + weight * (y[above] - y[above - 1])
+    let (below, above, weight) = neighbours(x, at);
+    y[below] + weight * (y[above] - y[below])
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What a ray meets: a mesh through the core's hierarchy, or the sphere itself.
+//! Ray intersection with the body: a mesh by the core's bounding volume hierarchy, or the exact sphere.
 
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node, Ray};
@@ -7,53 +7,57 @@ use super::mesh::{ShadingFrame, TriangleMesh};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 
-/// How far from a surface a reflected ray starts, in radii of the mesh: far above the rounding of a hit, far below a pixel.
+/// How far above the surface a reflected ray starts, in radii of the body: far above the rounding of a hit, far below a
+/// pixel.
 const OFFSET: f64 = 1e-9;
 
-/// What is lit.
+/// The shape of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyShape {
-    /// The unit sphere, exactly; t points eastwards.
+    /// The exact unit sphere; t points eastwards.
     Sphere,
-    /// Triangles.
+    /// A mesh of triangles.
     Mesh(TriangleMesh),
 }
 
-/// Memory for the hierarchy of a mesh.
-#[derive(Default)]
+/// Memory that a [`Body`] borrows for the hierarchy of its mesh.
+#[derive(Debug, Default)]
 pub struct BvhMemory {
     nodes: Vec<Node>,
     corners: Vec<f64>,
 }
 
-/// A shape made ready for rays.
+/// A shape prepared for ray intersection.
+#[derive(Debug)]
 pub struct Body<'a> {
-    kind: Kind<'a>,
-    /// Middle and radius of a sphere that holds the shape.
+    intersector: Intersector<'a>,
+    /// Centre and radius of a sphere that holds the shape.
     bounds: (DVec3, f64),
 }
 
-enum Kind<'a> {
+#[derive(Debug)]
+enum Intersector<'a> {
     Sphere,
     Mesh(&'a TriangleMesh, Bvh<'a>),
 }
 
-/// Where a ray meets the body.
+/// The nearest hit of a ray on the body.
+#[derive(Clone, Copy, Debug)]
 pub struct SurfaceHit {
-    /// In the world.
+    /// Its place in the world.
     pub point: DVec3,
-    /// Not yet turned to the viewer.
+    /// The frame of the surface there, not yet turned to the viewer.
     pub frame: ShadingFrame,
 }
 
 impl<'a> Body<'a> {
-    /// Builds the hierarchy.
+    /// Prepares a shape: builds the hierarchy of a mesh in `memory`.
     ///
     /// # Errors
-    /// If the mesh has no triangle with an area, too many, or more than fit into memory.
+    /// A mesh without triangles, with too many of them or more than fit into memory, or one that is a single point.
     pub fn new(shape: &'a BodyShape, memory: &'a mut BvhMemory) -> Result<Self> {
         let mesh = match shape {
-            BodyShape::Sphere => return Ok(Self { kind: Kind::Sphere, bounds: (DVec3::ZERO, 1.0) }),
+            BodyShape::Sphere => return Ok(Self { intersector: Intersector::Sphere, bounds: (DVec3::ZERO, 1.0) }),
             BodyShape::Mesh(mesh) => mesh,
         };
         let count = mesh.triangles.len();
@@ -65,24 +69,24 @@ impl<'a> Body<'a> {
             .map_err(|error| Error::failed(format_args!("the mesh cannot be shown: {error}")))?;
         let bounds = mesh.bounding_sphere();
         if bounds.1 > 0.0 {
-            Ok(Self { kind: Kind::Mesh(mesh, bvh), bounds })
+            Ok(Self { intersector: Intersector::Mesh(mesh, bvh), bounds })
         } else {
             Err(Error::failed("the mesh cannot be shown: it is a single point"))
         }
     }
 
-    /// Middle and radius of a sphere that holds the body.
+    /// Centre and radius of a sphere that holds the body.
     #[must_use]
     pub fn bounds(&self) -> (DVec3, f64) {
         self.bounds
     }
 
-    /// The first contact of the half-line from `origin` along a unit `direction`.
+    /// The nearest hit of the ray from `origin` along a unit `direction`.
     #[must_use]
     pub fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
-        match &self.kind {
-            Kind::Sphere => intersect_sphere(origin, direction),
-            Kind::Mesh(mesh, bvh) => {
+        match &self.intersector {
+            Intersector::Sphere => intersect_sphere(origin, direction),
+            Intersector::Mesh(mesh, bvh) => {
                 let hit =
                     bvh.intersect_nearest(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }, |_| true)?;
                 let point = origin + hit.t * direction;
@@ -91,7 +95,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Where a ray that leaves the surface at a contact, on the side of the turned frame, starts.
+    /// The origin of a ray that leaves the surface at a point: a little above it, on the side to which the frame faces.
     #[must_use]
     pub fn offset_origin(&self, point: DVec3, frame: &ShadingFrame) -> DVec3 {
         point + OFFSET * self.bounds.1 * frame.face
@@ -100,7 +104,7 @@ impl<'a> Body<'a> {
 
 fn intersect_sphere(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
     let closest = -origin.dot(direction);
-    // Half the chord, from the distance between the line and the centre.
+    // Half the chord, by the distance between the line and the centre.
     let miss = origin + closest * direction;
     let half = (1.0 - miss.length_squared()).sqrt();
     let t = [closest - half, closest + half].into_iter().find(|&t| t >= 0.0)?;

@@ -1,51 +1,51 @@
-//! A camera in orbit around a mesh.
+//! A pinhole camera in orbit around a body.
 
 use glam::DVec3;
 
 use crate::support::error::{Error, Result};
 
-/// Pixels of a picture on its longer side.
+/// Largest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 16_384;
 
-/// Pixels of a picture: a gigabyte of R, G, B and coverage.
+/// Largest number of pixels of a picture: a gigabyte of R, G, B and coverage.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// Free space around the sphere that holds the mesh, as a fraction of the distance.
+/// Distance of a camera that fits the body into the picture, over the distance at which its bounding sphere fills it.
 const MARGIN: f64 = 1.02;
 
-/// From where the mesh is seen.
+/// The position and the picture of a [`Camera`], as a user gives them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Around z from +x in degrees: 0 looks along −x, −90 along +y.
+    /// Azimuth of the eye around z from +x, in degrees: 0 looks along −x, −90 along +y.
     pub azimuth_deg: f64,
-    /// Above the horizon in degrees, from −90 to 90.
+    /// Elevation of the eye above the horizon, from −90 to 90 degrees.
     pub elevation_deg: f64,
     /// Angle that the shorter side of the picture spans, in degrees.
     pub field_of_view_deg: f64,
-    /// From the middle of the mesh to the eye, in radii of the sphere that holds the mesh; `None` fits that sphere into the
-    /// picture.
+    /// Distance from the centre of the body's bounding sphere to the eye, in radii of this sphere; `None` fits the sphere
+    /// into the picture.
     pub distance: Option<f64>,
     /// Width and height in pixels.
     pub size: [u32; 2],
 }
 
 impl Default for View {
-    /// The teapot with its spout to the right and towards the viewer.
+    /// The view of the teapot with its spout to the right and towards the viewer.
     fn default() -> Self {
         Self { azimuth_deg: -60.0, elevation_deg: 24.0, field_of_view_deg: 30.0, distance: None, size: [1024, 1024] }
     }
 }
 
-/// A pinhole.
+/// A pinhole camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where all rays start.
+    /// The point from which all rays start.
     pub eye: DVec3,
-    /// To the right in the picture, unit length.
+    /// Unit vector to the right in the picture.
     pub right: DVec3,
-    /// Upwards in the picture, unit length.
+    /// Unit vector upwards in the picture.
     pub up: DVec3,
-    /// From the mesh to the eye, unit length.
+    /// Unit vector from the body to the eye.
     pub backward: DVec3,
     /// Tangent of the angle from the middle to the edge of the shorter side.
     pub tangent: f64,
@@ -54,10 +54,10 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The camera that looks at the sphere around `centre`.
+    /// The camera of a view that looks at a bounding sphere.
     ///
     /// # Errors
-    /// Wrong usage, if an angle, the distance or the size is out of range.
+    /// An angle, a distance or a size that is out of range, as wrong usage.
     pub fn new(view: &View, centre: DVec3, radius: f64) -> Result<Self> {
         view.check()?;
         let (sin_azimuth, cos_azimuth) = view.azimuth_deg.to_radians().sin_cos();
@@ -76,8 +76,8 @@ impl Camera {
         })
     }
 
-    /// The direction of the ray through a place of the picture, in pixels from its upper left corner; the middle of the first
-    /// pixel is (½, ½). Unit length.
+    /// The unit direction of the ray through a place of the picture, in pixels from its upper left corner; the centre of
+    /// the first pixel is (½, ½).
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let [width, height] = self.size.map(f64::from);

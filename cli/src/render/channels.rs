@@ -1,4 +1,4 @@
-//! In which numbers light is followed: three of RGB, or one for each wavelength.
+//! The channels in which light is traced: R, G and B, or one for each wavelength.
 
 use glam::{DMat3, DVec3};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
@@ -6,40 +6,42 @@ use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
 use crate::colour::visible_weights;
 use crate::support::error::{Error, Result};
 
-/// Where light passes from blue to green and from green to red, in nm, and over how much: the crossings of sRGB's matching
-/// functions, smooth enough not to add features to a spectrum.
+/// Wavelengths at which light passes from blue to green and from green to red: the crossings of sRGB's matching
+/// functions.
 const PASSES_NM: [f64; 2] = [490.0, 575.0];
+/// Width of each of these passages, wide enough to add no features to a spectrum.
 const PASS_WIDTH_NM: f64 = 12.0;
 
-/// The least determinant of the basis' colours, relative to that of exact R, G and B: below, wavelengths cannot tell colours apart.
+/// Smallest determinant of the basis' colours, relative to that of exact R, G and B, at which wavelengths can tell
+/// colours apart.
 const MIN_DETERMINANT: f64 = 1e-3;
 
-/// How light of an environment becomes numbers, and those become the colour of a pixel.
+/// The conversion of an environment's RGB into channels, and of channels into the colour of a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channels {
-    /// Of each channel: its radiance where the environment's R, G or B is 1 and the others 0.
+    /// The radiance of each channel where the environment's R, G or B is 1 and the others are 0.
     basis: Vec<[f32; 3]>,
-    /// Of each channel: R, G and B of its radiance 1.
+    /// R, G and B of radiance 1 in each channel.
     weights: Vec<[f32; 3]>,
 }
 
 impl Channels {
-    /// R, G and B.
+    /// Three channels: R, G and B.
     #[must_use]
     pub fn rgb() -> Self {
         let identity = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         Self { basis: identity.clone(), weights: identity }
     }
 
-    /// Wavelengths, seen by the observer under an illuminant.
+    /// A channel for each wavelength, seen by the observer under an illuminant.
     ///
-    /// An environment's RGB becomes the illuminant times R b_R(λ) + G b_G(λ) + B b_B(λ). The basis starts from three smooth
-    /// bands that add up to 1 and is then mixed linearly, so that it still adds up to 1 (white light is the illuminant
-    /// itself) and each of R, G, B alone gives back its colour on a perfect mirror. It may be slightly negative: saturated
-    /// lights of sRGB are no natural spectra.
+    /// An environment's RGB becomes the illuminant times R b_R(λ) + G b_G(λ) + B b_B(λ). The basis starts from three
+    /// smooth bands that add up to 1. It is then mixed linearly so that it still adds up to 1 (white light is the
+    /// illuminant itself) and each of R, G, B alone keeps its colour on a perfect mirror. It may be slightly negative:
+    /// saturated lights of sRGB are no natural spectra.
     ///
     /// # Errors
-    /// If the wavelengths are invisible or too few to tell R, G and B apart.
+    /// Wavelengths that are invisible, or too few to tell R, G and B apart.
     pub fn spectral(wavelength_nm: &[f64], illuminant: Illuminant, space: RgbSpace) -> Result<Self> {
         let weights: Vec<DVec3> = visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?
             .into_iter()
@@ -67,20 +69,20 @@ impl Channels {
         })
     }
 
-    /// How many there are.
+    /// The number of channels.
     #[must_use]
     pub fn count(&self) -> usize {
         self.basis.len()
     }
 
-    /// Adds `scale` × throughput × the environment's light to the radiance of each channel.
+    /// Adds `scale` × throughput × the environment's light `rgb` to the radiance of each channel.
     pub fn add_light(&self, radiance: &mut [f32], throughput: &[f32], rgb: [f32; 3], scale: f32) {
         for ((sum, through), basis) in radiance.iter_mut().zip(throughput).zip(&self.basis) {
             *sum += scale * through * (basis[0] * rgb[0] + basis[1] * rgb[1] + basis[2] * rgb[2]);
         }
     }
 
-    /// The colour of the radiance in each channel.
+    /// The linear RGB of the radiance in the channels.
     #[must_use]
     pub fn colour(&self, radiance: &[f32]) -> [f32; 3] {
         let mut rgb = [0.0; 3];
@@ -91,7 +93,7 @@ impl Channels {
     }
 }
 
-/// Red, green and blue bands; their sum is 1.
+/// The red, green and blue band at a wavelength; their sum is 1.
 fn bands(nm: f64) -> DVec3 {
     let beyond = PASSES_NM.map(|pass| 1.0 / (1.0 + ((pass - nm) / PASS_WIDTH_NM).exp()));
     DVec3::new(beyond[1], beyond[0] - beyond[1], 1.0 - beyond[0])
@@ -129,10 +131,10 @@ mod tests {
     #[test]
     fn the_basis_is_nearly_positive() {
         let channels = Channels::spectral(&grid(5), Illuminant::D65, RgbSpace::Srgb).unwrap();
-        let least = channels.basis.iter().flatten().copied().fold(f32::INFINITY, f32::min);
-        let most = channels.basis.iter().flatten().copied().fold(0.0, f32::max);
-        println!("{least} to {most}");
-        assert!(least > -0.25 && most < 1.5);
+        let min = channels.basis.iter().flatten().copied().fold(f32::INFINITY, f32::min);
+        let max = channels.basis.iter().flatten().copied().fold(0.0, f32::max);
+        println!("{min} to {max}");
+        assert!(min > -0.25 && max < 1.5);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A rendered picture, and its files.
+//! A rendered picture, and its OpenEXR and PNG files.
 
 use std::io::Cursor;
 
@@ -8,14 +8,14 @@ use super::tone::{ToneMap, exposure};
 use crate::plot::{OutOfGamut, Raster};
 use crate::support::error::{Error, Result};
 
-/// Linear RGB, multiplied by coverage, and coverage; row by row from the top.
+/// A rendered picture: linear RGB multiplied by coverage, and coverage, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Framebuffer {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// R, G, B, A of each pixel.
+    /// R, G, B and A, the coverage, of each pixel.
     pub pixels: Vec<[f32; 4]>,
-    /// Some ray met the body.
+    /// Whether some ray hit the body.
     pub shows_body: bool,
 }
 
@@ -23,7 +23,7 @@ impl Framebuffer {
     /// The bytes of an OpenEXR file: scene-linear R, G, B multiplied by A, 32-bit float. Equal pictures give equal bytes.
     ///
     /// # Errors
-    /// If encoding fails.
+    /// What the OpenEXR encoder refuses.
     pub fn exr(&self, comment: &str) -> Result<Vec<u8>> {
         let [width, height] = self.size.map(|side| side as usize);
         let pixel = |at: exr::math::Vec2<usize>| {
@@ -46,8 +46,8 @@ impl Framebuffer {
         Ok(bytes.into_inner())
     }
 
-    /// The bytes of a PNG file: `stops` brighter, through a tone map, then 8-bit sRGB under the gamut policy of
-    /// pictures. With them, how many of the pixels that are not wholly transparent this policy has changed.
+    /// The bytes of a PNG file: exposed by `stops`, tone-mapped, then 8-bit sRGB under the gamut policy of pictures. The
+    /// second result counts how many of the pixels that are not wholly transparent this policy has changed.
     #[must_use]
     pub fn png(&self, stops: f64, tone: ToneMap) -> (Vec<u8>, OutOfGamut) {
         let [width, height] = self.size;

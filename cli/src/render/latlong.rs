@@ -1,197 +1,122 @@
-//! Lat-long images from the bytes of OpenEXR and Radiance HDR files.
+//! Lat-long images: radiance from every direction on a rectangle.
+//!
+//! The image covers the sphere with its first row around +z and its last around −z. Its middle column is +x, and azimuth
+//! grows to the left, as it does for somebody inside with z up: for a unit direction (x, y, z)
+//!
+//! ```text
+//! u = ½ − atan2(y, x)/2π,   v = acos(z)/π,
+//! ```
+//!
+//! with texel i of n centred at (i + ½)/n. Radiance is bilinear between centres, u wraps around, v is held at the poles.
 
-use glam::Vec3;
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use super::environment::LatLong;
-use super::primaries::{Primaries, are_rec_709, to_rec_709};
-use super::{openexr, radiance};
-use crate::support::error::{Error, Result};
-use crate::support::memory;
+use glam::DVec3;
 
-/// Texels of an image; 8192 × 4096 and half as much again fit in 600 MB.
-const MAX_TEXELS: usize = 50_000_000;
+use crate::support::direction::direction as spherical;
 
-/// Radiance in place of infinity: the largest half.
-const BRIGHTEST: f32 = 65_504.0;
-
-/// A picture as a file holds it.
-#[derive(Debug, PartialEq)]
-pub(super) struct Decoded {
-    pub size: [usize; 2],
-    /// Row by row from the upper left.
-    pub texels: Vec<[f32; 3]>,
-    /// What the file says that R, G, B are.
-    pub primaries: Option<Primaries>,
-    /// It holds luminance alone.
-    pub is_grey: bool,
+/// A lat-long image in linear RGB.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LatLong {
+    size: [usize; 2],
+    texels: Vec<[f32; 3]>,
 }
 
-/// What had to be mended in an image, and how it was understood.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ImageRepairs {
-    /// Negative components, now 0.
-    pub negative: usize,
-    /// Not numbers, now 0.
-    pub not_a_number: usize,
-    /// Infinite or beyond the largest half, now that.
-    pub infinite: usize,
-    /// Its R, G, B had other primaries than Rec. 709, to which they are now converted.
-    pub converted: bool,
-    /// It holds luminance alone, and is taken as grey.
-    pub grey: bool,
-}
-
-impl ImageRepairs {
-    /// One line about each thing that was mended or had to be understood.
+impl LatLong {
+    /// Makes an image of width and height `size` from texels row by row from the top. `None` if there are no texels,
+    /// not `width` × `height` of them, or some component is negative or not finite.
     #[must_use]
-    pub fn notes(&self) -> Vec<String> {
-        let parts = [
-            (self.negative, "negative, now 0"),
-            (self.not_a_number, "not numbers, now 0"),
-            (self.infinite, "infinite, now 65504"),
-        ];
-        let counted: Vec<String> =
-            parts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
-        let mut said = Vec::new();
-        if !counted.is_empty() {
-            said.push(format!("components of the environment: {}", counted.join("; ")));
-        }
-        if self.converted {
-            said.push("its colours are converted from its own primaries to those of Rec. 709 (sRGB)".to_owned());
-        }
-        if self.grey {
-            said.push("it holds luminance alone; the light is grey".to_owned());
-        }
-        said
+    pub fn new(size: [usize; 2], texels: Vec<[f32; 3]>) -> Option<Self> {
+        let fits = !texels.is_empty() && size[0].checked_mul(size[1]) == Some(texels.len());
+        let sound = || texels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0);
+        (fits && sound()).then_some(Self { size, texels })
+    }
+
+    /// Width and height in texels.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// Texels row by row from the top.
+    #[must_use]
+    pub fn texels(&self) -> &[[f32; 3]] {
+        &self.texels
+    }
+
+    /// Radiance from a unit direction.
+    pub(super) fn radiance(&self, direction: DVec3) -> [f32; 3] {
+        let [width, height] = self.size;
+        let [u, v] = place(direction);
+        let (x, y) = (u * width as f64 - 0.5, (v * height as f64 - 0.5).clamp(0.0, (height - 1) as f64));
+        let (left, top) = (x.floor(), y.floor());
+        let (wx, wy) = ((x - left) as f32, (y - top) as f32);
+        let left = (left as isize).rem_euclid(width as isize) as usize;
+        let top = top as usize;
+        let (right, below) = ((left + 1) % width, (top + 1).min(height - 1));
+        let texel = |x: usize, y: usize| self.texels[y * width + x];
+        let [a, b, c, d] = [texel(left, top), texel(right, top), texel(left, below), texel(right, below)];
+        std::array::from_fn(|i| {
+            let (upper, lower) = (a[i] + wx * (b[i] - a[i]), c[i] + wx * (d[i] - c[i]));
+            upper + wy * (lower - upper)
+        })
     }
 }
 
-/// The lat-long image in the bytes of a file that messages call `label`, EXR or Radiance HDR as its first bytes say,
-/// and what had to be mended in it.
-///
-/// # Errors
-/// One line that names the file.
-pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, ImageRepairs)> {
-    let failed = |what: &str| Error::failed(format_args!("{label}: {what}"));
-    let decoded = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        openexr::read(bytes)
-    } else if bytes.starts_with(b"#?") {
-        radiance::read(bytes)
-    } else {
-        Err("neither OpenEXR nor Radiance HDR; export the environment as one of them".to_owned())
-    };
-    let Decoded { size, mut texels, primaries, is_grey } = decoded.map_err(|what| failed(&what))?;
-    let other = primaries.filter(|primaries| !is_grey && !are_rec_709(primaries));
-    if let Some(primaries) = &other {
-        let matrix =
-            to_rec_709(primaries).ok_or_else(|| failed("its primaries span no colours; correct its header"))?;
-        for texel in &mut texels {
-            *texel = (matrix * Vec3::from(*texel).as_dvec3()).as_vec3().to_array();
-        }
-    }
-    // By which the light is sampled.
-    memory::expect(size_of::<f64>() * texels.len(), "the environment").map_err(|error| failed(&error.to_string()))?;
-    let mended = ImageRepairs { converted: other.is_some(), grey: is_grey, ..mend(&mut texels) };
-    if texels.iter().flatten().all(|&x| x == 0.0) {
-        return Err(failed("every texel of the environment is black; the picture would be, too"));
-    }
-    let image = LatLong::new(size, texels).ok_or_else(|| failed("the image is cut short"))?;
-    Ok((image, mended))
+/// The place u, v in [0, 1] of a unit direction in a lat-long image.
+#[must_use]
+pub fn place(direction: DVec3) -> [f64; 2] {
+    let polar = direction.x.hypot(direction.y).atan2(direction.z);
+    [0.5 - direction.y.atan2(direction.x) / TAU, polar * FRAC_1_PI]
 }
 
-/// Whether a picture of this size is one that can be read.
-pub(super) fn check_size(width: usize, height: usize) -> std::result::Result<(), String> {
-    if height == 0 || height.checked_mul(2) != Some(width) {
-        return Err(format!(
-            "{width} × {height} texels are no lat-long image, which is twice as wide as high; convert cube maps and mirror balls"
-        ));
-    }
-    if width.checked_mul(height).is_none_or(|count| count > MAX_TEXELS) {
-        return Err(format!("{width} × {height} texels are too many; {MAX_TEXELS} is the limit, so scale it down"));
-    }
-    Ok(())
-}
-
-fn mend(texels: &mut [[f32; 3]]) -> ImageRepairs {
-    let mut mended = ImageRepairs::default();
-    for x in texels.iter_mut().flatten() {
-        if x.is_nan() {
-            mended.not_a_number += 1;
-            *x = 0.0;
-        } else if *x < 0.0 {
-            mended.negative += 1;
-            *x = 0.0;
-        } else if *x > BRIGHTEST {
-            mended.infinite += 1;
-            *x = BRIGHTEST;
-        }
-    }
-    mended
+/// The unit direction of a place u, v in a lat-long image: the inverse of [`place`].
+#[must_use]
+pub fn direction([u, v]: [f64; 2]) -> DVec3 {
+    spherical(PI * v, TAU * (0.5 - u))
 }
 
 #[cfg(test)]
-mod tests {
-    use std::io::Cursor;
-
-    use exr::prelude::{Encoding, Image, SpecificChannels, WritableImage};
-
+pub(super) mod tests {
     use super::*;
 
-    fn exr(width: usize, height: usize, of: impl Fn(usize) -> f32 + Sync) -> Vec<u8> {
-        let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
-            let i = at.1 * width + at.0;
-            (of(i), 0.5f32, 2.0f32)
-        });
-        let layer = exr::prelude::Layer::new(
-            (width, height),
-            exr::prelude::LayerAttributes::default(),
-            Encoding::SMALL_LOSSLESS,
-            channels,
-        );
-        let mut bytes = Cursor::new(Vec::new());
-        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
-        bytes.into_inner()
-    }
-
-    /// 4 × 2 texels, uncompressed: mantissas and a common exponent.
-    fn hdr() -> Vec<u8> {
-        let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n".to_vec();
-        (0..8).for_each(|i: u8| bytes.extend([128, 64, i, 129]));
-        bytes
+    /// An image of 8 × 4 texels, one of them with bright blue.
+    pub(in super::super) fn sample() -> LatLong {
+        let texel = |i: usize| [0.25 * (i % 5) as f32, (i % 3) as f32, if i == 9 { 40.0 } else { 0.0 }];
+        LatLong::new([8, 4], (0..32).map(texel).collect()).unwrap()
     }
 
     #[test]
-    fn both_formats_are_read() {
-        let (image, mended) = decode("e.exr", &exr(4, 2, |i| i as f32)).unwrap();
-        assert_eq!((image.size(), mended), ([4, 2], ImageRepairs::default()));
-        assert_eq!(image.texels()[5], [5.0, 0.5, 2.0]);
-        let (image, _) = decode("e.hdr", &hdr()).unwrap();
-        // 128 · 2^(129 − 136) = 1
-        assert!((image.texels()[3][0] - 1.0).abs() < 0.01 && (image.texels()[3][2] - 3.0 / 128.0).abs() < 0.01);
-    }
-
-    #[test]
-    fn what_is_no_radiance_is_mended_and_said() {
-        let strange = [1.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, 0.0, 0.0];
-        let (image, mended) = decode("e.exr", &exr(4, 2, |i| strange[i])).unwrap();
-        assert_eq!(mended, ImageRepairs { negative: 2, not_a_number: 1, infinite: 1, ..ImageRepairs::default() });
-        assert_eq!(image.texels()[3][0], BRIGHTEST);
-        assert_eq!(
-            mended.notes(),
-            ["components of the environment: 2 negative, now 0; 1 not numbers, now 0; 1 infinite, now 65504"]
-        );
-        assert!(ImageRepairs::default().notes().is_empty());
-    }
-
-    #[test]
-    fn faults_are_named() {
-        let refusal = |bytes: &[u8]| decode("e", bytes).unwrap_err().to_string();
-        assert!(refusal(b"\x89PNG").starts_with("e: neither OpenEXR nor Radiance HDR"));
-        assert!(refusal(&exr(3, 2, |_| 1.0)).contains("3 × 2 texels are no lat-long image"));
-        for good in [exr(4, 2, |_| 1.0), hdr()] {
-            for length in 0..good.len() - 1 {
-                assert!(!refusal(&good[..length]).contains('\n'));
-            }
+    fn places_and_directions_are_inverse_and_named_ones_are_where_the_words_say() {
+        for (d, [u, v]) in [
+            (DVec3::X, [0.5, 0.5]),
+            (DVec3::Y, [0.25, 0.5]),
+            (DVec3::NEG_Y, [0.75, 0.5]),
+            (DVec3::Z, [0.5, 0.0]),
+            (DVec3::NEG_Z, [0.5, 1.0]),
+        ] {
+            assert!(place(d).iter().zip([u, v]).all(|(a, b)| (a - b).abs() < 1e-12), "{d}");
+            assert!(direction([u, v]).distance(d) < 1e-12);
         }
+    }
+
+    #[test]
+    fn texels_come_back_at_their_centres_and_blend_across_the_seam() {
+        let (image, [width, height]) = (sample(), [8, 4]);
+        for (i, texel) in image.texels().iter().enumerate() {
+            let at = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
+            let found = image.radiance(direction([at[0] / width as f64, at[1] / height as f64]));
+            assert!(found.iter().zip(texel).all(|(a, b)| (a - b).abs() < 1e-4), "{i}: {found:?} {texel:?}");
+        }
+        let seam = image.radiance(direction([0.0, 1.5 / 4.0]));
+        let sides = [image.texels()[8], image.texels()[15]];
+        assert!((0..3).all(|c| (seam[c] - 0.5 * (sides[0][c] + sides[1][c])).abs() < 1e-4), "{seam:?}");
+    }
+
+    #[test]
+    fn what_is_no_image_is_refused() {
+        assert!(LatLong::new([0, 0], vec![]).is_none());
+        assert!(LatLong::new([2, 1], vec![[0.0; 3]]).is_none());
+        assert!(LatLong::new([1, 1], vec![[f32::NAN, 0.0, 0.0]]).is_none());
     }
 }

@@ -1,46 +1,34 @@
-//! Meshes to show a surface on: triangles with a frame (t, n, b) at each vertex, the paper's section 3.3. z is up.
+//! Triangle meshes to show a surface on, with a frame (t, n, b) at each vertex, as in the paper's section 3.3. z is up.
 //!
-//! Nothing here reads or writes files. Lengths have no unit: the camera fits itself to the mesh.
+//! Lengths have no unit: the camera fits itself to the mesh.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-pub use super::obj::MeshRepairs;
-use super::{obj, teapot};
 pub use crate::obj::Axes;
-use crate::support::error::Result;
 
-/// Segments along each edge of a patch: at 1024 pixels, no silhouette is off by a tenth of a pixel.
+/// Segments along each edge of a patch of the teapot: at 1024 pixels, no silhouette is off by a tenth of a pixel.
 pub const DEFAULT_LEVEL: u32 = 32;
 
 /// Triangles with a frame at each vertex.
 ///
-/// Vertices at one place have bitwise equal positions even where their normals differ, so neighbouring triangles leave no
-/// gap. Front sides are counter-clockwise; normals point to them.
+/// Vertices at one place have bitwise equal positions even where their normals differ, so neighbouring triangles leave
+/// no gap. Corners are counter-clockwise seen from the front, and normals point to the front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
-    /// Of each vertex.
+    /// Position of each vertex.
     pub positions: Vec<DVec3>,
-    /// n of each vertex, of unit length.
+    /// Normal n of each vertex, of unit length.
     pub normals: Vec<DVec3>,
-    /// t of each vertex, of unit length and at right angles to n; b = n × t.
+    /// Tangent t of each vertex, of unit length and perpendicular to n; the binormal is b = n × t.
     pub tangents: Vec<DVec3>,
-    /// Indices of vertices.
+    /// Indices of the three vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl TriangleMesh {
-    /// Newell's teapot, each of its 32 patches cut into `level` × `level` quads; t along the first parameter of the patch,
-    /// which runs around the pot.
-    ///
-    /// Normals and tangents are those of the patches themselves, at their poles the limits.
-    #[must_use]
-    pub fn teapot(level: u32) -> Self {
-        teapot::tessellate(level)
-    }
-
-    /// The unit sphere, `4 level` segments around and `2 level` from pole to pole; t points eastwards.
+    /// The unit sphere in `4 level` segments around z and `2 level` from pole to pole; t points eastwards.
     #[must_use]
     pub fn sphere(level: u32) -> Self {
         let (around, down) = (4 * level, 2 * level);
@@ -59,7 +47,7 @@ impl TriangleMesh {
         mesh
     }
 
-    /// The square from −1 to 1 in x and y, facing up; t along x.
+    /// The square from −1 to 1 in x and y, with its front up; t along x.
     #[must_use]
     pub fn plane() -> Self {
         let mut mesh = Self::default();
@@ -70,27 +58,17 @@ impl TriangleMesh {
         mesh
     }
 
-    /// The mesh in the text of an OBJ file that messages call `label`, turned so that z is up, and what had to be
-    /// mended in it.
-    ///
-    /// t follows the first texture coordinate where there is one, and is horizontal elsewhere.
-    ///
-    /// # Errors
-    /// One line that names the file, and the line in it where that is known.
-    pub fn from_obj(label: &str, text: &str, axes: Axes) -> Result<(Self, MeshRepairs)> {
-        obj::read(label, text, axes)
-    }
-
-    /// Adds a vertex.
+    /// Adds a vertex, with the tangent nearest to `tangent` that is perpendicular to the normal.
     pub(super) fn push(&mut self, position: DVec3, normal: DVec3, tangent: DVec3) {
         self.positions.push(position);
         self.normals.push(normal);
         self.tangents.push(tangent_across(normal, tangent));
     }
 
-    /// Two triangles for each quad of a grid of vertices, row by row from `first`, leaving out those without area.
+    /// Adds two triangles for each quad of a grid of vertices, row by row from the vertex `first`, except triangles
+    /// without area.
     ///
-    /// `counter_clockwise`: a step along a row, then one along a column, turns left seen from the front.
+    /// `counter_clockwise` says that a step along a row and then one along a column turn left, seen from the front.
     pub(super) fn grid(&mut self, first: u32, columns: u32, rows: u32, counter_clockwise: bool) {
         for row in 0..rows {
             for column in 0..columns {
@@ -107,22 +85,22 @@ impl TriangleMesh {
         }
     }
 
-    /// The middle of the box around the mesh, and the distance from there to the farthest vertex.
+    /// A sphere that holds the mesh: the middle of its bounding box, and the distance from there to the farthest vertex.
     #[must_use]
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
-        let least = self.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let most = self.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let centre = 0.5 * (least + most);
+        let min = self.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let max = self.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = 0.5 * (min + max);
         (centre, self.positions.iter().map(|p| p.distance(centre)).fold(0.0, f64::max))
     }
 
-    /// The frame at a point of a triangle: normal and tangent interpolated linearly between its vertices.
+    /// The shading frame at a point of a triangle: normal and tangent interpolated linearly between its vertices.
     #[must_use]
     pub fn frame(&self, triangle: u32, point: DVec3) -> ShadingFrame {
         let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
         let [a, b, c] = corners.map(|corner| self.positions[corner]);
         let across = (b - a).cross(c - a);
-        // Shares of the vertices: the areas opposite to them.
+        // Barycentric coordinates: the areas opposite to the vertices.
         let share = |p: DVec3, q: DVec3| ((p - point).cross(q - point).dot(across) / across.length_squared()).max(0.0);
         let shares = [share(b, c), share(c, a), share(a, b)];
         let mean = |of: &[DVec3]| corners.iter().zip(shares).map(|(&corner, w)| w * of[corner]).sum::<DVec3>();
@@ -133,20 +111,23 @@ impl TriangleMesh {
     }
 }
 
-/// The directions of a surface at a point.
+/// The frame of a surface at a point: its tangent, its normal and that of the flat triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingFrame {
-    /// t.
+    /// Tangent t.
     pub tangent: DVec3,
-    /// n of the smooth surface.
+    /// Normal n of the smooth surface.
     pub normal: DVec3,
-    /// The normal of the flat triangle.
+    /// Normal of the flat triangle.
     pub face: DVec3,
 }
 
 impl ShadingFrame {
-    /// The frame that a viewer in the direction `wo` sees: both sides of a surface carry the same structure, so behind it n and
-    /// b turn over; and n stays at least at right angles to `wo`, which interpolated normals at a silhouette miss by a little.
+    /// The frame that a viewer in the direction `wo` sees.
+    ///
+    /// Both sides of a surface carry the same structure, so n and b point the other way for a viewer behind it. At a
+    /// silhouette, interpolated normals may point away from the viewer by a little; n is then made perpendicular to
+    /// `wo`.
     #[must_use]
     pub fn facing(self, wo: DVec3) -> Self {
         let side = if wo.dot(self.face) < 0.0 { -1.0 } else { 1.0 };
@@ -158,26 +139,27 @@ impl ShadingFrame {
         Self { tangent: tangent_across(normal, self.tangent), normal, face }
     }
 
-    /// b = n × t.
+    /// Binormal b = n × t.
     #[must_use]
     pub fn binormal(&self) -> DVec3 {
         self.normal.cross(self.tangent)
     }
 
-    /// A direction of the world in the surface frame: x along t, y along b, z along n.
+    /// Takes a direction of the world into the surface frame: x along t, y along b, z along n.
     #[must_use]
     pub fn to_local(&self, world: DVec3) -> DVec3 {
         DVec3::new(world.dot(self.tangent), world.dot(self.binormal()), world.dot(self.normal))
     }
 
-    /// A direction of the surface frame in the world.
+    /// Takes a direction of the surface frame into the world.
     #[must_use]
     pub fn to_world(&self, local: DVec3) -> DVec3 {
         local.x * self.tangent + local.y * self.binormal() + local.z * self.normal
     }
 }
 
-/// The part of `wanted` at right angles to the normal, of unit length; the horizontal where nothing is left of it.
+/// The unit vector perpendicular to the normal that is nearest to `wanted`; a horizontal one where `wanted` is along the
+/// normal.
 #[must_use]
 pub fn tangent_across(normal: DVec3, wanted: DVec3) -> DVec3 {
     let across = |v: DVec3| (v - v.dot(normal) * normal).try_normalize();
@@ -191,7 +173,7 @@ pub fn tangent_across(normal: DVec3, wanted: DVec3) -> DVec3 {
 pub(super) mod tests {
     use super::*;
 
-    /// Vertices have unit frames at right angles, and every normal lies on the front side of its triangles.
+    /// Asserts that vertices have orthonormal frames, and that every normal lies on the front side of its triangles.
     pub(in super::super) fn check(mesh: &TriangleMesh) {
         for (normal, tangent) in mesh.normals.iter().zip(&mesh.tangents) {
             assert!((normal.length() - 1.0).abs() < 1e-12 && (tangent.length() - 1.0).abs() < 1e-12);
@@ -207,7 +189,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Edges, by the bits of their ends, that are not met once in each direction.
+    /// The number of edges, told apart by the bits of their ends, that are not crossed once in each direction.
     pub(in super::super) fn open_edges(mesh: &TriangleMesh) -> usize {
         let mut edges = std::collections::HashMap::new();
         let bits = |corner: u32| mesh.positions[corner as usize].to_array().map(|x| (x + 0.0).to_bits());

@@ -1,25 +1,29 @@
-//! Pictures of a surface on a lit body: what `goniochrome render` draws, and `goniochrome view` shows.
+//! Pictures of a surface on a lit body, for `goniochrome render` and `goniochrome view`.
 //!
-//! Nothing here reads or writes files. [`mesh`] is what is lit, [`camera`] from where it is seen, [`environment`] by what it is
-//! lit, [`surface`] how it reflects; [`render()`] makes a [`framebuffer`], which [`tone`] brings to a screen.
+//! A [`body`] has a shape, often a [`mesh`]. A [`surface`] says how it reflects, an [`environment`] how it is lit and a
+//! [`camera`] from where it is seen. [`render()`] makes a [`framebuffer`], which [`tone`] mapping brings to a screen.
+//! Nothing here reads or writes files.
 //!
 //! The world is right-handed with z up. Directions are unit vectors; `wo` points to the viewer and `wi` to the light.
 
-pub mod body;
-pub mod camera;
-pub mod channels;
-pub mod environment;
-pub mod framebuffer;
-mod latlong;
-pub mod mesh;
-mod obj;
-mod openexr;
-mod primaries;
-mod radiance;
-pub mod studio;
-pub mod surface;
-mod teapot;
 pub mod tone;
+pub mod channels;
+pub mod mesh;
+pub mod obj;
+pub mod teapot;
+pub mod body;
+mod primaries;
+mod picture;
+mod openexr;
+mod radiance;
+pub mod latlong;
+pub mod decode;
+pub mod studio;
+mod distribution;
+pub mod environment;
+pub mod surface;
+pub mod camera;
+pub mod framebuffer;
 mod tracer;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,53 +33,53 @@ use camera::Camera;
 use environment::Environment;
 use framebuffer::Framebuffer;
 use surface::Surface;
-use tracer::{Scratch, Stream, Tracer};
+use tracer::{SampleStream, Scratch, Tracer};
 
 use crate::support::error::Result;
 use crate::support::{memory, parallel};
 
-/// What is seen past the body.
+/// The background of a picture, seen past the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Background {
     /// The environment.
     #[default]
     Environment,
-    /// Nothing: coverage 0.
+    /// Nothing; coverage is 0.
     Transparent,
     /// One linear RGB colour.
     Colour([f32; 3]),
 }
 
-/// How carefully to draw.
+/// The quality of a picture, and the threads that draw it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Rays through each pixel: one through its middle, or spread evenly over its square.
+    /// Rays through each pixel: one through its centre, or several spread evenly over its square.
     pub samples: u32,
-    /// Reflections by the body that light is followed over, at least 1.
+    /// Largest number of reflections by the body on a light path, at least 1.
     pub reflections: u32,
-    /// Threads; the picture does not depend on them.
+    /// Number of threads; the picture does not depend on it.
     pub threads: usize,
 }
 
 /// A body in its light, seen by a camera.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Stage<'a> {
-    /// What is lit.
+    /// The body.
     pub body: &'a Body<'a>,
-    /// How it reflects.
+    /// Its reflection.
     pub surface: &'a Surface,
-    /// By what it is lit.
+    /// The light around it.
     pub environment: &'a Environment,
-    /// From where it is seen.
+    /// The camera.
     pub camera: &'a Camera,
-    /// What is seen past it.
+    /// The background.
     pub background: Background,
 }
 
-/// Draws the picture; `tick` is called after each of its rows.
+/// Renders the picture of a stage; `tick` is called after each row of pixels.
 ///
 /// # Errors
-/// If the surface's table cannot be sampled, or memory for the picture is short.
+/// A table that cannot be sampled, or too little memory for the picture.
 pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) -> Result<Framebuffer> {
     let mut memory = Vec::new();
     let tracer = Tracer {
@@ -104,7 +108,7 @@ pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) ->
     Ok(Framebuffer { size: stage.camera.size, pixels, shows_body: shows_body.into_inner() })
 }
 
-/// The mean over a pixel, and whether any of the body is in it.
+/// The mean over the samples of a pixel, and whether any of them hit the body.
 fn shade(
     stage: &Stage<'_>,
     tracer: &Tracer<'_>,
@@ -116,10 +120,10 @@ fn shade(
     let (mut behind, mut covered) = ([0.0; 3], 0);
     scratch.radiance.fill(0.0);
     for sample in 0..samples {
-        let mut stream = Stream::new(sample, y * camera.size[0] + x);
+        let mut stream = SampleStream::new(sample, y * camera.size[0] + x);
         let [right, down] = if samples == 1 { [0.5; 2] } else { stream.next() };
         let direction = camera.direction(f64::from(x) + right, f64::from(y) + down);
-        if tracer.add(camera.eye, direction, &mut stream, scratch) {
+        if tracer.trace(camera.eye, direction, &mut stream, scratch) {
             covered += 1;
             continue;
         }

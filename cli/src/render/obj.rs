@@ -1,4 +1,4 @@
-//! Any OBJ as a mesh to show a surface on.
+//! Triangle meshes from OBJ files: polygons are cut into triangles, and missing normals are computed.
 
 use std::collections::HashMap;
 
@@ -10,60 +10,75 @@ use crate::obj::{self, Axes, Detail, MAX_TRIANGLES, Reader, Statement};
 use crate::support::error::{Error, Result};
 use crate::support::memory;
 
-/// Facets that meet at a wider angle keep an edge between them where a file has no normals.
+/// Facets whose normals differ by more than this angle keep a visible edge between them where a file has no normals.
 pub(crate) const CREASE_DEG: f64 = 45.0;
 
-/// Normals nearer to each other are those of one plane: single precision does not tell them apart.
+/// Distance of unit normals below which facets lie in one plane: single precision does not tell them apart.
 const SAME_NORMAL: f64 = 1e-6;
 
-/// Largest coordinate: fourth powers and their sums are far from the largest number.
+/// Largest coordinate of a vertex: fourth powers and their sums are far from the largest number.
 const MAX_COORDINATE: f64 = 1e30;
 
-/// Of memory for each triangle: the file's corners, the mesh, its hierarchy and, at worst, normals by computation.
+/// Memory for each triangle: the file's corners, the mesh, its hierarchy and, at worst, computed normals.
 const BYTES: usize = 1600;
 
-/// Twice the smallest area: its square is far from the smallest number.
-const MIN_AREA: f64 = 1e-150;
+/// Twice the smallest area of a triangle: its square is far from the smallest number.
+const MIN_DOUBLE_AREA: f64 = 1e-150;
 
-/// What had to be mended in a mesh.
+/// What was changed in a mesh before its use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshRepairs {
-    /// Triangles of the mesh.
+    /// Number of triangles of the mesh.
     pub triangles: usize,
-    /// Triangles of which a corner had no normal, or one that is no direction. Those normals were computed; others were
-    /// kept.
+    /// Triangles with a corner that had no normal, or a normal that is no direction. These normals were computed, all
+    /// others kept.
     pub without_normals: usize,
-    /// Triangles without area, which were left out; a polygon without area counts as one.
+    /// Number of triangles without area, which were left out; a polygon without area counts as one.
     pub without_area: usize,
 }
 
 impl MeshRepairs {
-    /// One line for each kind of repair.
+    /// Messages for the user, one line for each kind of repair; empty if there are none.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let mut said = Vec::new();
+        let mut notes = Vec::new();
         let Self { triangles, without_normals, without_area } = self;
         if *without_normals > 0 {
-            said.push(format!(
+            notes.push(format!(
                 "{without_normals} of {triangles} triangles have corners without normals; they were computed, smooth across edges of up to {CREASE_DEG} degrees"
             ));
         }
         if *without_area > 0 {
-            said.push(format!("{without_area} triangles have no area; they were left out"));
+            notes.push(format!("{without_area} triangles have no area; they were left out"));
         }
-        said
+        notes
     }
 }
 
-/// A corner of a triangle in the file.
+impl TriangleMesh {
+    /// The mesh in the text of an OBJ file, turned so that z is up, with what had to be repaired in it. `label` names
+    /// the file in messages.
+    ///
+    /// t follows the first texture coordinate where there is one, and is horizontal elsewhere.
+    ///
+    /// # Errors
+    /// Text that is not OBJ, polygons that cross themselves, coordinates above 10³⁰, too many triangles, no triangle with
+    /// an area, or too little memory. The message is one line that names the file and, where it is known, the line in
+    /// it.
+    pub fn from_obj(label: &str, text: &str, axes: Axes) -> Result<(Self, MeshRepairs)> {
+        read(label, text, axes)
+    }
+}
+
+/// A corner of a polygon or a triangle, with the normal and the first texture coordinate that the file gives it.
 #[derive(Clone, Copy)]
-struct Corner {
+struct MeshCorner {
     position: DVec3,
     normal: Option<DVec3>,
     texture: Option<f64>,
 }
 
-pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh, MeshRepairs)> {
+fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh, MeshRepairs)> {
     let mut repairs = MeshRepairs::default();
     let facets = facets(label, text, axes, &mut repairs)?;
     if facets.is_empty() {
@@ -74,11 +89,11 @@ pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh,
     memory::expect(BYTES * facets.len(), format_args!("the mesh {label}"))?;
     repairs.triangles = facets.len();
     repairs.without_normals = facets.iter().filter(|facet| facet.iter().any(|corner| corner.normal.is_none())).count();
-    let smooth = (repairs.without_normals > 0).then(|| Smooth::new(&facets));
+    let smooth = (repairs.without_normals > 0).then(|| SmoothNormals::new(&facets));
 
     let mut mesh = TriangleMesh::default();
     for facet in &facets {
-        let face = across(facet).normalize();
+        let face = area_normal(facet).normalize();
         let along = texture_direction(facet);
         let first = mesh.positions.len() as u32; // at most three for each triangle
         for corner in facet {
@@ -91,9 +106,9 @@ pub(super) fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh,
     Ok((mesh, repairs))
 }
 
-/// The triangles of the file that have an area. Polygons are cut as they are seen along their mean normal, planar or
-/// not.
-fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Result<Vec<[Corner; 3]>> {
+/// The triangles of the file that have an area. Polygons, planar or not, are cut as they are seen along their mean
+/// normal.
+fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Result<Vec<[MeshCorner; 3]>> {
     let (mut positions, mut normals, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     let mut facets = Vec::new();
     let (mut corners, mut places, mut cut) = (Vec::new(), Vec::new(), Cut::default());
@@ -112,7 +127,7 @@ fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Res
             }
             Statement::Texture(texture) => memory::push(&mut textures, texture, "the texture coordinates of a mesh")?,
             Statement::Face(face) => {
-                let corner = |corner: &obj::Corner| Corner {
+                let corner = |corner: &obj::Corner| MeshCorner {
                     position: positions[corner.vertex as usize],
                     normal: corner.normal.and_then(|normal| normals[normal as usize]),
                     texture: corner.texture.map(|texture| textures[texture as usize]).filter(|t: &f64| t.is_finite()),
@@ -120,7 +135,7 @@ fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Res
                 corners.clear();
                 corners.extend(face.iter().map(corner));
                 places.clear();
-                places.extend(corners.iter().map(|corner: &Corner| corner.position));
+                places.extend(corners.iter().map(|corner: &MeshCorner| corner.position));
                 match if corners.len() < 3 { Err(Uncut::NoArea) } else { cut.cut(&places) } {
                     Ok(()) => {}
                     Err(Uncut::NoArea) => {
@@ -131,7 +146,7 @@ fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Res
                 }
                 for triangle in &cut.triangles {
                     let facet = triangle.map(|i| corners[i]);
-                    if area(&facet) > MIN_AREA {
+                    if double_area(&facet) > MIN_DOUBLE_AREA {
                         memory::push(&mut facets, facet, "the triangles of a mesh")?;
                     } else {
                         repairs.without_area += 1;
@@ -147,48 +162,50 @@ fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Res
     Ok(facets)
 }
 
-/// The unit vector along a vector of any length; `None` if it has none.
+/// The unit vector along a vector of any length; `None` if the vector is 0 or not finite.
 fn direction(vector: DVec3) -> Option<DVec3> {
     let largest = vector.abs().max_element();
     (vector.is_finite() && largest > 0.0).then(|| (vector / largest).normalize())
 }
 
-fn across(facet: &[Corner; 3]) -> DVec3 {
+/// The normal of a facet, of twice its area in length.
+fn area_normal(facet: &[MeshCorner; 3]) -> DVec3 {
     let [a, b, c] = facet.map(|corner| corner.position);
     (b - a).cross(c - a)
 }
 
-fn area(facet: &[Corner; 3]) -> f64 {
-    across(facet).length()
+/// Twice the area of a facet.
+fn double_area(facet: &[MeshCorner; 3]) -> f64 {
+    area_normal(facet).length()
 }
 
-/// The direction in a facet in which the first texture coordinate rises.
-fn texture_direction(facet: &[Corner; 3]) -> Option<DVec3> {
+/// The direction in a facet along which the first texture coordinate rises; `None` without texture coordinates.
+fn texture_direction(facet: &[MeshCorner; 3]) -> Option<DVec3> {
     let [a, b, c] = facet.map(|corner| corner.position);
     let [ua, ub, uc] = facet.map(|corner| corner.texture);
     // The gradient of the linear function of these values over the facet.
     let (ub, uc) = (ub? - ua?, uc? - ua?);
-    across(facet).cross((b - a) * uc - (c - a) * ub).try_normalize()
+    area_normal(facet).cross((b - a) * uc - (c - a) * ub).try_normalize()
 }
 
-/// Computed normals: of the facets at a vertex, those that make no crease with the facet at hand, by the angle that
-/// each fills there.
-struct Smooth(HashMap<[u64; 3], Around>);
+/// Computed vertex normals: the mean over the facets at a vertex that make no crease with the facet at hand, each
+/// weighted by its angle at the vertex.
+struct SmoothNormals(HashMap<[u64; 3], VertexFacets>);
 
 /// The facets at a vertex.
 #[derive(Default)]
-struct Around {
-    /// The normal of each, and the angle that it fills; neighbours in a plane count as one.
+struct VertexFacets {
+    /// The normal of each facet, and its angle at the vertex; neighbours in a plane count as one.
     facets: Vec<(DVec3, f64)>,
-    /// The sum over all facets, if no two of them make a crease. Then it is the same for each.
+    /// The sum over all facets if no two of them make a crease, and the result is therefore the same for each.
     whole: Option<DVec3>,
 }
 
-impl Smooth {
-    fn new(facets: &[[Corner; 3]]) -> Self {
-        let mut at: HashMap<_, Around> = HashMap::new();
+impl SmoothNormals {
+    fn new(facets: &[[MeshCorner; 3]]) -> Self {
+        let mut at: HashMap<_, VertexFacets> = HashMap::new();
         for facet in facets {
-            let face = across(facet).normalize();
+            let face = area_normal(facet).normalize();
             for i in 0..3 {
                 let [p, q, r] = [0, 1, 2].map(|k| facet[(i + k) % 3].position);
                 let angle = (q - p).angle_between(r - p);
@@ -201,7 +218,7 @@ impl Smooth {
         }
         // Two directions within half the angle of a third are within the angle of each other.
         let near = (0.5 * CREASE_DEG).to_radians().cos();
-        for Around { facets, whole } in at.values_mut() {
+        for VertexFacets { facets, whole } in at.values_mut() {
             let middle = facets.iter().map(|(face, _)| face).sum::<DVec3>().normalize_or_zero();
             if facets.iter().all(|(face, _)| face.dot(middle) >= near) {
                 *whole = Some(facets.iter().map(|&(face, angle)| angle * face).sum());
@@ -210,16 +227,17 @@ impl Smooth {
         Self(at)
     }
 
+    /// The normal at a vertex for a facet of the normal `face`.
     fn at(&self, position: DVec3, face: DVec3) -> DVec3 {
-        let Some(Around { facets, whole }) = self.0.get(&bits(position)) else { return face };
-        let least = CREASE_DEG.to_radians().cos();
+        let Some(VertexFacets { facets, whole }) = self.0.get(&bits(position)) else { return face };
+        let min_cos = CREASE_DEG.to_radians().cos();
         let sum =
-            || facets.iter().filter(|(other, _)| other.dot(face) >= least).map(|&(other, angle)| angle * other).sum();
+            || facets.iter().filter(|(other, _)| other.dot(face) >= min_cos).map(|&(other, angle)| angle * other).sum();
         whole.unwrap_or_else(sum).try_normalize().unwrap_or(face)
     }
 }
 
-/// What two vertices at one place share; 0 and −0 are one.
+/// The bits of a place, which tell vertices apart; 0 and −0 are one place.
 fn bits(position: DVec3) -> [u64; 3] {
     position.to_array().map(|x| (x + 0.0).to_bits())
 }
@@ -234,7 +252,7 @@ mod tests {
         super::read("m.obj", text, Axes::ZUp)
     }
 
-    /// The area of a mesh.
+    /// The total area of a mesh.
     fn area_of(mesh: &TriangleMesh) -> f64 {
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
@@ -272,7 +290,7 @@ mod tests {
             text += &format!("v {cos} {sin} 0\n");
         }
         (0..count).for_each(|i| text += &format!("f 1 {} {}\n", 2 + i, 2 + (i + 1) % count));
-        let smooth = Smooth::new(&facets("m.obj", &text, Axes::ZUp, &mut MeshRepairs::default()).unwrap());
+        let smooth = SmoothNormals::new(&facets("m.obj", &text, Axes::ZUp, &mut MeshRepairs::default()).unwrap());
         assert!(smooth.0[&bits(DVec3::new(0.0, 0.0, 0.1))].whole.is_some());
         assert!(smooth.at(DVec3::new(0.0, 0.0, 0.1), DVec3::X).distance(DVec3::Z) < 1e-9);
     }

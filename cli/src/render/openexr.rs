@@ -1,7 +1,7 @@
-//! Pictures in OpenEXR files: R, G, B or luminance, whichever part or layer they stand in.
+//! Pictures in OpenEXR files: R, G, B or luminance, in any part or layer.
 //!
-//! A channel's name is that of its layer, a point, and its own: `View Layer.Combined.R`. Channels without a layer come
-//! before layers; among several layers the one that Blender calls Combined is the picture; anything else is ambiguous
+//! A channel is named by its layer, a point, and its own name: `View Layer.Combined.R`. Channels without a layer are
+//! preferred; among several layers, the one that Blender calls Combined is the picture. Any other choice is ambiguous
 //! and refused.
 
 use std::io::Cursor;
@@ -12,27 +12,25 @@ use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text};
 
-use super::latlong::{Decoded, check_size};
+use super::picture::{Decoded, ReadResult, check_size};
 use crate::support::memory;
 
-/// Layers or channels that a message lists.
-const LISTED: usize = 12;
-
-type Result<T> = std::result::Result<T, String>;
+/// Largest number of layers or channels that a message lists.
+const MAX_LISTED: usize = 12;
 
 /// The channels of a picture in a file.
 #[derive(Debug, PartialEq)]
-struct Source {
-    /// The part they stand in.
+struct PictureChannels {
+    /// The part of the file that holds them.
     part: usize,
-    /// What their names begin with: a layer and a point, or nothing.
+    /// The prefix of their names: a layer and a point, or nothing.
     prefix: String,
-    /// Y instead of R, G, B.
+    /// Whether the picture is Y instead of R, G, B.
     is_grey: bool,
 }
 
-/// The picture in the bytes of a file.
-pub(super) fn read(bytes: &[u8]) -> Result<Decoded> {
+/// Reads the picture in the bytes of a file.
+pub(super) fn read(bytes: &[u8]) -> ReadResult<Decoded> {
     let broken = |error: exr::error::Error| format!("not a readable EXR file: {error}; export it anew");
     let meta = MetaData::read_from_buffered(bytes, false).map_err(broken)?;
     let is_table = |name: &Text| name.to_string().starts_with("goniochrome.");
@@ -57,14 +55,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<Decoded> {
     Ok(Decoded { size: [width, height], texels, primaries, is_grey: source.is_grey })
 }
 
-/// Fills texels from the channels of a source.
+/// Fills texels from the channels of a picture.
 fn texels_of(
     bytes: &[u8],
-    source: &Source,
+    source: &PictureChannels,
     width: usize,
     texels: Vec<[f32; 3]>,
-) -> std::result::Result<Vec<[f32; 3]>, exr::error::Error> {
-    // Made before, with an error where memory is short; the reader asks for it once, from the layer that it finds.
+) -> Result<Vec<[f32; 3]>, exr::error::Error> {
+    // Allocated beforehand, where too little memory is an error; the reader asks for it once, from the layer that it
+    // finds.
     let made = Mutex::new(texels);
     let take = || std::mem::take(&mut *made.lock().unwrap_or_else(std::sync::PoisonError::into_inner));
     let name = |channel: &str| Text::from(format!("{}{channel}", source.prefix).as_str());
@@ -83,15 +82,15 @@ fn texels_of(
     Ok(read.from_buffered(Cursor::new(bytes))?.layer_data.channel_data.pixels)
 }
 
-/// Which channels are the picture.
-fn choose(headers: &[Header]) -> Result<Source> {
+/// Chooses the channels that are the picture.
+fn choose(headers: &[Header]) -> ReadResult<PictureChannels> {
     let (mut colours, mut greys, mut chromas, mut all) = (Vec::new(), Vec::new(), 0, Vec::new());
     for (part, header) in headers.iter().enumerate().filter(|(_, header)| !header.deep) {
         let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
         for name in &names {
             let has = |prefix: &str, own: &str| names.iter().any(|name| name.strip_prefix(prefix) == Some(own));
             let (prefix, own) = name.rfind('.').map_or(("", name.as_str()), |point| name.split_at(point + 1));
-            let source = |is_grey| Source { part, prefix: prefix.to_owned(), is_grey };
+            let source = |is_grey| PictureChannels { part, prefix: prefix.to_owned(), is_grey };
             match own {
                 "R" if has(prefix, "G") && has(prefix, "B") => colours.push(source(false)),
                 "Y" if has(prefix, "RY") || has(prefix, "BY") => chromas += 1,
@@ -108,9 +107,9 @@ fn choose(headers: &[Header]) -> Result<Source> {
         return Err("its pixels are luminance and chroma (Y, RY, BY); export R, G, B".to_owned());
     }
     let mut found = if colours.is_empty() { greys } else { colours };
-    let count = |test: &dyn Fn(&Source) -> bool| found.iter().filter(|source| test(source)).count();
-    let is_plain = |source: &Source| source.prefix.is_empty();
-    let is_combined = |source: &Source| source.prefix == "Combined." || source.prefix.ends_with(".Combined.");
+    let count = |test: &dyn Fn(&PictureChannels) -> bool| found.iter().filter(|source| test(source)).count();
+    let is_plain = |source: &PictureChannels| source.prefix.is_empty();
+    let is_combined = |source: &PictureChannels| source.prefix == "Combined." || source.prefix.ends_with(".Combined.");
     match (count(&is_plain), count(&is_combined)) {
         (1, _) => found.retain(is_plain),
         (0, 1) => found.retain(is_combined),
@@ -120,7 +119,7 @@ fn choose(headers: &[Header]) -> Result<Source> {
         1 => Ok(found.remove(0)),
         0 => Err(format!("it holds the channels {}, but neither R, G, B nor Y; export a picture", listed(&all))),
         count => {
-            let name = |source: &Source| {
+            let name = |source: &PictureChannels| {
                 let part = headers[source.part].own_attributes.layer_name.as_ref().map(Text::to_string);
                 let layer = source.prefix.trim_end_matches('.');
                 if layer.is_empty() {
@@ -136,8 +135,8 @@ fn choose(headers: &[Header]) -> Result<Source> {
 }
 
 fn listed(names: &[String]) -> String {
-    let shown: Vec<String> = names.iter().take(LISTED).map(|name| format!("{name:?}")).collect();
-    let more = if names.len() > LISTED { format!(" and {} more", names.len() - LISTED) } else { String::new() };
+    let shown: Vec<String> = names.iter().take(MAX_LISTED).map(|name| format!("{name:?}")).collect();
+    let more = if names.len() > MAX_LISTED { format!(" and {} more", names.len() - MAX_LISTED) } else { String::new() };
     format!("{}{more}", shown.join(", "))
 }
 

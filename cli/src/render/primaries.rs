@@ -1,28 +1,28 @@
-//! R, G, B of any primaries as those of Rec. 709, in which environments are lit.
+//! Conversion of R, G, B of any primaries to Rec. 709, the primaries of environments.
 
 use glam::{DMat3, DVec3};
 
 /// Chromaticities x and y of red, green, blue and white.
 pub(super) type Primaries = [[f64; 2]; 4];
 
-/// Those of Rec. 709 and sRGB.
+/// The primaries and the white of Rec. 709 and sRGB.
 const REC_709: Primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
 
-/// Largest difference of a primary that is still that of Rec. 709: files round to two digits, and Radiance puts green
-/// at 0.29.
-const SAME: f64 = 0.015;
+/// Largest difference of a chromaticity that still counts as Rec. 709: files round to two digits, and Radiance puts
+/// green at 0.29.
+const MAX_DIFFERENCE: f64 = 0.015;
 
-/// The cone responses of Bradford, of rows: the von Kries transform of white that ICC profiles use.
+/// Bradford's cone responses, row by row: the chromatic adaptation of ICC profiles.
 const BRADFORD: [[f64; 3]; 3] = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
-/// Whether red, green and blue are those of Rec. 709. White is not asked: Radiance writes that of equal energy, and
-/// means that equal components are white, as everybody does.
+/// Whether red, green and blue are those of Rec. 709. White is not compared: Radiance writes that of equal energy and
+/// means, as all programs do, that equal components are white.
 pub(super) fn are_rec_709(primaries: &Primaries) -> bool {
     let differences = primaries[..3].as_flattened().iter().zip(REC_709.as_flattened()).map(|(a, b)| (a - b).abs());
-    differences.fold(0.0, f64::max) <= SAME
+    differences.fold(0.0, f64::max) <= MAX_DIFFERENCE
 }
 
-/// The matrix that takes R, G, B to Rec. 709; white stays white. `None` if the primaries span no colours.
+/// The matrix that converts R, G, B to Rec. 709 and keeps white white. `None` if the primaries span no colours.
 pub(super) fn to_rec_709(primaries: &Primaries) -> Option<DMat3> {
     let here = to_xyz(primaries)?;
     let there = to_xyz(&REC_709)?;
@@ -33,14 +33,14 @@ pub(super) fn to_rec_709(primaries: &Primaries) -> Option<DMat3> {
     matrix.is_finite().then_some(matrix)
 }
 
-/// Colours of luminance 1.
+/// X, Y, Z of a chromaticity at luminance 1.
 fn xyz([x, y]: [f64; 2]) -> DVec3 {
     DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
 }
 
-/// R, G, B to X, Y, Z, with white of luminance 1.
+/// The matrix from R, G, B to X, Y, Z, with luminance 1 for white. `None` if the primaries span no colours.
 fn to_xyz(primaries: &Primaries) -> Option<DMat3> {
-    // As columns of x, y, z: a primary may have no luminance.
+    // Chromaticities, not colours of luminance 1: a primary may have no luminance.
     let [red, green, blue] = [0, 1, 2].map(|i| {
         let [x, y] = primaries[i];
         DVec3::new(x, y, 1.0 - x - y)

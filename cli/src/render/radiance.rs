@@ -1,39 +1,38 @@
 //! Radiance pictures, `.hdr` or `.pic`: red, green and blue with a common exponent.
 //!
 //! Source: Ward, "Real pixels", Graphics Gems II (1991), and the Radiance file formats (Ward, 1992;
-//! `ray/src/common/color.c`). A header of lines ends in an empty one. `EXPOSURE` and `COLORCORR` say by what pixels
-//! were multiplied, each time that the picture went through a program; all of them are divided out, so that radiance is
-//! what it was. The line of the resolution names the axes in the order in which they are stored, the slower first, with
-//! the directions in which they run. A scan line is stored as it is, with runs of pixels (old), or with runs of bytes
-//! for each component (new).
+//! `ray/src/common/color.c`).
+//!
+//! The header is a list of lines that an empty line ends. Each `EXPOSURE` and `COLORCORR` is a factor by which some
+//! program multiplied the pixels; all of them are divided out, so that radiance is what it was. The line of the
+//! resolution names the axes in the order in which they are stored, the slower first, with the directions in which they
+//! run. A scan line is stored plainly, with runs of pixels (old), or with runs of bytes for each component (new).
 
-use super::latlong::{Decoded, check_size};
+use super::picture::{Decoded, ReadResult, check_size};
 use super::primaries::Primaries;
 use crate::support::memory;
 
-/// Bytes of a header: those that long chains of programs leave are a hundredth of this.
+/// Largest header in bytes: those that long chains of programs leave are a hundredth of this.
 const MAX_HEADER: usize = 1 << 20;
 
-type Result<T> = std::result::Result<T, String>;
-
-/// What the lines of a header say.
+/// What a header says of the pixels.
 struct Header {
-    /// By what each component was multiplied.
+    /// The factor by which each component was multiplied.
     multiplied: [f64; 3],
     primaries: Option<Primaries>,
 }
 
-/// How scan lines lie in the picture.
+/// The orientation of scan lines in the picture.
 struct Layout {
     size: [usize; 2],
-    /// Scan lines are columns.
+    /// Whether scan lines are columns.
     by_columns: bool,
     from_right: bool,
     from_bottom: bool,
 }
 
-/// The picture in the bytes of a file.
-pub(super) fn read(bytes: &[u8]) -> Result<Decoded> {
+/// Reads the picture in the bytes of a file.
+pub(super) fn read(bytes: &[u8]) -> ReadResult<Decoded> {
     let mut rest = bytes;
     let broken = |what: String| format!("not a readable Radiance HDR file: {what}");
     let header = header(&mut rest).map_err(broken)?;
@@ -56,7 +55,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Decoded> {
     Ok(Decoded { size: layout.size, texels, primaries: header.primaries, is_grey: false })
 }
 
-/// Mantissas are fractions of 256, exponents are 128 too large; a pixel without exponent is black.
+/// The radiance of a pixel. Mantissas are fractions of 256, exponents are 128 too large; exponent 0 is black.
 fn radiance([r, g, b, exponent]: [u8; 4], multiplied: [f64; 3]) -> [f32; 3] {
     if exponent == 0 {
         return [0.0; 3];
@@ -66,8 +65,8 @@ fn radiance([r, g, b, exponent]: [u8; 4], multiplied: [f64; 3]) -> [f32; 3] {
     std::array::from_fn(|c| (f64::from(mantissas[c]) * scale / multiplied[c]) as f32)
 }
 
-/// The next line, without its end.
-fn text_line(rest: &mut &[u8]) -> Result<String> {
+/// Takes the next line, without its end, off the bytes.
+fn text_line(rest: &mut &[u8]) -> ReadResult<String> {
     let end = rest
         .iter()
         .take(MAX_HEADER)
@@ -78,7 +77,7 @@ fn text_line(rest: &mut &[u8]) -> Result<String> {
     Ok(line)
 }
 
-fn header(rest: &mut &[u8]) -> Result<Header> {
+fn header(rest: &mut &[u8]) -> ReadResult<Header> {
     let start = rest.len();
     let mut header = Header { multiplied: [1.0; 3], primaries: None };
     loop {
@@ -89,7 +88,7 @@ fn header(rest: &mut &[u8]) -> Result<Header> {
         if start - rest.len() > MAX_HEADER {
             return Err("its header does not end; export it anew".to_owned());
         }
-        // Lines that start with a blank tell what the inputs of a program were.
+        // Lines that start with a blank repeat the headers of a program's inputs.
         let Some((key, value)) = line.split_once('=') else { continue };
         let value = value.trim();
         match key {
@@ -124,13 +123,13 @@ fn header(rest: &mut &[u8]) -> Result<Header> {
     }
 }
 
-/// The factors in a header line, each finite and above 0.
-fn factors<const N: usize>(line: &str, value: &str) -> Result<[f64; N]> {
+/// Reads the factors in a header line, each finite and above 0.
+fn factors<const N: usize>(line: &str, value: &str) -> ReadResult<[f64; N]> {
     numbers(line, value, |x| x.is_finite() && x > 0.0)
 }
 
-/// The numbers of a header line.
-fn numbers<const N: usize>(line: &str, value: &str, is_sound: impl Fn(f64) -> bool) -> Result<[f64; N]> {
+/// Reads the numbers in a header line.
+fn numbers<const N: usize>(line: &str, value: &str, is_sound: impl Fn(f64) -> bool) -> ReadResult<[f64; N]> {
     let numbers: Option<Vec<f64>> = value.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
     let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
     let shown: String = line.chars().take(80).collect();
@@ -139,8 +138,8 @@ fn numbers<const N: usize>(line: &str, value: &str, is_sound: impl Fn(f64) -> bo
         .ok_or_else(|| format!("{shown:?} is not the {N} numbers that belong there; correct its header"))
 }
 
-/// The line of the resolution, such as `-Y 512 +X 1024`.
-fn layout(line: &str) -> Result<Layout> {
+/// Reads the line of the resolution, such as `-Y 512 +X 1024`.
+fn layout(line: &str) -> ReadResult<Layout> {
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let shown: String = line.chars().take(80).collect();
     let wrong = || format!("{shown:?} is no resolution such as \"-Y 512 +X 1024\"");
@@ -157,7 +156,8 @@ fn layout(line: &str) -> Result<Layout> {
     Ok(Layout { size, by_columns, from_right: x == "-X", from_bottom: y == "+Y" })
 }
 
-fn scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> Result<()> {
+/// Reads a scan line in any of the three codings.
+fn scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> ReadResult<()> {
     const ENDS: &str = "it ends";
     let head: [u8; 4] = *rest.first_chunk().ok_or(ENDS)?;
     let coded = head[0] == 2 && head[1] == 2 && head[2] < 128 && (8..1 << 15).contains(&line.len());
@@ -188,9 +188,9 @@ fn scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> Result<()> {
     Ok(())
 }
 
-/// Pixels as they are; 1, 1, 1 and a number repeat the last that often, and what follows at once counts in the next
-/// byte.
-fn old_scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> Result<()> {
+/// Reads a scan line of plain pixels and runs of them: the pixel 1, 1, 1, n repeats the last one n times. The count of a
+/// run that directly follows another stands for 256 times as many pixels.
+fn old_scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> ReadResult<()> {
     let (mut at, mut shift) = (0, 0);
     while at < line.len() {
         let (&pixel, after) = rest.split_first_chunk::<4>().ok_or("it ends")?;

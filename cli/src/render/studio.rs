@@ -1,37 +1,37 @@
 //! The built-in environment: a grey room with soft boxes, given by formulas so that other programs can draw the same.
 //!
-//! - The room: with s(x) = 3x² − 2x³ for x clamped to [0, 1], a mixture of [`HORIZON`] and [`CEILING`] by s(z) above the
-//!   horizon, and of [`HORIZON`] and [`FLOOR`] by s(−z) below.
-//! - Each soft box adds `radiance` · e(x/depth) · e(y/depth): `depth` is the component of the direction along `towards`, x and
-//!   y those along `right` and `up`, and e falls from 1 to 0 by s while |x/depth| goes from half extent − softness to
-//!   half extent + softness. Directions of depth ≤ 0 do not see it.
+//! - The room is a mixture of [`HORIZON`] and [`CEILING`] by s(z) above the horizon, and of [`HORIZON`] and [`FLOOR`] by
+//!   s(−z) below, where s(x) = 3x² − 2x³ for x clamped to [0, 1].
+//! - Each soft box adds `radiance` · e(x/depth) · e(y/depth). Here `depth` is the component of the direction along
+//!   `towards`, and x and y are those along `right` and `up`; e falls from 1 to 0 by s while |x/depth| goes from half
+//!   extent − softness to half extent + softness. Directions of depth ≤ 0 do not see the box.
 //!
 //! All of it is neutral: every colour in a picture is the surface's own.
 
 use glam::DVec3;
 
-/// Radiance of the room straight up, at the horizon and straight down.
+/// Radiance of the room straight up.
 pub const CEILING: f64 = 0.14;
-/// See [`CEILING`].
+/// Radiance of the room at the horizon.
 pub const HORIZON: f64 = 0.42;
-/// See [`CEILING`].
+/// Radiance of the room straight down.
 pub const FLOOR: f64 = 0.05;
 
-/// A rectangular lamp behind cloth.
+/// A soft box: a rectangular lamp behind cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftBox {
-    /// Where its middle is: azimuth from +x and elevation, in degrees.
+    /// Azimuth from +x and elevation of its centre, in degrees.
     pub towards_deg: [f64; 2],
     /// Tangents of half its width and height, seen from the body.
     pub half_extent: [f64; 2],
     /// Tangent over which its edges fade, to either side.
     pub softness: f64,
-    /// In its middle.
+    /// Radiance in its middle.
     pub radiance: f64,
 }
 
-/// The lamps, as a camera at an azimuth of −60° sees them: a large one above, a key at the left, a strip at the right, a
-/// low one behind the viewer.
+/// The soft boxes, as a camera at an azimuth of −60° sees them: a large one above, a key light at the left, a strip at
+/// the right, and a low one behind the viewer.
 pub const SOFT_BOXES: [SoftBox; 4] = [
     SoftBox { towards_deg: [-60.0, 80.0], half_extent: [1.1, 0.62], softness: 0.1, radiance: 1.15 },
     SoftBox { towards_deg: [-128.0, 34.0], half_extent: [0.36, 0.62], softness: 0.06, radiance: 1.45 },
@@ -40,7 +40,7 @@ pub const SOFT_BOXES: [SoftBox; 4] = [
 ];
 
 impl SoftBox {
-    /// Unit vectors `towards` its middle, to its `right` and `up`, seen from the body.
+    /// Unit vectors towards its centre, to its right and upwards, seen from the body.
     #[must_use]
     pub fn axes(&self) -> [DVec3; 3] {
         let [azimuth, elevation] = self.towards_deg.map(f64::to_radians);
@@ -57,13 +57,13 @@ impl SoftBox {
         }
         let edge = |along: &DVec3, half: f64| {
             let beyond = (direction.dot(*along) / depth).abs() - (half - self.softness);
-            1.0 - smooth(beyond / (2.0 * self.softness))
+            1.0 - smoothstep(beyond / (2.0 * self.softness))
         };
         self.radiance * edge(right, self.half_extent[0]) * edge(up, self.half_extent[1])
     }
 }
 
-/// The studio made ready for look-ups.
+/// The studio with the axes of its lamps computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Studio {
     axes: [[DVec3; 3]; SOFT_BOXES.len()],
@@ -76,17 +76,18 @@ impl Default for Studio {
 }
 
 impl Studio {
-    /// Radiance, the same in red, green and blue, from a unit direction.
+    /// Radiance from a unit direction; it is the same in red, green and blue.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> f64 {
         let end = if direction.z < 0.0 { FLOOR } else { CEILING };
-        let room = HORIZON + (end - HORIZON) * smooth(direction.z.abs());
+        let room = HORIZON + (end - HORIZON) * smoothstep(direction.z.abs());
         let lamps = SOFT_BOXES.iter().zip(&self.axes).map(|(lamp, axes)| lamp.radiance(axes, direction));
         room + lamps.sum::<f64>()
     }
 }
 
-fn smooth(x: f64) -> f64 {
+/// The smoothstep of x clamped to [0, 1].
+fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

@@ -1,29 +1,29 @@
-//! A table made ready to shade by.
+//! A table prepared for shading.
 
-use glam::{DVec3, Vec3};
 use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 
 use super::channels::Channels;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
+use crate::table::mirror::neighbours;
 
-/// A reflectance for each channel.
+/// The reflection of a surface, for each channel in which light is traced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     channels: Channels,
-    kind: Kind,
+    reflectance: Reflectance,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Kind {
-    /// ρ, `[theta][channel]`.
+enum Reflectance {
+    /// ρ(θ), `[theta][channel]`.
     Mirror { theta_deg: Vec<f64>, values: Vec<f32> },
     /// f, `[incident][bin][channel]`.
     Scatter { layout: ScatterLayout, values: Vec<f32> },
 }
 
-/// [`Surface`] with its sampler.
+/// A [`Surface`] with the sampler of its directions.
 #[derive(Clone, Copy)]
 pub(super) enum Prepared<'a> {
     Mirror { theta_deg: &'a [f64], values: &'a [f32] },
@@ -31,12 +31,12 @@ pub(super) enum Prepared<'a> {
 }
 
 impl Surface {
-    /// The table's RGB, in linear sRGB whatever its own space; or with `spectral` its wavelengths.
+    /// The surface of a table: by its RGB, converted to linear sRGB, or by its wavelengths with `spectral`.
     ///
-    /// The paper's matrix is a display of its own and stays.
+    /// Colours by the paper's matrix, which is a display of its own, are not converted.
     ///
     /// # Errors
-    /// If the table's wavelengths cannot tell colours apart.
+    /// A damaged table, a table without colours, or wavelengths that cannot tell colours apart.
     pub fn new(table: &Table, spectral: bool) -> Result<Self> {
         table.check()?;
         let metadata = table.metadata();
@@ -45,34 +45,37 @@ impl Surface {
         } else {
             Channels::rgb()
         };
-        let values = if spectral { table.spectra() } else { metadata.screen_rgb(table.rgb()?).as_flattened().to_vec() };
-        let kind = match table {
-            Table::Mirror(table) => Kind::Mirror { theta_deg: table.theta_deg.clone(), values },
-            Table::Scatter(table) => Kind::Scatter { layout: table.layout, values },
+        let values = if spectral { table.spectra() } else { metadata.screen_rgb(table.rgb()?).into_flattened() };
+        let reflectance = match table {
+            Table::Mirror(table) => Reflectance::Mirror { theta_deg: table.theta_deg.clone(), values },
+            Table::Scatter(table) => Reflectance::Scatter { layout: table.layout, values },
         };
-        Ok(Self { channels, kind })
+        Ok(Self { channels, reflectance })
     }
 
-    /// In which numbers light is followed.
+    /// The channels in which light is traced.
     #[must_use]
     pub fn channels(&self) -> &Channels {
         &self.channels
     }
 
-    /// Refuses a surface that shows nothing: black in every channel.
+    /// Refuses a surface that reflects nothing.
+    ///
+    /// # Errors
+    /// A surface that is black in every channel.
     pub fn check_not_black(&self) -> Result<()> {
-        let (Kind::Mirror { values, .. } | Kind::Scatter { values, .. }) = &self.kind;
+        let (Reflectance::Mirror { values, .. } | Reflectance::Scatter { values, .. }) = &self.reflectance;
         if values.iter().all(|&x| x == 0.0) {
             return Err(Error::failed("the table reflects nothing, the picture would be black; estimate it anew"));
         }
         Ok(())
     }
 
-    /// Sums what sampling needs into `memory`.
+    /// Prepares sampling; `memory` takes the cumulative sums of a scattering table.
     pub(super) fn prepare<'a>(&'a self, memory: &'a mut Vec<f32>) -> Result<Prepared<'a>> {
-        match &self.kind {
-            Kind::Mirror { theta_deg, values } => Ok(Prepared::Mirror { theta_deg, values }),
-            Kind::Scatter { layout, values } => {
+        match &self.reflectance {
+            Reflectance::Mirror { theta_deg, values } => Ok(Prepared::Mirror { theta_deg, values }),
+            Reflectance::Scatter { layout, values } => {
                 let table = ScatterTable::new(values, *layout, self.channels.count()).map_err(Error::failed)?;
                 *memory = filled(0.0, ScatterSampler::required_len(layout), "sampling the table")?;
                 let sampler = ScatterSampler::new(&table, memory).map_err(Error::failed)?;
@@ -82,22 +85,15 @@ impl Surface {
     }
 }
 
-/// Multiplies each channel by ρ(θ), linear between the table's angles and held beyond them.
+/// Multiplies each channel by ρ(θ), linear between the table's angles and constant beyond them.
 pub(super) fn reflect(theta_deg: &[f64], values: &[f32], at_deg: f64, throughput: &mut [f32]) {
     let channels = throughput.len();
-    let above = theta_deg.partition_point(|&theta| theta < at_deg);
-    let (below, above) = (above.saturating_sub(1), above.min(theta_deg.len() - 1));
-    let span = theta_deg[above] - theta_deg[below];
-    let weight = if span > 0.0 { ((at_deg - theta_deg[below]) / span) as f32 } else { 0.0 };
+    let (below, above, weight) = neighbours(theta_deg, at_deg);
+    let weight = weight as f32;
     let (low, high) = (&values[below * channels..][..channels], &values[above * channels..][..channels]);
     for ((through, low), high) in throughput.iter_mut().zip(low).zip(high) {
         *through *= low + weight * (high - low);
     }
-}
-
-/// A direction of the surface frame as the core takes it.
-pub(super) fn narrow(local: DVec3) -> Vec3 {
-    local.as_vec3()
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Newell's teapot: 32 bicubic Bézier patches.
+//! Newell's teapot as a mesh: 32 bicubic Bézier patches.
 
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -10,18 +10,19 @@ use super::mesh::TriangleMesh;
 /// Control points of a patch, row by row.
 type Patch = [[DVec3; 4]; 4];
 
-/// Places nearer than this are one: a millionth of a millionth of the pot, above the rounding of Bézier's sums.
+/// Distance below which two places are one: some 10⁻¹² of the pot, above the rounding of Bézier's sums.
 const SAME_PLACE: f64 = 1e-11;
 
-/// A derivative shorter than this vanishes: those of the pot's regular points are longer than 0.1.
+/// Length below which a derivative counts as 0: those at the pot's regular points are longer than 0.1.
 const VANISHES: f64 = 1e-9;
 
-/// The control points, as Newell published them, with the bottom that was added later.
+/// The control points as Newell published them, with the bottom that was added later.
 fn patches() -> &'static [Patch] {
     static PATCHES: OnceLock<Vec<Patch>> = OnceLock::new();
     PATCHES.get_or_init(|| {
         let text = include_str!("../../data/mesh/teapot.bpt");
-        // The first line counts the patches, and each begins with its two degrees: lines of other than three numbers.
+        // Only lines of three numbers are points: the first line counts the patches, and each patch begins with its two
+        // degrees.
         let points: Vec<DVec3> = text
             .lines()
             .filter_map(|line| {
@@ -33,8 +34,18 @@ fn patches() -> &'static [Patch] {
     })
 }
 
-/// The pot as triangles, `level` segments along each edge of each patch.
-pub(super) fn tessellate(level: u32) -> TriangleMesh {
+impl TriangleMesh {
+    /// Newell's teapot, each of its 32 patches cut into `level` × `level` quads. t follows the first parameter of the
+    /// patch, which runs around the pot.
+    ///
+    /// Normals and tangents are those of the patches themselves, at their poles the limits.
+    #[must_use]
+    pub fn teapot(level: u32) -> Self {
+        tessellate(level)
+    }
+}
+
+fn tessellate(level: u32) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     let mut places = HashMap::new();
     let at = |step: u32| f64::from(step) / f64::from(level);
@@ -42,8 +53,8 @@ pub(super) fn tessellate(level: u32) -> TriangleMesh {
         let first = mesh.positions.len() as u32;
         for row in 0..=level {
             for column in 0..=level {
-                let point = Point::on(patch, at(column), at(row));
-                // Patches that meet compute their common edge by different sums: the first one's result counts.
+                let point = PatchPoint::at(patch, at(column), at(row));
+                // Patches that share an edge compute it by different sums: the first one's result counts.
                 let key = point.position.to_array().map(|x| (x / SAME_PLACE).round() as i64);
                 let position = *places.entry(key).or_insert(point.position);
                 mesh.push(position, point.normal, point.tangent);
@@ -55,39 +66,40 @@ pub(super) fn tessellate(level: u32) -> TriangleMesh {
 }
 
 /// A point of a patch with its frame.
-struct Point {
+struct PatchPoint {
     position: DVec3,
     normal: DVec3,
     tangent: DVec3,
 }
 
-impl Point {
-    fn on(patch: &Patch, u: f64, v: f64) -> Self {
+impl PatchPoint {
+    /// The point of a patch at parameters u and v in [0, 1].
+    fn at(patch: &Patch, u: f64, v: f64) -> Self {
         let sum = |along: [f64; 4], across: [f64; 4]| -> DVec3 {
             patch.iter().zip(across).map(|(row, y)| y * row.iter().zip(along).map(|(&p, x)| x * p).sum::<DVec3>()).sum()
         };
-        let (mut du, mut dv) = (sum(slopes(u), shares(v)), sum(shares(u), slopes(v)));
-        // At a pole a whole edge of the patch is one point and the derivative along it is 0; just inside, it is the mixed
-        // derivative times the distance.
-        let mixed = || sum(slopes(u), slopes(v));
+        let (mut du, mut dv) = (sum(bernstein_slopes(u), bernstein(v)), sum(bernstein(u), bernstein_slopes(v)));
+        // At a pole a whole edge of the patch is one point, and the derivative along it is 0. Just inside, it is the
+        // mixed derivative times the distance from the edge.
+        let mixed = || sum(bernstein_slopes(u), bernstein_slopes(v));
         if du.length() < VANISHES {
             du = if v < 0.5 { mixed() } else { -mixed() };
         }
         if dv.length() < VANISHES {
             dv = if u < 0.5 { mixed() } else { -mixed() };
         }
-        Self { position: sum(shares(u), shares(v)), normal: du.cross(dv).normalize(), tangent: du }
+        Self { position: sum(bernstein(u), bernstein(v)), normal: du.cross(dv).normalize(), tangent: du }
     }
 }
 
-/// Bernstein's polynomials of degree 3.
-fn shares(t: f64) -> [f64; 4] {
+/// Bernstein polynomials of degree 3 at t.
+fn bernstein(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
 }
 
-/// Their derivatives.
-fn slopes(t: f64) -> [f64; 4] {
+/// Derivatives of the Bernstein polynomials of degree 3 at t.
+fn bernstein_slopes(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t]
 }
@@ -118,8 +130,8 @@ mod tests {
     #[test]
     fn patches_meet_without_seams() {
         let mesh = tessellate(8);
-        // Open in the original: the inner rim and the lid's edge, 4 patches each; both ends of the handle and of the spout, 2
-        // patches each.
+        // Open in the original: the inner rim and the lid's edge, 4 patches each; both ends of the handle and of the
+        // spout, 2 patches each.
         assert_eq!(open_edges(&mesh), 16 * 8);
         let mut places: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
         for (i, p) in mesh.positions.iter().enumerate() {

@@ -1,21 +1,21 @@
-//! From scene-linear radiance to what a PNG shows.
+//! Exposure and tone mapping: from scene-linear radiance to the range of a screen.
 
 use crate::colour::LUMINANCE_F32;
 
-/// How bright light is brought into the range of a screen.
+/// A curve that brings bright light into the range of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneMap {
-    /// As it is; colours out of range are desaturated, then scaled, as in every picture of this program
+    /// No curve: colours out of range are desaturated, then scaled, as in every picture of this program.
     #[default]
     None,
-    /// Reinhard's curve on luminance, L (1 + L/16)/(1 + L): radiance 4 becomes white
+    /// Reinhard's curve on luminance, L (1 + L/16)/(1 + L): radiance 4 becomes white.
     Reinhard,
-    /// A film-like curve for each of R, G and B (Narkowicz's fit of ACES): highlights bleach
+    /// A film-like curve for each of R, G and B (Narkowicz's fit of ACES): highlights bleach.
     Filmic,
 }
 
 impl ToneMap {
-    /// The colour that goes into the screen's own encoding.
+    /// The colour that the screen's transfer function then encodes.
     #[must_use]
     pub fn apply(self, rgb: [f32; 3]) -> [f32; 3] {
         match self {

@@ -77,17 +77,26 @@ impl MirrorTable {
     /// Linear RGB at any angle, interpolated between its neighbours and constant beyond the ends.
     #[must_use]
     pub fn rgb_at(&self, theta_deg: f64) -> [f32; 3] {
-        let above = self.theta_deg.partition_point(|&theta| theta < theta_deg);
-        if above == 0 {
-            return self.rgb[0];
-        }
-        if above == self.rgb.len() {
-            return self.rgb[above - 1];
-        }
-        let (t0, t1) = (self.theta_deg[above - 1], self.theta_deg[above]);
-        let weight = ((theta_deg - t0) / (t1 - t0)) as f32;
-        std::array::from_fn(|i| self.rgb[above - 1][i] + weight * (self.rgb[above][i] - self.rgb[above - 1][i]))
+        let (below, above, weight) = neighbours(&self.theta_deg, theta_deg);
+        let (low, high, weight) = (self.rgb[below], self.rgb[above], weight as f32);
+        std::array::from_fn(|c| low[c] + weight * (high[c] - low[c]))
     }
+}
+
+/// The places of the two neighbours of a value on an increasing axis, and the weight of the second in linear
+/// interpolation. Beyond an end of the axis, both are this end and the weight is 0.
+///
+/// # Panics
+/// If the axis is empty.
+#[must_use]
+pub fn neighbours(axis: &[f64], at: f64) -> (usize, usize, f64) {
+    let above = axis.partition_point(|&known| known < at);
+    if above == 0 || above == axis.len() {
+        let end = above.min(axis.len() - 1);
+        return (end, end, 0.0);
+    }
+    let (low, high) = (axis[above - 1], axis[above]);
+    (above - 1, above, (at - low) / (high - low))
 }
 
 fn check_count(name: &str, found: usize, expected: usize) -> Result<()> {

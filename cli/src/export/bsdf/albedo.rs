@@ -8,8 +8,8 @@ use glam::DVec3;
 use goniochrome::table::ScatterLayout;
 
 use super::grid::SampleGrid;
-use super::spherical;
 use crate::export::reflection::Evaluator;
+use crate::support::direction::direction;
 
 /// Most that a channel is scaled by. Where colours out of gamut cancel, there is no albedo to keep.
 const MAX: f64 = 1.1;
@@ -27,7 +27,7 @@ pub fn exact(evaluator: &mut Evaluator<'_>, layout: ScatterLayout, wi: DVec3) ->
             let cos = (f64::from(half) + part) / f64::from(halves);
             let weight = 0.5 / f64::from(halves) * TAU / f64::from(turns) * cos;
             for turn in 0..turns {
-                let wo = spherical(cos.acos(), TAU * f64::from(turn) / f64::from(turns));
+                let wo = direction(cos.acos(), TAU * f64::from(turn) / f64::from(turns));
                 evaluator.eval(wi, wo, &mut values);
                 total.iter_mut().zip(&values).for_each(|(total, value)| *total += weight * value);
             }
@@ -84,9 +84,9 @@ mod tests {
         let density = || [Density::uniform(), Density::uniform()];
         let nodes = density().map(|density| density.nodes(SIDE));
         for theta in [0.0, 0.7, 1.3] {
-            let wi = spherical(theta, 0.0);
+            let wi = direction(theta, 0.0);
             let cosine = |(u, v): (f64, f64)| {
-                let m = spherical(u * u * FRAC_PI_2, TAU * v - PI);
+                let m = direction(u * u * FRAC_PI_2, TAU * v - PI);
                 ((2.0 * wi.dot(m) * m.z - wi.z) / PI) as f32
             };
             let samples: Vec<f32> =

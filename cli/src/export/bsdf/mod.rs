@@ -21,6 +21,7 @@ use self::grid::SampleGrid;
 use self::tensor::{Field, Values};
 use super::Reflection;
 use super::reflection::{Evaluator, ReflectionKind};
+use crate::support::direction::direction;
 use crate::support::error::Result;
 use crate::support::memory::filled;
 use crate::support::parallel;
@@ -32,10 +33,6 @@ const FINE: usize = 4096;
 const MIN_LUMINANCE: f32 = 1e-4;
 /// How far below the horizon a lobe goes on as the same function, over cos θ_i; it is infinite at 1.
 const EXTENSION: f64 = 0.5;
-
-fn spherical(theta: f64, phi: f64) -> DVec3 {
-    DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
-}
 
 /// f cos θ_o in each channel. Below the horizon, where renderers ask for nothing but interpolate, it goes on so that it has no
 /// kink there: a lobe analytically, a table, which is constant next to the horizon, as an odd function. Says whether θ_o is above.
@@ -65,7 +62,7 @@ struct Slice<'f> {
 /// Fills the slice of an incident direction.
 fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
     let reflection = evaluator.reflection();
-    let wi = spherical(theta, phi);
+    let wi = direction(theta, phi);
     let origin = if grid.isotropic() { phi } else { 0.0 };
     let mut values = vec![0.0; reflection.channels];
     let area = slice.luminance.len();
@@ -73,7 +70,7 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2]
     let places = along.iter().flat_map(|v| across.iter().map(move |u| (*u, *v)));
     for (i, ((u, density_u), (v, density_v))) in places.enumerate() {
         let theta_m = u * u * FRAC_PI_2;
-        let m = spherical(theta_m, TAU * v - PI + origin);
+        let m = direction(theta_m, TAU * v - PI + origin);
         let above = projected(evaluator, wi, m, &mut values);
         // |dω_o| over the square's area, without its constant.
         let jacobian = u * theta_m.sin() * wi.dot(m).max(0.0);

@@ -9,7 +9,7 @@ use crate::plot::disc::{Disc, disc as draw_disc};
 use crate::plot::heat_map::{HeatAxis, heat_map};
 use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
 use crate::support::error::{Error, Result};
-use crate::table::mirror::MirrorTable;
+use crate::table::mirror::{MirrorTable, neighbours};
 
 /// The colour of every direction, as in the paper's figures 3 and 4: radius θ, angle φ.
 ///
@@ -78,15 +78,13 @@ pub fn colour_path(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Result
     let rows = table.theta_deg.iter().zip(mean.chunks(weights.len()));
     let path: Vec<_> =
         rows.map(|(&theta_deg, row)| ColourAt { theta_deg, xyz: xyz(&weights, row.iter().copied()) }).collect();
-    let marked: Vec<_> = theta_deg.iter().map(|&theta| between(&path, theta)).collect();
+    let marked: Vec<_> = theta_deg.iter().map(|&theta| between(&table.theta_deg, &path, theta)).collect();
     Ok(chromaticity(&format!("{name}: colour over the angle from the normal"), light, &path, &marked))
 }
 
 /// The colour between the two neighbours of an angle, held at the ends.
-fn between(path: &[ColourAt], theta_deg: f64) -> ColourAt {
-    let above = path.partition_point(|place| place.theta_deg < theta_deg).min(path.len() - 1);
-    let (a, b) = (path[above.saturating_sub(1)], path[above]);
-    let span = b.theta_deg - a.theta_deg;
-    let weight = if span > 0.0 { ((theta_deg - a.theta_deg) / span).clamp(0.0, 1.0) } else { 0.0 };
-    ColourAt { theta_deg, xyz: std::array::from_fn(|c| a.xyz[c] + weight * (b.xyz[c] - a.xyz[c])) }
+fn between(known_deg: &[f64], path: &[ColourAt], theta_deg: f64) -> ColourAt {
+    let (below, above, weight) = neighbours(known_deg, theta_deg);
+    let (low, high) = (path[below].xyz, path[above].xyz);
+    ColourAt { theta_deg, xyz: std::array::from_fn(|c| low[c] + weight * (high[c] - low[c])) }
 }
