@@ -1,82 +1,57 @@
-//! Boxes of a node's children, and rays made ready to be tested against them.
+//! The box test: a ray prepared for it, and the children of a node that the ray enters.
 
-use super::{Child, Entry, Frame, Ray, Stack, WIDTH};
+use super::node::{Child, Frame, Node, WIDTH};
+use super::ray::Ray;
+use super::stack::{Entry, EntryStack};
 use crate::simd::lanes::{BoxLanes, OrderedKeys};
-use glam::DVec3;
 
 /// Half the distance from 1 to the next number in single precision.
 const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 
-/// Widening of the boxes: of single precision, in units of its roundoff and of what is at hand in the frame's units (the mesh,
-/// 1, plus the ray's nearest approach), the ray's nearest approach is rounded by 1, its components and their inverses by 2,
-/// the products by 1, which are of the bound and of the approach, and their difference by 1, on either side; together 10,
-/// held by 16.
+/// Widening of the boxes against single precision, in units of the size of the numbers: that of the mesh, 1 in the
+/// frame's units, plus the ray's nearest approach.
+///
+/// Terms, in unit roundoffs: the nearest approach is rounded by 1, the direction's components and their inverses by 2,
+/// the products of the bound and of the approach by 1 each, and their difference by 1. Both sides together make 10, held
+/// by 16.
 const BOX_SLACK: f64 = 16.0 * ROUNDOFF;
-/// The same for the parameter, where a ray has crossed the mesh at the latest.
+/// Widening of a ray's parameter against single precision, where the ray has crossed the mesh at the latest.
 const PARAMETER_SLACK: f64 = 64.0 * ROUNDOFF;
-/// Of double precision, which carries the origin to the nearest approach: in units of the distance from there.
+/// Widening against double precision, which carries the origin to the nearest approach; in units of the distance
+/// between the two.
 const ORIGIN_SLACK: f64 = 8.0 * f64::EPSILON;
-/// Components below this, of a direction whose largest is 1, are raised to it: within the mesh the ray moves by less than the
-/// slack.
+/// Minimum component of a direction whose largest is 1; smaller ones are raised to it. Within the mesh this moves the
+/// ray by less than the slack.
 const MIN_COMPONENT: f64 = 1e-20;
-/// Parameters below this lie before the mesh: its points are within √3 of the middle, and the direction is no shorter than 1. Keys
-/// count from a ray's first parameter, which must be finite for that.
+/// A parameter before the mesh: the points of the mesh are within √3 of its middle, and the direction is no shorter than
+/// 1. Keys count from a ray's first parameter, which must therefore be finite.
 const BEFORE_MESH: f32 = -2.0;
 
-/// Boxes of the children, in single precision and units of the frame.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub struct Node {
-    /// Of each axis, the lower and the upper bounds of the children.
-    pub(super) bounds: [[[f32; WIDTH]; 2]; 3],
-    pub(super) children: [Child; WIDTH],
-}
-
-impl Node {
-    /// A node without children: no ray enters an inverted box.
-    pub const EMPTY: Self =
-        Self { bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], children: [Child::ROOT; WIDTH] };
-
-    /// Single precision, one step outwards: at least half a step more than the rounding.
-    pub(super) fn store(&mut self, i: usize, low: DVec3, high: DVec3, frame: &Frame) {
-        let (low, high) = (frame.place(low).to_array(), frame.place(high).to_array());
-        for (axis, [lower, upper]) in self.bounds.iter_mut().enumerate() {
-            if let (Some(lower), Some(upper)) = (lower.get_mut(i), upper.get_mut(i)) {
-                *lower = (low[axis] as f32).next_down();
-                *upper = (high[axis] as f32).next_up();
-            }
-        }
-    }
-}
-
-impl Default for Node {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
-/// A ray made ready for box tests: in units of the frame, from where it is nearest to the middle of the mesh, its direction
-/// scaled to a largest component of 1.
+/// A ray prepared for box tests: in the frame's units, from its nearest approach to the middle of the mesh, with its
+/// direction scaled to a largest component of 1.
 pub(super) struct Slabs {
+    /// Parameter of the ray's `t_min`.
     first: f32,
     /// 1/direction.
     inverse: [f32; 3],
-    /// Parameters of the planes through the middle of the mesh, of a ray moved forwards and backwards by the slack.
+    /// Parameters of the planes through the middle of the mesh, for the ray moved forwards by the slack.
     middle_near: [f32; 3],
+    /// Parameters of the planes through the middle of the mesh, for the ray moved backwards by the slack.
     middle_far: [f32; 3],
-    /// Of each axis, which of the bounds the ray meets first: 1, the upper, if it runs downwards.
+    /// The bound along each axis that the ray meets first: 1, the upper, if the ray runs downwards.
     near_side: [usize; 3],
-    /// Parameter of the box tests per t, and where the former is 0.
+    /// Parameter of the box tests per t.
     scale: f64,
+    /// t · `scale` where the parameter of the box tests is 0.
     shift: f64,
 }
 
 impl Slabs {
-    #[inline(always)] // Called in several places; apart, a ray would take some 4 % longer.
+    #[inline(always)] // It has several callers; as a call it would make a ray some 4 % slower.
     pub(super) fn new(ray: &Ray, frame: &Frame) -> Self {
         let length = ray.direction.abs().max_element();
         let direction = ray.direction * (1.0 / length);
-        let origin = frame.place(ray.origin);
+        let origin = frame.to_local(ray.origin);
         let shift = -origin.dot(direction) / direction.dot(direction);
         let nearest = origin + shift * direction;
         let slack = BOX_SLACK * (1.0 + nearest.abs().max_element()) + ORIGIN_SLACK * origin.abs().max_element();
@@ -98,7 +73,7 @@ impl Slabs {
         Self { first: slabs.parameter(ray.t_min, -1.0).max(BEFORE_MESH), ..slabs }
     }
 
-    /// Parameter of the box tests at t, moved by the slack.
+    /// Parameter of the box tests at t, moved by the slack towards `side`.
     #[inline]
     fn parameter(&self, t: f64, side: f64) -> f32 {
         let at = t * self.scale - self.shift;
@@ -106,13 +81,13 @@ impl Slabs {
         (if at.is_finite() { at + side * slack } else { at }) as f32
     }
 
-    /// The parameter at which boxes must be entered for a hit before t.
+    /// The parameter before which a box must be entered for a hit before t.
     #[inline]
     pub(super) fn last(&self, t: f64) -> f32 {
         self.parameter(t, 1.0)
     }
 
-    /// Where the ray enters the children of `node`, and a mask of those that it enters before `far`.
+    /// The parameters at which the ray enters the children of `node`, and a mask of those that it enters before `far`.
     #[inline]
     fn intersect(&self, node: &Node, far: f32) -> (BoxLanes, BoxLanes) {
         let mut near = BoxLanes::splat(self.first);
@@ -120,7 +95,7 @@ impl Slabs {
         for axis in 0..3 {
             let side = self.near_side[axis] & 1;
             let plane = |side: usize| BoxLanes::new(node.bounds[axis][side]);
-            // Empty boxes are infinite and stay so along the axis where the ray is longest, whose inverse is ±1.
+            // Empty boxes are infinite, and stay so along the axis where the ray is longest, whose inverse is ±1.
             let inverse = BoxLanes::splat(self.inverse[axis]);
             near = near.fast_max(plane(side).mul_add(inverse, BoxLanes::splat(self.middle_near[axis])));
             last = last.fast_min(plane(1 - side).mul_add(inverse, BoxLanes::splat(self.middle_far[axis])));
@@ -128,24 +103,26 @@ impl Slabs {
         (near, near.simd_le(last))
     }
 
-    /// The children of `node` that the ray enters before `far`.
+    /// The keys of the children of `node` that the ray enters before `far`.
     #[inline]
     pub(super) fn keys(&self, node: &Node, far: f32) -> OrderedKeys {
         let (near, entered) = self.intersect(node, far);
         OrderedKeys::new(near - BoxLanes::splat(self.first), entered)
     }
 
-    /// The key of children that are entered at `far`, or more.
+    /// The largest key of a child that is entered at `far`.
     ///
-    /// Differences round monotonically, and what a key leaves of them is no more than they are.
+    /// Differences round monotonically, and truncation to a key makes none larger, so that no child entered before `far`
+    /// has a larger key.
     #[inline]
     pub(super) fn key(&self, far: f32) -> u32 {
         OrderedKeys::key(far - self.first)
     }
 
-    /// The child of `node` that the ray enters first, before `far`; the others that it enters go to the stack, the nearest last.
+    /// The child of `node` that the ray enters first, before `far`. The other children that it enters go to the stack,
+    /// the nearest last.
     #[inline]
-    pub(super) fn enter(&self, node: &Node, far: f32, stack: &mut Stack) -> Option<Child> {
+    pub(super) fn enter(&self, node: &Node, far: f32, stack: &mut EntryStack<'_>) -> Option<Child> {
         let (near, entered) = self.intersect(node, far);
         let mut entered = entered.to_bitmask();
         if entered == 0 {
@@ -158,7 +135,7 @@ impl Slabs {
             (Entry { near: near[i], child: node.children[i] }, entered != 0)
         };
         let (mut nearest, mut more) = next();
-        let base = stack.height;
+        let base = stack.height();
         while more {
             let (entry, after) = next();
             let (closer, farther) = if entry.near < nearest.near { (entry, nearest) } else { (nearest, entry) };

@@ -1,21 +1,22 @@
-//! Leaves: triangles side by side, and rays made ready to be tested against as many at once as there are lanes.
+//! The triangle test: leaves store triangles side by side, and a ray is tested against one triangle per SIMD lane.
 
-use super::{Child, Hit, LEAF_TRIANGLES, Ray};
+use super::node::{Child, MAX_LEAF_TRIANGLES};
+use super::ray::{Hit, Ray};
 use crate::simd::lanes::{F64, Lanes};
 use glam::DVec3;
 
-/// Numbers that a leaf holds of each triangle: x, y and z of its corners in turn, and its index.
+/// Numbers that a leaf stores for each triangle: x, y and z of its three corners, and its index.
 pub(super) const TERMS: usize = 10;
-/// The last of them.
+/// Place of the triangle's index among its terms.
 const INDEX: usize = TERMS - 1;
-/// Numbers of a full leaf, and those within reach of a test of any.
-pub(super) const WINDOW: usize = TERMS * LEAF_TRIANGLES;
-/// Triangles tested at once.
-const WIDTH: usize = F64::WIDTH;
+/// Numbers of a full leaf. A test of any leaf may read as many.
+pub(super) const WINDOW: usize = TERMS * MAX_LEAF_TRIANGLES;
+/// Number of triangles that are tested at once.
+const TESTED: usize = F64::WIDTH;
 
-const _: () = assert!(LEAF_TRIANGLES.is_multiple_of(WIDTH));
+const _: () = assert!(MAX_LEAF_TRIANGLES.is_multiple_of(TESTED));
 
-/// What a leaf holds of a triangle; a leaf lies term by term, as many of each as there are triangles.
+/// The numbers that a leaf stores for a triangle. A leaf lies term by term, with as many of each as it has triangles.
 pub(super) fn terms([a, b, c]: [DVec3; 3], triangle: u32) -> [f64; TERMS] {
     [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, f64::from(triangle)]
 }
@@ -28,38 +29,38 @@ pub(super) struct Leaf<'a> {
 }
 
 impl<'a> Leaf<'a> {
-    /// A leaf that is there.
+    /// The leaf that `leaf` refers to; `None` beyond the end of `corners`.
     #[inline]
     pub(super) fn new(corners: &'a [f64], leaf: Child) -> Option<Self> {
-        let window = corners.get(leaf.place() * TERMS..)?.first_chunk()?;
+        let window = corners.get(leaf.index() * TERMS..)?.first_chunk()?;
         Some(Self { window, count: leaf.count() })
     }
 
-    /// A term of the triangles from `first` on; lanes beyond the last hold anything.
+    /// A term of the triangles from `first` on; lanes beyond the last triangle hold anything.
     #[inline]
     fn row(&self, term: usize, first: usize) -> F64 {
         let row = self.window.get(term * self.count + first..).and_then(<[f64]>::first_chunk);
         row.map_or(F64::ZERO, |row| F64::new(*row))
     }
 
-    /// The index of a triangle.
+    /// The index of the leaf's triangle `i`.
     #[inline]
     pub(super) fn triangle(&self, i: usize) -> u32 {
         self.window.get(INDEX * self.count + i).map_or(u32::MAX, |index| *index as u32)
     }
 }
 
-/// A corner of each triangle, seen along the ray.
+/// A corner of each triangle, in coordinates along the ray.
 #[derive(Clone, Copy)]
-struct Seen {
+struct Sheared {
     x: F64,
     y: F64,
     z: F64,
 }
 
-/// A ray made ready for triangle tests: the shear that turns it into the axis along which it is longest.
+/// A ray prepared for triangle tests: the shear that maps it onto the axis along which it is longest.
 pub(super) struct Shear {
-    /// That axis last.
+    /// The axes in cyclic order, with the one along which the ray is longest last.
     axes: [usize; 3],
     origin: [f64; 3],
     x: f64,
@@ -82,27 +83,27 @@ impl Shear {
         Self { axes, origin: axes.map(|axis| ray.origin.to_array()[axis]), x: x / z, y: y / z, z }
     }
 
-    /// Calls `each` with every place where the ray meets a triangle of a leaf.
+    /// Calls `each` with every hit of the ray on a triangle of the leaf.
     ///
-    /// With the corners projected, u = c × b, v = a × c, w = b × a must be of one sign, 0 included; t = (u a_z + v b_z + w
-    /// c_z)/((u + v + w) d_z).
+    /// With a, b, c the sheared corners, u = c × b, v = a × c and w = b × a must have one sign, 0 included; then
+    /// t = (u a_z + v b_z + w c_z)/((u + v + w) d_z).
     #[inline]
     pub(super) fn intersect(&self, leaf: Leaf<'_>, mut each: impl FnMut(Hit)) {
-        for first in (0..leaf.count).step_by(WIDTH) {
-            let (a, b, c) = (self.see(leaf, 0, first), self.see(leaf, 1, first), self.see(leaf, 2, first));
-            let there = (1 << (leaf.count - first).min(WIDTH)) - 1;
-            let (u, v, w) = areas(a, b, c, there);
-            let (least, most) = (u.fast_min(v).fast_min(w), u.fast_max(v).fast_max(w));
-            // Which are met cannot be foretold, so that one question is asked about all.
-            let mut met = (least.simd_ge(F64::ZERO) | most.simd_le(F64::ZERO)).to_bitmask() & there;
-            if met == 0 {
+        for first in (0..leaf.count).step_by(TESTED) {
+            let (a, b, c) = (self.shear(leaf, 0, first), self.shear(leaf, 1, first), self.shear(leaf, 2, first));
+            let valid = (1 << (leaf.count - first).min(TESTED)) - 1;
+            let (u, v, w) = areas(a, b, c, valid);
+            let (min, max) = (u.fast_min(v).fast_min(w), u.fast_max(v).fast_max(w));
+            // One branch for all triangles: which of them are hit cannot be predicted.
+            let mut hits = (min.simd_ge(F64::ZERO) | max.simd_le(F64::ZERO)).to_bitmask() & valid;
+            if hits == 0 {
                 continue;
             }
             // Signs are exact, so the sum vanishes only if the triangle is seen edge-on.
             let (sum, t) = ((u + v + w).to_array(), (u * a.z + v * b.z + w * c.z).to_array());
-            while met != 0 {
-                let i = met.trailing_zeros() as usize % WIDTH;
-                met &= met - 1;
+            while hits != 0 {
+                let i = hits.trailing_zeros() as usize % TESTED;
+                hits &= hits - 1;
                 if sum[i] != 0.0 {
                     // A ray down the axis sees a mirror image.
                     let front = (sum[i] > 0.0) != (self.z < 0.0);
@@ -112,42 +113,43 @@ impl Shear {
         }
     }
 
-    /// A corner of the triangles from `first` on. One corner is seen alike for every triangle that has it.
+    /// The sheared corner of the triangles from `first` on. Triangles that share a vertex get equal coordinates for it.
     #[inline]
-    fn see(&self, leaf: Leaf<'_>, corner: usize, first: usize) -> Seen {
+    fn shear(&self, leaf: Leaf<'_>, corner: usize, first: usize) -> Sheared {
         let along = |i: usize| leaf.row(3 * corner + self.axes[i], first) - F64::splat(self.origin[i]);
         let (x, y, z) = (along(0), along(1), along(2));
-        Seen { x: x - F64::splat(self.x) * z, y: y - F64::splat(self.y) * z, z }
+        Sheared { x: x - F64::splat(self.x) * z, y: y - F64::splat(self.y) * z, z }
     }
 }
 
-/// c × b, a × c and b × a, where p × q = p_x q_y − p_y q_x, with exact signs, and exactly −(q × p), in the lanes that are `there`.
+/// c × b, a × c and b × a, where p × q = p_x q_y − p_y q_x. In the `valid` lanes signs are exact, and p × q is exactly
+/// −(q × p).
 ///
 /// Rounding is monotonic, so the rounded products order as the exact ones do unless they are equal; then the roundings
 /// decide (Shewchuk's two-product), short of underflow.
 #[inline]
-fn areas(a: Seen, b: Seen, c: Seen, there: u32) -> (F64, F64, F64) {
-    let products = |p: Seen, q: Seen| (p.x * q.y, p.y * q.x);
+fn areas(a: Sheared, b: Sheared, c: Sheared, valid: u32) -> (F64, F64, F64) {
+    let products = |p: Sheared, q: Sheared| (p.x * q.y, p.y * q.x);
     let (u, v, w) = (products(c, b), products(a, c), products(b, a));
     let ties = u.0.simd_eq(u.1) | v.0.simd_eq(v.1) | w.0.simd_eq(w.1);
-    if ties.to_bitmask() & there == 0 {
+    if ties.to_bitmask() & valid == 0 {
         (u.0 - u.1, v.0 - v.1, w.0 - w.1)
     } else {
-        let plane = |of: Seen| [of.x.to_array(), of.y.to_array()];
+        let plane = |of: Sheared| [of.x.to_array(), of.y.to_array()];
         let [u, v, w] = exact_areas(plane(a), plane(b), plane(c)).map(F64::new);
         (u, v, w)
     }
 }
 
 #[cold]
-fn exact_areas(a: [[f64; WIDTH]; 2], b: [[f64; WIDTH]; 2], c: [[f64; WIDTH]; 2]) -> [[f64; WIDTH]; 3] {
-    let areas = |[px, py]: [[f64; WIDTH]; 2], [qx, qy]: [[f64; WIDTH]; 2]| {
+fn exact_areas(a: [[f64; TESTED]; 2], b: [[f64; TESTED]; 2], c: [[f64; TESTED]; 2]) -> [[f64; TESTED]; 3] {
+    let areas = |[px, py]: [[f64; TESTED]; 2], [qx, qy]: [[f64; TESTED]; 2]| {
         core::array::from_fn(|i| exact_cross([px[i], py[i]], [qx[i], qy[i]]))
     };
     [areas(c, b), areas(a, c), areas(b, a)]
 }
 
-/// p × q of one triangle.
+/// p × q of one triangle, with exact sign.
 pub(super) fn exact_cross([px, py]: [f64; 2], [qx, qy]: [f64; 2]) -> f64 {
     let (left, right) = (px * qy, py * qx);
     if left == right { libm::fma(px, qy, -left) - libm::fma(py, qx, -left) } else { left - right }

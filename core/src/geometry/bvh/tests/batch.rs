@@ -1,10 +1,10 @@
-//! Many rays by turns meet what each meets by itself.
+//! Rays traversed together hit what each hits by itself.
 
 use super::*;
 
 #[test]
 fn many_rays_hit_what_each_hits_alone() {
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     // The last is too large for what is taken to be near.
     for mesh in [soup(300), slab(8), sheet(12), sheet(120).moved(1e3, DVec3::splat(-5e2))] {
         let mut memory = mesh.memory();
@@ -32,8 +32,8 @@ fn many_rays_hit_what_each_hits_alone() {
             .collect();
         let admits = |i: usize, hit: &Hit| !i.is_multiple_of(5) || hit.front;
         let alone: Vec<_> = (0..).zip(&rays).map(|(i, ray)| bvh.intersect_nearest(ray, |hit| admits(i, hit))).collect();
-        let met = alone.iter().flatten().count();
-        assert!(met > 3_000, "{met}");
+        let hit_count = alone.iter().flatten().count();
+        assert!(hit_count > 3_000, "{hit_count}");
         for count in [0, 1, 15, 16, 17, rays.len()] {
             let mut hits = vec![Some(Hit { triangle: 7, t: 7.0, front: true }); count];
             bvh.intersect_batch(&rays[..count], &mut hits, admits);

@@ -6,9 +6,9 @@ use super::{Mesh, Random};
 use glam::DVec3;
 use std::vec::Vec;
 
-/// Small triangles strewn over a cube.
+/// Small triangles at random places in a cube.
 pub(super) fn soup(count: usize) -> Mesh {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut vertices = Vec::new();
     for _ in 0..count {
         let middle = random.cube();
@@ -17,7 +17,7 @@ pub(super) fn soup(count: usize) -> Mesh {
     Mesh(vertices, (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
-/// A bumpy sheet over [−1, 1]² of 2 cells² triangles that face upwards.
+/// A wavy sheet over [−1, 1]² of 2 cells² triangles that face upwards.
 pub(super) fn sheet(cells: u32) -> Mesh {
     let row = cells + 1;
     let at = |i: u32| 2.0 * f64::from(i) / f64::from(cells) - 1.0;
@@ -28,7 +28,7 @@ pub(super) fn sheet(cells: u32) -> Mesh {
     Mesh(vertices.collect(), triangles.collect())
 }
 
-/// [`sheet`] with a copy below, walls, and thus an inside.
+/// A closed slab: [`sheet`], a copy of it below, and walls between them.
 pub(super) fn slab(cells: u32) -> Mesh {
     let Mesh(mut vertices, mut triangles) = sheet(cells);
     let (row, count) = (cells + 1, vertices.len() as u32);
