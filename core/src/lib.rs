@@ -1,62 +1,69 @@
-//! How layered and micro-structured surfaces reflect light of each wavelength.
+//! Spectral reflection of layered and micro-structured surfaces: ray splitting, interference, and BRDF tables.
 //!
-//! The method is that of Shimada & Kawaguchi, "BRDF Estimation System for Structural Colors": rays split at every
-//! interface by Fresnel's formulas, carry a phase per wavelength, and interfere where they leave in one direction. This
-//! crate is the part that computes: no `std`, no allocation, no `unsafe`; the caller owns all memory.
+//! The method is that of Shimada & Kawaguchi, "BRDF Estimation System for Structural Colors". Rays split at every
+//! interface by Fresnel's formulas, carry a phase for each wavelength, and interfere where they leave in one direction.
+//! This crate is the part that computes: no `std`, no allocation, no `unsafe`; the caller owns all memory.
 //!
 //! # Conventions
 //!
 //! - Fields vary as exp(−iωt). A medium has the complex index η = n + ik; k ≥ 0 absorbs, k < 0 (gain) is refused.
 //! - Lengths and vacuum wavelengths are in nanometres, angles in radians.
-//! - Surface frame: z is the macroscopic normal (the paper's **n**), x the tangent **t**, y the binormal **b**. `wi` points
-//!   towards the light, `wo` towards the viewer; both leave the surface.
+//! - The surface frame has z along the macroscopic normal (the paper's **n**), x along the tangent **t**, and y along the
+//!   binormal **b**. `wi` points towards the light, `wo` towards the viewer; both leave the surface.
 //! - k₀ = 2π/λ. A plane wave has the wavevector q in units of k₀, q·q = η², and the phase factor exp(i k₀ q·x). q may be
 //!   complex, in absorbing media and beyond total reflection.
-//! - s is the electric field across the plane of incidence. p is followed by its magnetic field, which makes both obey
-//!   one formula ([`optics::interface`]); powers do not depend on that choice.
+//! - s light has its electric field perpendicular to the plane of incidence. p light is followed by its magnetic field, so
+//!   that both obey one formula ([`optics::interface`]); powers do not depend on that choice.
 //!
 //! # Where to find what
 //!
-//! Each module uses only those above it.
+//! Rooms and modules stand in the order of use: each uses only those above it.
 //!
-//! | module | what | equation |
-//! |---|---|---|
-//! | [`simd::lanes`], [`simd::double_double`], [`simd::complex`], [`simd::vector`] | one number per wavelength of a group | |
-//! | [`simd::phase`] | phase factors of long paths | exp(2πi q·L/λ), path reduced to ±½ in double precision |
-//! | [`optics::medium`] | n + ik of a wavelength | dispersion formulas 1 to 9, tables |
-//! | [`optics::incidence`] | the angle of the light, to all its digits | q_n² = η² − q_t² |
-//! | [`optics::interface`] | one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η²; models |
-//! | [`optics::coating`] | films on a facet, by the same recursion | |
-//! | [`optics::stack`] | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
-//! | [`optics::rounding`] | how far rounding may have moved R and T | δρ₀ = Σ (wave that meets plane j)² δρ_j |
-//! | [`geometry::planar_cell`], [`geometry::mesh_cell`] | the facets of a micro-surface | |
-//! | [`geometry::bvh`] | the triangle that a ray meets first | u, v, w of one sign |
-//! | [`trace::waves`] | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
-//! | [`trace::paths`] | rays that do not interfere, followed one by one | a branch is drawn in proportion to its power |
-//! | [`trace::ledger`] | how exits add; the power ledger | R + T + absorbed + imbalance = 1 |
-//! | [`trace::planar`] | the tracer's planar cells, loops closed exactly | 1 + g + g² + … = 1/(1 − g) |
-//! | [`trace::coherent_mesh`] | waves in polygon cells: fields along ŝ and p̂ of each facet | J_t = J_i cos θ_t/cos θ_i |
-//! | [`trace::incoherent_mesh`] | paths in polygon cells: the coherency matrix of their light | ⟨E_s E_p*⟩ |
-//! | [`measure::orders`] | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
-//! | [`measure::bins`], [`trace::sobol`] | where rays leave, where they start | |
-//! | [`table`] | BRDF tables, and their form in bytes ([`table::blob`]) | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
-//! | [`colour`] | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
+//! | room | module | content | equation |
+//! |---|---|---|---|
+//! | [`simd`] | [`lanes`](simd::lanes) | one number per wavelength of a group | |
+//! | | [`double_double`](simd::double_double) | lanes of twice the digits of double precision | a + b = s + e, exactly |
+//! | | [`complex`](simd::complex), [`vector`](simd::vector) | complex numbers and vectors of lanes | |
+//! | | [`phase`](simd::phase) | phase factors of long paths | exp(2πi q·L/λ), path reduced to ±½ in double precision |
+//! | [`optics`] | [`medium`](optics::medium) | n + ik at a wavelength | dispersion formulas 1 to 9, tables |
+//! | | [`incidence`](optics::incidence) | the angle of incidence, to all its digits | q_n² = η² − q_t² |
+//! | | [`interface`](optics::interface) | reflection by one plane | r = (κ₁ − κ₂)/(κ₁ + κ₂), κ_s = q_n, κ_p = q_n/η² |
+//! | | [`stack`](optics::stack) | planar multilayer in closed form | ρ_j = (r_j + ρ_{j+1}e²)/(1 + r_jρ_{j+1}e²) |
+//! | | [`rounding`](optics::rounding) | rounding error of R and T | δρ₀ = Σ (wave that meets plane j)² δρ_j |
+//! | | [`coating`](optics::coating) | films on a facet | the recursion of `stack` |
+//! | [`geometry`] | [`side`](geometry::side) | the two sides of the surface | |
+//! | | [`bvh`](geometry::bvh) | nearest triangle on a ray | u, v, w of one sign |
+//! | | [`facet`](geometry::facet) | plane pieces of a micro-surface | |
+//! | | [`planar_cell`](geometry::planar_cell), [`mesh_cell`](geometry::mesh_cell) | checked cells of facets | |
+//! | [`trace`] | [`sobol`](trace::sobol), [`random`](trace::random) | where rays start, and random choices | |
+//! | | [`waves`](trace::waves) | ray splitting, merging of equal states | a(state) = Σ a(rays in that state) |
+//! | | [`paths`](trace::paths) | rays without interference | a branch is drawn in proportion to its power |
+//! | | [`ledger`](trace::ledger) | how exits add; the power ledger | R + T + absorbed + imbalance = 1 |
+//! | | [`planar`](trace::planar) | tracing of planar cells, loops summed exactly | 1 + g + g² + … = 1/(1 − g) |
+//! | | [`coherent_mesh`](trace::coherent_mesh) | waves in mesh cells: fields along ŝ and p̂ | J_t = J_i cos θ_t/cos θ_i |
+//! | | [`incoherent_mesh`](trace::incoherent_mesh) | paths in mesh cells: the coherency matrix | ⟨E_s E_p*⟩ |
+//! | [`measure`] | [`bins`](measure::bins) | directions in which rays leave | |
+//! | | [`orders`](measure::orders) | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
+//! | [`table`] | | BRDF tables | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
+//! | | [`blob`](table::blob) | tables in bytes | |
+//! | [`colour`] | | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
 //!
 //! # Requirements
 //!
-//! Rust 1.89. There are no features: the crate is `no_std` always. SIMD instructions are those that the compiler is told it may
-//! use, with `-C target-cpu`; [`simd::lanes::simd_level`] names them. Where there are none, as on a Cortex-M, lanes are loops.
-//! Constructors check what they are given; what they return is infallible where rays are followed and tables looked up.
+//! Rust 1.89. There are no features: the crate is always `no_std`. The compiler uses the SIMD instructions that
+//! `-C target-cpu` allows; [`simd::lanes::simd_level`] names them. Where there are none, as on a Cortex-M, lanes are
+//! loops. Constructors check what they are given; what they return needs no further checks while rays are traced and
+//! tables looked up.
 //!
 //! # Example: the spectrum of a soap film
 //!
 //! ```
-//! use goniochrome::simd::complex::ComplexLanes;
 //! use goniochrome::optics::interface::{Below, Model};
-//! use goniochrome::simd::lanes::{F32, Lanes};
-//! use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 //! use goniochrome::optics::medium::{MediaLanes, Medium};
 //! use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
+//! use goniochrome::simd::complex::ComplexLanes;
+//! use goniochrome::simd::lanes::{F32, Lanes};
+//! use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 //!
 //! // Air and water, at as many wavelengths as there are lanes; here they start at 450 nm.
 //! let media = [Medium::constant(1.0.into())?, Medium::constant(1.33.into())?];
@@ -69,12 +76,12 @@
 //! let film = Film { medium: 1, thickness_nm: 420.0 };
 //! let stack = Stack::new(0, [film], Below::Medium(0), arrays.memory())?;
 //! let mut memory = PreparedStackArrays::<F32, 2>::new();
-//! let optics = PreparedStack::new(stack, &media, 0.5, Model::Physical, memory.memory());
+//! let prepared = PreparedStack::new(stack, &media, 0.5, Model::Physical, memory.memory());
 //!
-//! // In closed form, and by tracing rays: the same.
-//! let closed = optics.reflectance(optics.reflection());
+//! // The closed form and the traced rays agree.
+//! let closed = prepared.reflectance(prepared.reflection());
 //! let mut workspace = Workspace::<F32, 2>::new();
-//! let traced = trace_planar(&optics, Summation::ClosedLoops, workspace.memory())?;
+//! let traced = trace_planar(&prepared, Summation::ClosedLoops, workspace.memory())?;
 //! for lane in 0..F32::WIDTH {
 //!     assert!((closed.s.lane(lane) - traced.ledger.reflected.s.lane(lane)).abs() < 1e-6);
 //! }
@@ -84,21 +91,21 @@
 //! # Example: the BRDF of a cell
 //!
 //! ```
-//! use goniochrome::measure::bins::{DirectionBins, ExitRecord, ExitBuffer, Histogram};
+//! use glam::DVec3;
 //! use goniochrome::geometry::bvh::{Bvh, Node};
 //! use goniochrome::geometry::facet::Facet;
-//! use goniochrome::geometry::side::Side;
-//! use goniochrome::simd::complex::ComplexLanes;
-//! use goniochrome::optics::interface::{Below, Interface};
-//! use goniochrome::simd::lanes::{F32, Lanes};
-//! use goniochrome::optics::medium::{MediaLanes, Medium};
 //! use goniochrome::geometry::mesh_cell::MeshCell;
-//! use goniochrome::trace::coherent_mesh::{IncidentWave, CoherentMesh, free_slot};
+//! use goniochrome::geometry::side::Side;
+//! use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
+//! use goniochrome::optics::interface::{Below, Interface};
+//! use goniochrome::optics::medium::{MediaLanes, Medium};
+//! use goniochrome::simd::complex::ComplexLanes;
+//! use goniochrome::simd::lanes::{F32, Lanes};
+//! use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 //! use goniochrome::trace::sobol::sobol;
 //! use goniochrome::trace::waves::{Limits, trace};
-//! use glam::DVec3;
 //!
-//! // A ridge of glass along y, two slopes to a period of 1000 nm.
+//! // A ridge of glass along y, with two slopes in a period of 1000 nm.
 //! let vertices = [[0, 0, 0], [500, 0, 300], [1000, 0, 0], [0, 800, 0], [500, 800, 300], [1000, 800, 0]]
 //!     .map(|v| DVec3::from_array(v.map(f64::from)));
 //! let triangles = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
@@ -115,7 +122,7 @@
 //! let mut eta = [ComplexLanes::zero(); 2];
 //! let media = MediaLanes::<F32>::evaluate(&media, &[550.0], &mut eta).map_err(|(_, error)| error)?;
 //!
-//! // Power of the first lane in each of 4 × 8 bins.
+//! // The power of the first lane in each of 4 × 8 bins.
 //! struct Power([f64; 32]);
 //! impl Histogram for Power {
 //!     fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64) {
@@ -128,21 +135,21 @@
 //! const RAYS: u32 = 256;
 //! let grid = DirectionBins { cos: 4, phi: 8 };
 //! let wi = DVec3::new(0.6, 0.0, 0.8);
-//! let mut polygons = CoherentMesh::new(cell, media, IncidentWave::new(wi, media.eta()[0]));
+//! let mut mesh = CoherentMesh::new(cell, media, IncidentWave::new(wi, media.eta()[0]));
 //! let (mut slots, mut memory) = ([free_slot::<F32>(); 16], [ExitRecord::<F32>::none(); 32]);
 //! let mut exits = ExitBuffer::new(&mut memory, grid, &media);
 //! let mut power = Power([0.0; 32]);
 //! let limits = Limits { in_flight: 1e-13, generations: 10_000 };
 //! for ray in 0..RAYS {
 //!     let [u, v] = sobol(ray, 0);
-//!     let (state, field) = polygons.start(u, v).expect("the ridge has no holes");
+//!     let (state, field) = mesh.start(u, v).expect("the ridge has no holes");
 //!     exits.begin(state.point_nm());
-//!     trace(&mut polygons, state, field, &mut slots, limits, &mut exits);
+//!     trace(&mut mesh, state, field, &mut slots, limits, &mut exits);
 //!     exits.flush(&mut power);
 //! }
 //! let brdf: [f64; 32] =
 //!     core::array::from_fn(|bin| power.0[bin] / f64::from(RAYS) / grid.projected_solid_angle(bin));
-//! // Glass reflects a few percent, away from the slopes.
+//! // Glass reflects a few percent of the light.
 //! let reflected: f64 = power.0.iter().sum::<f64>() / f64::from(RAYS);
 //! assert!((0.03..0.1).contains(&reflected) && brdf.iter().all(|f| *f >= 0.0));
 //! # Ok::<(), Box<dyn core::error::Error>>(())
@@ -150,16 +157,17 @@
 //!
 //! # Example: a table in a shader's loop
 //!
-//! `examples/material_system.rs` shows the same behind an engine's material trait.
+//! `examples/material_system.rs` shows such a table behind the material trait of an engine.
 //!
 //! ```
-//! use goniochrome::measure::bins::DirectionBins;
+//! use glam::Vec3;
 //! use goniochrome::colour::RgbSpace;
+//! use goniochrome::measure::bins::DirectionBins;
 //! use goniochrome::table::blob::{Blob, Contents, Precision};
 //! use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
-//! use glam::Vec3;
 //!
-//! // Elsewhere, once: `goniochrome estimate`, then `goniochrome export --to blob`. Here, a grey Lambert surface.
+//! // A blob is usually made once, by `goniochrome estimate` and `goniochrome export --to blob`. This one is a grey
+//! // Lambert surface.
 //! let layout = ScatterLayout::new(4, 1, DirectionBins { cos: 4, phi: 4 })?;
 //! let values = [0.5 / core::f32::consts::PI; 4 * 16 * 3];
 //! let table = ScatterTable::new(&values, layout, 3)?;
@@ -169,7 +177,7 @@
 //! let mut bytes = vec![0; blob.required_len(Precision::Half).unwrap()];
 //! blob.write(Precision::Half, &mut bytes)?;
 //!
-//! // At run time: checked once, looked up where it lies.
+//! // At run time the bytes are checked once, and looked up in place.
 //! let Contents::Scatter(table, sampler) = Blob::read(&bytes)?.contents else { panic!("a table of directions") };
 //! let wi = Vec3::new(0.6, 0.0, 0.8);
 //! let mut light = Vec3::ZERO;
@@ -185,7 +193,7 @@
 //! ```
 #![no_std]
 
-// Their types are in the interface.
+// Crates whose types are part of the interface.
 pub use {glam, num_complex};
 
 pub mod simd;

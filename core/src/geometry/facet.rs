@@ -1,59 +1,61 @@
-//! The plane facet of a micro-surface, and the errors of the cells that are made of facets.
+//! Facets, the plane pieces of a micro-surface, and the reasons for which a cell of facets is refused.
 
 use glam::DVec3;
 
-/// A plane of the micro-surface that divides two media.
+/// A plane piece of the micro-surface, which divides two media.
+///
+/// All coplanar polygons that a cell counts as one facet share its anchor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
-    /// Unit normal, pointing to the medium `above` of its interface.
+    /// Unit normal, which points to the medium `above` of its interface.
     pub normal: DVec3,
-    /// A fixed point of the plane in nanometres: amplitudes are referred to it.
+    /// A fixed point of the plane in nanometres, to which amplitudes are referred.
     pub anchor_nm: DVec3,
-    /// Which interface of the cell.
+    /// Index of the interface in the list of the cell.
     pub interface: u16,
 }
 
 impl Facet {
-    /// A horizontal plane at height z that faces upwards.
+    /// A horizontal facet at height z that faces upwards.
     #[must_use]
     pub fn horizontal(z_nm: f64, interface: u16) -> Self {
         Self { normal: DVec3::Z, anchor_nm: DVec3::new(0.0, 0.0, z_nm), interface }
     }
 }
 
-/// Why a cell was refused; the index is that of the facet.
+/// A reason for which a cell is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CellError {
-    /// No facets.
+    /// The cell has no facets, or a mesh names no facet for some of its triangles.
     Empty,
-    /// A coordinate that is NaN or infinite.
+    /// A facet has a coordinate that is NaN or infinite, or a triangle names a facet beyond the list.
     NotFinite {
         /// The facet.
         facet: usize,
     },
-    /// The interface index is beyond the list.
+    /// A facet names an interface beyond the list.
     NoInterface {
         /// The facet.
         facet: usize,
     },
-    /// The facet's normal is not +z: this release cannot trace it.
+    /// A facet of a planar cell has a normal other than +z.
     Tilted {
         /// The facet.
         facet: usize,
     },
-    /// The facet lies above its predecessor; facets stand in order from the top.
+    /// A facet of a planar cell lies above its predecessor: they must be in order from the top.
     OutOfOrder {
         /// The facet.
         facet: usize,
     },
-    /// The period is not positive, or the mesh leaves it.
+    /// The period is not positive and finite, or the mesh leaves it.
     Period,
-    /// A coating has a film of negative or non-finite thickness.
+    /// A coating has a film whose thickness is negative or not finite.
     Coating {
         /// The interface.
         interface: usize,
     },
-    /// The medium above this facet is not the one below its predecessor.
+    /// The medium above a facet of a planar cell is not the one below its predecessor.
     MediaDiffer {
         /// The facet.
         facet: usize,

@@ -1,8 +1,8 @@
-//! A periodic cell of polygons, and where a ray in it goes next.
+//! A mesh cell: a periodic cell of triangles, and the search for the facet that a ray meets next.
 //!
 //! A facet is a plane polygon of one interface: all coplanar triangles that touch count as one. The mesh covers one
-//! period, [0, Λx] × [0, Λy], and repeats; it is open above, and open or closed below. Rays keep their unwrapped positions,
-//! so that phases are right whatever the number of periods crossed.
+//! period, [0, Λx] × [0, Λy], and repeats. It is open above, and open or closed below. Rays keep their unwrapped
+//! positions, so that phases are right whatever the number of periods crossed.
 
 use crate::geometry::bvh::{Bvh, Hit, Ray};
 use crate::geometry::facet::{CellError, Facet};
@@ -11,7 +11,7 @@ use crate::optics::medium::MediumIndex;
 use crate::optics::stack::Film;
 use glam::DVec3;
 
-/// A checked mesh: facets and interfaces in range, vertices within the period.
+/// A checked periodic mesh: its facets and interfaces are in range, its vertices within the period.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshCell<'a> {
     bvh: Bvh<'a>,
@@ -26,86 +26,89 @@ pub struct MeshCell<'a> {
     /// Slack along a ray at the border between periods, where two copies of a vertex may differ by rounding.
     slack_nm: f64,
     above: MediumIndex,
-    /// The medium under the whole cell; none under a mirror.
+    /// The medium under the whole cell; `None` under a mirror.
     below: Option<MediumIndex>,
 }
 
-/// A ray's next facet.
+/// The hit of a ray on a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacetHit {
     /// The facet.
     pub facet: u32,
-    /// Whether it is met from the side its normal points to.
+    /// True if the ray comes from the side to which the normal points.
     pub front: bool,
-    /// Where, unwrapped.
+    /// The point that is hit, unwrapped.
     pub point_nm: DVec3,
 }
 
 impl FacetHit {
-    /// Fills memory that is written before it is read.
+    /// A hit to fill memory that is written before it is read.
     pub(crate) const NONE: Self = Self { facet: 0, front: false, point_nm: DVec3::ZERO };
 }
 
-/// A facet from the side of a ray.
+/// A facet as seen from the side of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
-    /// Unit normal, to the side that the ray comes from.
+    /// Unit normal, which points to the side from which the ray comes.
     pub normal: DVec3,
-    /// The medium there.
+    /// The medium on the side from which the ray comes.
     pub near: MediumIndex,
-    /// What lies beyond.
+    /// What lies on the other side.
     pub far: Below,
 }
 
-/// Where a ray ends up.
+/// The next event of a ray in the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NextEvent {
-    /// At a facet.
+    /// The ray meets a facet.
     Facet(FacetHit),
-    /// Out of the cell, upwards.
+    /// The ray leaves the cell upwards.
     Above,
-    /// Out of the cell, downwards, into the medium under it.
+    /// The ray leaves the cell downwards, into the medium under it.
     Below,
-    /// After more periods than are followed, or out of the cell in a medium that is not open there: through a hole.
+    /// The ray crosses more periods than are followed, or leaves the cell through a hole, in a medium that is not open
+    /// there.
     Lost,
 }
 
-/// Periods that a ray may cross between two hits; only rays within 1e-3 radians of the horizontal cross more in a cell as
-/// high as it is wide.
+/// Maximum number of periods that a ray may cross between two hits. In a cell as high as it is wide, only rays within
+/// 1e-3 radians of the horizontal cross more.
 const MAX_PERIODS: u32 = 4096;
 
-/// What facets and interfaces beyond the last are: `new` has seen to it that no triangle has one.
-const NOWHERE: Facet = Facet { normal: DVec3::Z, anchor_nm: DVec3::ZERO, interface: u16::MAX };
-const NOTHING: Interface = Interface { above: MediumIndex::MAX, below: Below::Mirror };
+/// Facet that stands for those beyond the last; `new` makes sure that no triangle has one.
+const NO_FACET: Facet = Facet { normal: DVec3::Z, anchor_nm: DVec3::ZERO, interface: u16::MAX };
+/// Interface that stands for those beyond the last; `new` makes sure that no facet has one.
+const NO_INTERFACE: Interface = Interface { above: MediumIndex::MAX, below: Below::Mirror };
 
-/// The rounding of coordinates in single-precision files, as a fraction of the largest coordinate or period. Vertices
-/// may lie outside the period by this fraction of it.
+/// Rounding of coordinates in single-precision files, as a fraction of the largest coordinate or period. Vertices may
+/// lie outside the period by this fraction of it.
 pub const RESOLUTION: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Moves vertices beside the border of the period, x = 0 or Λx and y = 0 or Λy, onto it. Beside means nearer than
+/// Moves vertices near the border of the period, x = 0 or Λx and y = 0 or Λy, onto it. Near means no further than
 /// [`RESOLUTION`] times the largest coordinate or period.
 ///
-/// The mesh repeats. Where its border is off by rounding, neighbouring copies miss each other, and light falls through.
+/// The mesh repeats: where its border is off by rounding, neighbouring copies leave a gap, and light falls through.
 pub fn snap_to_border(vertices: &mut [DVec3], period_nm: [f64; 2]) {
     let [width, depth] = period_nm;
     let largest = vertices.iter().fold(width.max(depth), |largest, v| largest.max(v.abs().max_element()));
-    let moved = |x: f64, period: f64| {
+    let snapped = |x: f64, period: f64| {
         let near = |border: &f64| libm::fabs(x - border) <= RESOLUTION * largest;
         [0.0, period].into_iter().find(near).unwrap_or(x)
     };
     for v in vertices {
-        *v = DVec3::new(moved(v.x, width), moved(v.y, depth), v.z);
+        *v = DVec3::new(snapped(v.x, width), snapped(v.y, depth), v.z);
     }
 }
 
 impl<'a> MeshCell<'a> {
-    /// Checks a mesh: `facet_of` names the facet of each triangle of `bvh`; `above` is the medium open to the light.
-    /// Vertices on the border must lie exactly there: see [`snap_to_border`]. The medium under the cell is that under
-    /// its lowest surface.
+    /// Checks a mesh. `facet_of` holds the index of the facet of each triangle of `bvh`; `above` is the medium open to
+    /// the light. Vertices on the border must lie exactly there ([`snap_to_border`]). The medium under the cell is the
+    /// one under its lowest surface.
     ///
     /// # Errors
-    /// [`CellError`], with the first offending facet; [`CellError::Period`] for a period that is not positive or is left by
-    /// the mesh.
+    /// [`CellError::Empty`] without facets or if `facet_of` differs in length from the triangles;
+    /// [`CellError::NotFinite`] and [`CellError::NoInterface`] with the first offending facet; [`CellError::Period`]
+    /// for a period that is not positive or is left by the mesh.
     pub fn new(
         bvh: Bvh<'a>,
         facet_of: &'a [u32],
@@ -149,17 +152,17 @@ impl<'a> MeshCell<'a> {
         Ok(Self { below: cell.lowest_medium(), ..cell })
     }
 
-    /// The medium under the lowest of some points of the surface, seen from below. A closed cell has the same one under
-    /// each.
+    /// The medium under the lowest of some points of the surface, seen from below. A closed cell has the same medium
+    /// under each.
     fn lowest_medium(&self) -> Option<MediumIndex> {
-        /// More than one, for a cell with holes; no regular mesh has an edge there.
-        const MAX_PROBES: [[f64; 2]; 4] = [[0.382, 0.268], [0.854, 0.732], [0.146, 0.618], [0.618, 0.414]];
+        /// Points of the period: several, for a cell with holes, and none on an edge of a regular mesh.
+        const PROBES: [[f64; 2]; 4] = [[0.382, 0.268], [0.854, 0.732], [0.146, 0.618], [0.618, 0.414]];
         let [px, py] = self.period_nm;
         let hit = |[u, v]: [f64; 2]| {
             let origin = DVec3::new(u * px, v * py, self.bottom_nm - self.slack_nm);
             self.intersect(&Ray { origin, direction: DVec3::Z, t_min: 0.0, t_max: f64::INFINITY }, None, None)
         };
-        let lowest = MAX_PROBES.into_iter().filter_map(hit).reduce(|a, b| if b.t < a.t { b } else { a })?;
+        let lowest = PROBES.into_iter().filter_map(hit).reduce(|a, b| if b.t < a.t { b } else { a })?;
         let Interface { above, below } = self.interface(self.facet_of(&lowest));
         match (lowest.front, below) {
             (true, _) => Some(above),
@@ -168,11 +171,11 @@ impl<'a> MeshCell<'a> {
         }
     }
 
-    /// The same mesh with films on its facets, one list for each interface, from the upper side; empty lists for bare ones.
-    /// Interfaces beyond the list are bare.
+    /// Adds films to the facets of the mesh: one list for each interface, from the upper side. Interfaces with an empty
+    /// list, and those beyond the lists, are bare.
     ///
     /// # Errors
-    /// [`CellError::Coating`] for a thickness that is negative or not finite; the index is that of the interface.
+    /// [`CellError::Coating`] for a thickness that is negative or not finite, with the index of the interface.
     pub fn with_coatings(self, coatings: &'a [&'a [Film]]) -> Result<Self, CellError> {
         let bad = |film: &Film| !(film.thickness_nm >= 0.0 && film.thickness_nm.is_finite());
         match coatings.iter().position(|films| films.iter().any(bad)) {
@@ -181,43 +184,44 @@ impl<'a> MeshCell<'a> {
         }
     }
 
-    /// The films on a facet, from the side its normal points to.
+    /// The films on a facet, from the side to which its normal points.
     #[must_use]
     pub fn coating(&self, facet: u32) -> &'a [Film] {
         self.coatings.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(&[])
     }
 
-    /// The films on a facet that a ray is about to meet, from the far side to the near one.
+    /// The films on a facet that a ray meets, from the far side to the near side.
     pub(crate) fn films(&self, at: &FacetHit) -> impl Iterator<Item = &'a Film> + use<'a> {
         let (films, front) = (self.coating(at.facet), at.front);
-        // Of one type for both ways, so that a coating's response is compiled once.
+        // One type of iterator for both ways, so that a coating's response is compiled once.
         (1..=films.len()).filter_map(move |i| films.get(if front { films.len() - i } else { i - 1 }))
     }
 
-    /// The medium open to the light.
+    /// The medium above the cell, which is open to the light.
     #[must_use]
     pub fn above(&self) -> MediumIndex {
         self.above
     }
 
-    /// Λx and Λy.
+    /// The periods Λx and Λy along x and y.
     #[must_use]
     pub fn period_nm(&self) -> [f64; 2] {
         self.period_nm
     }
 
-    /// The height of the highest vertex.
+    /// Height z of the highest vertex.
     #[must_use]
     pub fn top_nm(&self) -> f64 {
         self.top_nm
     }
 
-    /// A facet.
+    /// The facet of an index.
     #[must_use]
     pub fn facet(&self, facet: u32) -> &'a Facet {
-        self.facets.get(facet as usize).unwrap_or(&NOWHERE)
+        self.facets.get(facet as usize).unwrap_or(&NO_FACET)
     }
 
+    /// The facet of the triangle that is hit.
     fn facet_of(&self, hit: &Hit) -> u32 {
         self.facet_of.get(hit.triangle as usize).copied().unwrap_or(u32::MAX)
     }
@@ -225,20 +229,21 @@ impl<'a> MeshCell<'a> {
     /// The media that a facet divides.
     #[must_use]
     pub fn interface(&self, facet: u32) -> Interface {
-        self.interfaces.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(NOTHING)
+        self.interfaces.get(usize::from(self.facet(facet).interface)).copied().unwrap_or(NO_INTERFACE)
     }
 
-    /// Where light of a unit direction first meets the cell over a point of the period, (u, v) in [0, 1)². `None` if it meets nothing.
+    /// The first hit of light of a unit direction that passes over a point of the period, (u, v) in [0, 1)²; `None` if
+    /// it hits nothing.
     #[must_use]
     pub fn first_hit(&self, u: f64, v: f64, direction: DVec3) -> Option<FacetHit> {
         let [px, py] = self.period_nm;
         match self.next_event(DVec3::new(u * px, v * py, self.top_nm), direction, self.above, None) {
-            NextEvent::Facet(meeting) => Some(meeting),
+            NextEvent::Facet(hit) => Some(hit),
             _ => None,
         }
     }
 
-    /// The facet as a ray about to meet it sees it; none where the ray would travel inside a mirror.
+    /// The facet of a hit as the ray sees it; `None` where the ray would travel inside a mirror.
     #[must_use]
     pub fn sides(&self, at: &FacetHit) -> Option<Sides> {
         let Interface { above, below } = self.interface(at.facet);
@@ -250,8 +255,8 @@ impl<'a> MeshCell<'a> {
         }
     }
 
-    /// Follows a ray in `medium` from an unwrapped point to the next facet that has this medium on the near side. A facet
-    /// cannot be met again by a ray that leaves its plane, so `leaving` is passed over.
+    /// Follows a ray in `medium` from an unwrapped point to the next facet that has this medium on the near side. The
+    /// facet `leaving` is passed over: a ray that leaves its plane cannot meet it again.
     #[must_use]
     pub fn next_event(
         &self,
@@ -264,7 +269,7 @@ impl<'a> MeshCell<'a> {
         let direction = direction.normalize_or_zero();
         let tile = (libm::floor(point_nm.x / px), libm::floor(point_nm.y / py));
         let mut origin = DVec3::new(point_nm.x - tile.0 * px, point_nm.y - tile.1 * py, point_nm.z);
-        // Where the ray leaves the slab that holds the mesh.
+        // The distance at which the ray leaves the slab that holds the mesh.
         let last = match direction.z {
             z if z > 0.0 => (self.top_nm - origin.z) / z,
             z if z < 0.0 => (self.bottom_nm - origin.z) / z,
@@ -314,8 +319,8 @@ impl<'a> MeshCell<'a> {
         NextEvent::Lost
     }
 
-    /// The next facet in one period that has `medium`, or any if there is none, on the near side.
-    #[inline(never)] // A traversal is long, and asked for in three places.
+    /// The next hit in one period on a facet that has `medium` on the near side, or on any facet if `medium` is `None`.
+    #[inline(never)] // A traversal is long, and has three callers.
     fn intersect(&self, ray: &Ray, medium: Option<MediumIndex>, leaving: Option<u32>) -> Option<Hit> {
         self.bvh.intersect_nearest(ray, |hit| {
             let facet = self.facet_of(hit);
@@ -325,8 +330,9 @@ impl<'a> MeshCell<'a> {
         })
     }
 
-    /// Steps to where the neighbours see a ray that runs along the border of a period: by rounding it may miss its own half of
-    /// what it meets. The same where it first begins or at last ends on the border, if this is the `first` or the `last` period.
+    /// Steps to the neighbouring periods of a ray that runs along the border of its own: because of rounding it may
+    /// miss its own half of what it meets. In the `first` period a ray that begins on the border counts too, and in the
+    /// `last` period one that ends there.
     fn beside(&self, ray: &Ray, [first, last]: [bool; 2]) -> [DVec3; 3] {
         let Ray { origin, direction, t_min, t_max } = *ray;
         let (begin, end) = (origin + direction * t_min, origin + direction * t_max);
@@ -355,7 +361,8 @@ mod tests {
 
     const PERIOD_NM: [f64; 2] = [10.0, 8.0];
 
-    /// Two horizontal sheets, air over film over glass; the lower one spans x up to `width`.
+    /// Calls `work` with a cell of two horizontal sheets, air over film over glass; the lower one spans x up to
+    /// `width`.
     fn film_over_glass(width: f64, work: impl FnOnce(MeshCell<'_>)) {
         let sheet = |z: f64, x: f64| [[0.0, 0.0], [x, 0.0], [x, 8.0], [0.0, 8.0]].map(|[x, y]| DVec3::new(x, y, z));
         let [a, b, c, d] = sheet(0.0, 10.0);

@@ -1,15 +1,15 @@
-//! A cell of the micro-surface: the facets that light can meet, borrowed from the caller and checked once.
+//! A planar cell: facets that are whole horizontal planes, borrowed from the caller and checked once.
 //!
-//! A facet lies in a plane; all coplanar polygons of one interface are one facet with one anchor, the point to which
-//! amplitudes are referred. This release holds facets that are whole horizontal planes, which is how the paper defines a
-//! thin film ("polygons representing two planes", section 4.1); such a cell is a [`Stack`].
+//! The paper defines a thin film in this way ("polygons representing two planes", section 4.1). A planar cell is a
+//! [`Stack`] that is given by the heights of its planes.
 
 use crate::geometry::facet::{CellError, Facet};
 use crate::optics::interface::{Below, Interface};
 use crate::optics::stack::{Film, Stack, StackError, StackMemory};
 use glam::DVec3;
 
-/// A checked cell: finite facets in order from the top, media that match between neighbours.
+/// A checked planar cell: its facets are finite and in order from the top, and neighbours agree on the medium between
+/// them.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanarCell<'a> {
     facets: &'a [Facet],
@@ -17,10 +17,12 @@ pub struct PlanarCell<'a> {
 }
 
 impl<'a> PlanarCell<'a> {
-    /// Checks the facets.
+    /// Checks the facets, given from the top.
     ///
     /// # Errors
-    /// [`CellError`], with the first offending facet.
+    /// [`CellError`], with the first offending facet: there are none, one is not finite or not a horizontal plane
+    /// facing upwards, names a missing interface, lies above its predecessor, or has another medium above it than the
+    /// predecessor has below.
     pub fn new(facets: &'a [Facet], interfaces: &'a [Interface]) -> Result<Self, CellError> {
         if facets.is_empty() {
             return Err(CellError::Empty);
@@ -49,7 +51,7 @@ impl<'a> PlanarCell<'a> {
         Ok(Self { facets, interfaces })
     }
 
-    /// The facets, from the top.
+    /// The facets, in order from the top.
     #[must_use]
     pub fn facets(&self) -> &'a [Facet] {
         self.facets
@@ -58,7 +60,7 @@ impl<'a> PlanarCell<'a> {
     /// The cell as a planar multilayer.
     ///
     /// # Errors
-    /// [`StackError::Memory`] if `memory` has fewer elements than the cell has facets.
+    /// [`StackError::Memory`] if `memory` holds fewer planes than the cell has facets.
     pub fn stack<'m>(&self, memory: StackMemory<'m>) -> Result<Stack<'m>, StackError> {
         let interface = |facet: &Facet| self.interfaces[usize::from(facet.interface)];
         let layers = self.facets.windows(2).map(|pair| Film {

@@ -1,9 +1,9 @@
 //! The two sides of a surface.
 
-/// A side of a plane.
+/// A side of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The side of the incident light.
+    /// The side from which the light comes.
     Above,
     /// The side of the substrate.
     Below,

@@ -1,7 +1,8 @@
-//! A facet with films on it, in closed form and without memory: the practical way to put a multilayer on a bumpy surface.
+//! A facet coated with films, in closed form and without memory: the practical way to put a multilayer on a surface of
+//! tilted facets.
 //!
-//! The recursion is that of [`crate::optics::stack`], for films that are used once: what a film does to the wave is computed as the
-//! recursion passes it. No films at all is a bare facet, r and 1 + r.
+//! The recursion is that of [`crate::optics::stack`]. Here each film is used once, so that its wave and its propagator
+//! are computed as the recursion passes it. Without films the facet is bare, with reflection r and transmission 1 + r.
 
 use crate::optics::interface::{Model, Wave, reflection};
 use crate::optics::medium::MediaLanes;
@@ -10,7 +11,8 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
 
-/// Response of a facet to a wave in `near`. `films` come from the far side to the near; `far` is `None` for a mirror.
+/// Response of a coated facet to a wave in `near`. `films` are given from the far side to the near side; `far` is
+/// `None` for a mirror.
 pub fn coated<'f, V: Lanes>(
     near: &Wave<V>,
     films: impl Iterator<Item = &'f Film>,
@@ -20,7 +22,7 @@ pub fn coated<'f, V: Lanes>(
 ) -> Response<V> {
     let mut lower = far.copied();
     let mut sum: Option<Recursion<V>> = None;
-    // The film that the wave crosses on its way to the interface below.
+    // Propagator of the film between the present interface and the one below.
     let mut crossed = ComplexLanes::one();
     for film in films {
         let eta = media.eta_of(film.medium);
@@ -33,7 +35,8 @@ pub fn coated<'f, V: Lanes>(
     Recursion::up(sum, reflection(Model::Physical, near, lower.as_ref()), crossed).response()
 }
 
-/// ρ = numerator/denominator of all that lies below, and the amplitude that passes it times the denominator.
+/// State of the recursion: ρ = numerator/denominator of all that lies below, and the amplitude that passes it times the
+/// denominator.
 #[derive(Clone, Copy)]
 struct Recursion<V> {
     numerator: Polarised<ComplexLanes<V>>,
@@ -42,7 +45,7 @@ struct Recursion<V> {
 }
 
 impl<V: Lanes> Recursion<V> {
-    /// Adds an interface of reflection `r` on top, a film of propagator `e` apart from the rest.
+    /// Adds an interface of reflection `r` on top, separated from what lies below by a film of propagator `e`.
     #[inline]
     fn up(below: Option<Self>, r: Polarised<ComplexLanes<V>>, e: ComplexLanes<V>) -> Self {
         let one = ComplexLanes::one();
@@ -61,7 +64,7 @@ impl<V: Lanes> Recursion<V> {
             },
             passed: passed.zip(r, |passed, r| passed * e * (one + r)),
         };
-        // Kept near 1, so that no number of films leaves the range of single precision; 1e-30 guards 1/0.
+        // Rescaled to near 1, so that no number of films leaves the range of single precision; 1e-30 guards 1/0.
         let scale = sums.denominator.zip(sums.numerator, |d, n| {
             V::one() / (d.re.abs() + d.im.abs() + n.re.abs() + n.im.abs() + V::splat(1e-30))
         });
@@ -89,7 +92,7 @@ mod tests {
     use crate::simd::lanes::F64;
     use num_complex::Complex64;
 
-    /// The recursions round differently; twenty layers of a strong mirror leave this.
+    /// Bound of the difference of the two recursions, which round differently, for twenty layers of a strong mirror.
     const ROUNDING: f64 = 1e-12;
 
     #[test]

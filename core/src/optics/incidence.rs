@@ -1,13 +1,13 @@
-//! The angle at which light arrives, and q_n² of every medium.
+//! The angle of incidence, and the square q_n² of the normal wavevector that it gives in each medium.
 
 use crate::simd::complex::ComplexLanes;
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::cis;
 
-/// An angle of incidence θ as sin²θ = s² − c: s = sin θ and c = 0 up to 45°, beyond s = 1 and c = cos²θ.
+/// An angle of incidence θ, stored as sin²θ = s² − c: up to 45° s = sin θ and c = 0, beyond s = 1 and c = cos²θ.
 ///
-/// Near 90° a sine has lost the digits of its angle: at 89.9° the cosine of a sine in double precision is wrong by
-/// 2e-11. From degrees or from a cosine nothing is lost.
+/// Near 90° the sine of an angle loses its digits: at 89.9° the cosine that follows from a sine in double precision is
+/// wrong by 2e-11. An angle given in degrees or by its cosine loses nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incidence<P> {
     s: P,
@@ -15,7 +15,7 @@ pub struct Incidence<P> {
 }
 
 impl<P: Lanes> Incidence<P> {
-    /// An angle in degrees, in [0, 90].
+    /// The angle of incidence from degrees in [0, 90].
     #[must_use]
     pub fn from_degrees(theta_deg: f64) -> Self {
         let sine = |degrees: f64| cis(P::splat(degrees) / P::splat(360.0)).im;
@@ -23,7 +23,7 @@ impl<P: Lanes> Incidence<P> {
         if theta_deg <= 45.0 { Self::steep(sine(theta_deg)) } else { Self::grazing(sine(90.0 - theta_deg)) }
     }
 
-    /// The angle of this cosine, in [0, 1].
+    /// The angle of incidence from its cosine in [0, 1].
     #[must_use]
     pub fn from_cosine(cos_theta: f64) -> Self {
         let cosine = P::splat(cos_theta);
@@ -34,7 +34,7 @@ impl<P: Lanes> Incidence<P> {
         }
     }
 
-    /// The angle of this sine, in [0, 1].
+    /// The angle of incidence from its sine in [0, 1].
     #[must_use]
     pub fn from_sine(sin_theta: f64) -> Self {
         let sine = P::splat(sin_theta);
@@ -53,32 +53,34 @@ impl<P: Lanes> Incidence<P> {
         Self { s: P::one(), c: cosine * cosine }
     }
 
-    /// What light of this angle in a medium of (real) index n is to other media.
+    /// The tangential wavevector of light of this angle in a medium of real index n.
     #[inline]
-    pub(crate) fn in_medium(self, n: P) -> Incident<P> {
-        Incident { tangential: n * self.s, rest: n * n * self.c }
+    pub(crate) fn in_medium(self, n: P) -> TangentialWave<P> {
+        TangentialWave { linear: n * self.s, rest: n * n * self.c }
     }
 }
 
-/// sin θ.
+/// A number is taken as sin θ.
 impl<P: Lanes> From<f64> for Incidence<P> {
     fn from(sin_theta: f64) -> Self {
         Self::from_sine(sin_theta)
     }
 }
 
-/// Light of an [`Incidence`] in a medium of index n: q_t² = (n s)² − n² c.
+/// The tangential wavevector of light of an [`Incidence`] in a medium of index n: q_t² = (n s)² − n² c.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Incident<P> {
-    tangential: P,
+pub(crate) struct TangentialWave<P> {
+    /// n s.
+    linear: P,
+    /// n² c.
     rest: P,
 }
 
-impl<P: Lanes> Incident<P> {
-    /// q_n² = (η − n s)(η + n s) + n² c in a medium of index η.
+impl<P: Lanes> TangentialWave<P> {
+    /// The square q_n² = (η − n s)(η + n s) + n² c of the normal wavevector in a medium of index η.
     #[inline]
     pub(crate) fn normal_squared(self, eta: ComplexLanes<P>) -> ComplexLanes<P> {
-        let (below, above) = (eta.re - self.tangential, eta.re + self.tangential);
+        let (below, above) = (eta.re - self.linear, eta.re + self.linear);
         let cross = eta.re * eta.im;
         ComplexLanes::new(eta.im.neg_mul_add(eta.im, below.mul_add(above, self.rest)), cross + cross)
     }
@@ -90,12 +92,12 @@ mod tests {
     use crate::simd::double_double::DoubleDouble;
     use crate::simd::lanes::F64;
 
-    /// q_n² in a medium of this index under light from n = 1.3.
+    /// q_n² in a medium of index n for light from a medium of index 1.3.
     fn normal_squared<P: Lanes>(incidence: Incidence<P>, n: f64) -> f64 {
         incidence.in_medium(P::splat(1.3)).normal_squared(ComplexLanes::real(P::splat(n))).re.lane(0)
     }
 
-    /// Square, sum and product round three times each, the sine and its angle six times.
+    /// Error bound of q_n²: square, sum and product round three times each, the sine and its angle six times.
     const ROUNDINGS: f64 = 12.0 * F64::UNIT_ROUNDOFF;
 
     #[test]
@@ -104,7 +106,7 @@ mod tests {
             for n in [1.3, 1.0, 2.4] {
                 let exact = normal_squared(Incidence::<DoubleDouble>::from_degrees(theta_deg), n);
                 let got = normal_squared(Incidence::<F64>::from_degrees(theta_deg), n);
-                // Where they differ the squares of the two indices bound what a difference of them loses.
+                // If the indices differ, their squares bound what cancellation loses.
                 let scale = if n == 1.3 { exact } else { n * n + 1.69 };
                 assert!((got - exact).abs() <= ROUNDINGS * scale, "{theta_deg} {n}: {got:e} {exact:e}");
             }

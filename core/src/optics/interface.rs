@@ -1,9 +1,9 @@
-//! One plane between two media: which media, and how a plane wave divides there.
+//! An interface between two media, and Fresnel's reflection and transmission of a plane wave there.
 //!
-//! With the admittance κ = q_n for s and κ = q_n/η² for p, where the wave is followed by its electric field across the
-//! plane of incidence for s and by its magnetic field for p, both polarisations obey r = (κ₁ − κ₂)/(κ₁ + κ₂) and
-//! t = 1 + r, and a wave of amplitude a carries the power |a|² Re κ through the plane. Total internal reflection,
-//! absorbing media and metals need no special case.
+//! The amplitude of an s wave is that of its electric field, the amplitude of a p wave that of its magnetic field; both
+//! fields are perpendicular to the plane of incidence. The admittance is κ = q_n for s and κ = q_n/η² for p. Then both
+//! polarisations obey r = (κ₁ − κ₂)/(κ₁ + κ₂) and t = 1 + r, and a wave of amplitude a carries the power |a|² Re κ
+//! through the plane. Total internal reflection, absorbing media and metals need no special case.
 
 use crate::optics::medium::MediumIndex;
 use crate::simd::complex::{ComplexLanes, Polarised};
@@ -18,16 +18,16 @@ pub enum Below {
     Mirror,
 }
 
-/// The pair of media that a plane divides; `above` is the side its normal points to.
+/// The pair of media that a plane divides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interface {
-    /// The medium on the normal's side.
+    /// The medium on the side to which the normal points.
     pub above: MediumIndex,
     /// What lies on the other side.
     pub below: Below,
 }
 
-/// What a ray carries: fields, or the paper's weights.
+/// The model of light: a ray carries fields, or the paper's weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
     /// Signed complex amplitudes of s and p; power is |Σ|².
@@ -39,8 +39,8 @@ pub enum Model {
 }
 
 impl Model {
-    /// The factor σ by which reflection from below differs from reflection from above, r' = σr. Then t = 1 − σr downwards
-    /// and t' = 1 − r upwards hold in both models.
+    /// The factor σ between reflection from below and reflection from above, r' = σr. Transmission is t = 1 − σr
+    /// downwards and t' = 1 − r upwards in both models.
     #[must_use]
     pub fn reversal(self) -> f64 {
         match self {
@@ -50,48 +50,51 @@ impl Model {
     }
 }
 
-/// A medium as a plane wave of given tangential wavevector sees it.
+/// A plane wave of given tangential wavevector in a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave<V: Lanes> {
-    /// q_n, the part of the wavevector along the normal in units of k₀: Re q_n ≥ 0 where it travels, Im q_n ≥ 0 where it decays; both
-    /// where q_t is real ([`ComplexLanes::sqrt_outgoing`]).
+    /// q_n, the component of the wavevector along the normal in units of k₀: Re q_n ≥ 0 where the wave travels, Im q_n
+    /// ≥ 0 where it decays; both where q_t is real ([`ComplexLanes::sqrt_outgoing`]).
     pub normal: ComplexLanes<V::Precise>,
-    /// κ of each polarisation.
+    /// The admittance κ of each polarisation.
     pub admittance: Polarised<ComplexLanes<V>>,
 }
 
 impl<V: Lanes> Wave<V> {
-    /// The wave of tangential wavevector q_t in a medium of index η; q_t·q_t is given.
+    /// The wave in a medium of index η whose tangential wavevector q_t has the square q_t·q_t.
     #[inline]
     pub fn new(eta: ComplexLanes<V::Precise>, tangential_squared: ComplexLanes<V::Precise>) -> Self {
         Self::of_square(eta, eta.square() - tangential_squared)
     }
 
-    /// [`Wave::new`] where q_n² is known.
+    /// The wave in a medium of index η whose normal wavevector has the square q_n².
     #[inline]
     pub(crate) fn of_square(eta: ComplexLanes<V::Precise>, normal_squared: ComplexLanes<V::Precise>) -> Self {
         Self::with_normal(eta, normal_squared.sqrt_outgoing())
     }
 
-    /// [`Wave::new`] for a film. At a film's critical angle q_n → 0 its two waves grow like 1/q_n and cancel: amplitudes lose
-    /// u/q_n for a unit roundoff u, until 0/0 is left. So q_n² is kept away from 0 by 2u|η|², which is as if η were rounded.
-    /// A substrate needs no such care, and would show it: its R has the slope of √ there.
+    /// The wave in a film of index η whose tangential wavevector q_t has the square q_t·q_t.
+    ///
+    /// At a film's critical angle, q_n → 0, its two waves grow like 1/q_n and cancel: amplitudes lose u/q_n for a unit
+    /// roundoff u, until 0/0 is left. So q_n² is kept at 2u|η|² or more away from 0, which acts like a rounding of η. A
+    /// substrate needs no such care, and it would show there: R of a substrate has the slope of √ at its critical
+    /// angle.
     #[inline]
     pub fn in_film(eta: ComplexLanes<V::Precise>, tangential_squared: ComplexLanes<V::Precise>) -> Self {
         Self::film_of_square(eta, eta.square() - tangential_squared)
     }
 
-    /// [`Wave::in_film`] where q_n² is known. Called, it would pass eight vectors through memory.
-    #[inline(always)]
+    /// The wave in a film of index η whose normal wavevector has the square q_n².
+    #[inline(always)] // As a call it would pass eight vectors through memory.
     pub(crate) fn film_of_square(eta: ComplexLanes<V::Precise>, mut normal_squared: ComplexLanes<V::Precise>) -> Self {
-        let least = Self::min_in_film(eta);
+        let min = Self::min_in_film(eta);
         let size = normal_squared.norm();
-        normal_squared.re = size.select_lt(least, least, normal_squared.re);
-        normal_squared.im = size.select_lt(least, V::Precise::zero(), normal_squared.im);
+        normal_squared.re = size.select_lt(min, min, normal_squared.re);
+        normal_squared.im = size.select_lt(min, V::Precise::zero(), normal_squared.im);
         Self::with_normal(eta, normal_squared.sqrt_upper())
     }
 
-    /// The least |q_n²| of [`Wave::in_film`].
+    /// The smallest |q_n²| of [`Wave::in_film`].
     #[inline]
     pub(crate) fn min_in_film(eta: ComplexLanes<V::Precise>) -> V::Precise {
         eta.norm_sqr() * V::Precise::splat(2.0 * V::UNIT_ROUNDOFF)
@@ -104,13 +107,13 @@ impl<V: Lanes> Wave<V> {
         Self { normal, admittance: Polarised { s: ComplexLanes::narrow(normal), p: ComplexLanes::narrow(p) } }
     }
 
-    /// No wave: fills memory that is written before it is read.
+    /// A placeholder for memory that is written before it is read.
     pub fn none() -> Self {
         Self { normal: ComplexLanes::zero(), admittance: Polarised::both(ComplexLanes::zero()) }
     }
 }
 
-/// Fresnel's r = (κ₁ − κ₂)/(κ₁ + κ₂) of each polarisation; `far` is `None` for a mirror.
+/// Fresnel's reflection coefficient r = (κ₁ − κ₂)/(κ₁ + κ₂) of each polarisation; `far` is `None` for a mirror.
 #[inline]
 pub fn fresnel<V: Lanes>(
     near: Polarised<ComplexLanes<V>>,
@@ -123,7 +126,8 @@ pub fn fresnel<V: Lanes>(
     }
 }
 
-/// r of a wave that comes from `above`; in the paper's model the unpolarised ratio R, the same for s and p.
+/// Reflection coefficient r of a wave that comes from `above`; in the paper's model the unpolarised ratio R, the same
+/// for s and p. `below` is `None` for a mirror.
 #[inline]
 pub fn reflection<V: Lanes>(model: Model, above: &Wave<V>, below: Option<&Wave<V>>) -> Polarised<ComplexLanes<V>> {
     let r = fresnel(above.admittance, below.map(|below| below.admittance));
@@ -136,14 +140,14 @@ pub fn reflection<V: Lanes>(model: Model, above: &Wave<V>, below: Option<&Wave<V
     }
 }
 
-/// The amplitude that passes an interface of reflection r.
+/// Transmission coefficient 1 − σr of an interface of reflection r, with the factor σ of [`Model::reversal`].
 #[inline]
 pub fn transmission<V: Lanes>(r: ComplexLanes<V>, reversal: V) -> ComplexLanes<V> {
     ComplexLanes::new(reversal.neg_mul_add(r.re, V::one()), -(reversal * r.im))
 }
 
-/// Net power that flows down through a plane in a medium of admittance κ, where waves of amplitude `down` and `up` meet.
-/// In an absorbing medium the two waves exchange power: the second term.
+/// Net power that flows down through a plane in a medium of admittance κ, where waves of amplitude `down` and `up`
+/// overlap. The second term is the power that the two waves exchange in an absorbing medium.
 #[inline]
 pub fn flux<V: Lanes>(admittance: ComplexLanes<V>, down: ComplexLanes<V>, up: ComplexLanes<V>) -> V {
     let exchange = (up * down.conj()).im;
@@ -161,7 +165,7 @@ mod tests {
         Wave::new(ComplexLanes::from_fn(|_| eta), ComplexLanes::real(<F64 as Lanes>::splat(sin_theta * sin_theta)))
     }
 
-    /// A handful of roundings of numbers near 1.
+    /// Error bound of a few roundings of numbers near 1.
     const ROUNDINGS: f64 = 1e-15;
 
     #[test]

@@ -1,4 +1,4 @@
-//! Media, interfaces and multilayers: what a plane wave does at planes, in closed form.
+//! Media, interfaces and multilayers: reflection and transmission of a plane wave, in closed form.
 
 pub mod medium;
 pub mod incidence;

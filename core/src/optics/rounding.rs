@@ -1,20 +1,20 @@
-//! How far rounding may have moved the R and T of a stack: a first-order estimate, made beside the result.
+//! Rounding error of R and T of a stack: a first-order estimate, made beside the result.
 //!
-//! **Sensitivity.** Let the answer of plane j be wrong by ε. By reciprocity the answer of the stack is wrong by ε a_j²,
-//! where a_j is the amplitude that meets plane j from above, up to the ratio of admittances: in the recursion Π |1 −
-//! r_i²| |e_i|² |d_j/d_0|² over the planes i above, with d the denominators. Each plane rounds its numerator n and
-//! denominator d, which moves their ratio by some unit roundoffs of (|n'| + |d'|)(|n| + |d|)/|d|², where n', d' are
-//! those before the plane.
+//! **Sensitivity.** Let the reflection ρ_j of plane j be wrong by ε. By reciprocity the reflection of the stack is
+//! wrong by ε a_j², where a_j is the amplitude that meets plane j from above, up to the ratio of admittances. In the
+//! recursion a_j² is Π |1 − r_i²| |e_i|² |d_j/d_0|² over the planes i above, with d the denominators. Each plane rounds
+//! its numerator n and denominator d. This moves their ratio by some unit roundoffs of (|n'| + |d'|)(|n| + |d|)/|d|²,
+//! where n' and d' are those before the plane.
 //!
-//! **Amplification.** Roundings of different planes have no common sign, so their squares are added. The root is 1 or 2
-//! for ordinary films, the stored energy for resonances, and 1/q_n near a film's critical angle. T needs no sum of its
-//! own: in a passive stack it is at most twice as sensitive.
+//! **Amplification.** Roundings of different planes have no common sign, so their squares are added. The square root of
+//! the sum is 1 or 2 for ordinary films, the stored energy for resonances, and 1/q_n near a film's critical angle. T
+//! needs no sum of its own: in a passive stack it is at most twice as sensitive.
 //!
 //! **Critical angles.** Where a film's wave is kept off its critical angle, at q_n = √(2u) for a unit roundoff u
-//! ([`crate::optics::interface::Wave::in_film`]), R and T may be off by twice that.
+//! ([`crate::optics::interface::Wave::in_film`]), R and T may be wrong by twice that.
 //!
-//! **Phases.** A film's phase is wrong by some unit roundoffs of double precision for each turn, and moves the answer
-//! alike.
+//! **Phases.** A film's phase is wrong by some unit roundoffs of double precision for each turn, which is amplified in
+//! the same way.
 
 use core::f64::consts::TAU;
 
@@ -23,25 +23,27 @@ use crate::optics::stack::{Observer, PreparedStack, Response};
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 
-/// Unit roundoffs of R or T for an amplification of 1. Of 14 000 stacks, half of them filters, critical angles, grazing
-/// incidence or plasmons, this many leave none with an error of more than 1.5 times the estimate.
+/// Unit roundoffs of R or T for an amplification of 1. With this value none of 14 000 stacks, half of them filters,
+/// critical angles, grazing incidence or plasmons, has an error of more than 1.5 times the estimate.
 const ROUNDINGS_OF_A_PLANE: f64 = 10.0;
 
-/// Unit roundoffs of a film's optical path: λ, d/λ, q_n and their product, in the square of the propagator.
+/// Unit roundoffs of a film's optical path: those of λ, d/λ, q_n and their product, in the square of the propagator.
 const ROUNDINGS_OF_A_PATH: f64 = 4.0;
 
-/// The amplification at a pole: beyond what any precision holds, and in the range of all.
+/// Amplification at a pole of the stack: larger than any precision resolves, and in the range of all.
 const POLE: f64 = 1e30;
 
-/// A q_n² that was set to the least may have been rounded to more than that.
-const MIN_ROUNDED: f64 = 1.0 + 1e-5;
+/// Factor by which a q_n² that was raised to the smallest may exceed it after rounding.
+const CLAMP_TOLERANCE: f64 = 1.0 + 1e-5;
 
 impl<V: Lanes> PreparedStack<'_, V> {
-    /// [`PreparedStack::response`], and how far rounding may have moved R or T of the worse polarisation in each lane.
+    /// The response in closed form, and an estimate of the rounding error of R or T of the worse polarisation in each
+    /// lane.
     ///
-    /// An estimate to first order, not a bound. Where it is too large, lanes of more digits are needed:
-    /// [`crate::simd::lanes::F64`], [`crate::simd::double_double::DoubleDouble`]. It adds half to the instructions of
-    /// [`PreparedStack::response`], a third with those of [`PreparedStack::prepare`] (20 layers).
+    /// The estimate is of first order, and no bound. Where it is too large, lanes of more digits are needed:
+    /// [`crate::simd::lanes::F64`] or [`crate::simd::double_double::DoubleDouble`]. The estimate adds half to the
+    /// instructions of [`PreparedStack::response`], and a third to those of [`PreparedStack::prepare`] and the response
+    /// together (20 layers).
     #[must_use]
     pub fn response_and_rounding(&self) -> (Response<V>, V) {
         let mut observer = Amplification::new(self.reversal());
@@ -50,24 +52,24 @@ impl<V: Lanes> PreparedStack<'_, V> {
         (response, self.rounding(s.max(p)))
     }
 
-    /// What an amplification of roundings does to R and T.
+    /// The rounding error of R and T for an amplification.
     pub(crate) fn rounding(&self, amplification: V) -> V {
         let (lanes, phases) = (V::UNIT_ROUNDOFF, <V::Precise as Lanes>::UNIT_ROUNDOFF);
         let mut longest = V::Precise::zero();
         let mut kept_off = V::Precise::zero();
         for (film, eta, wave) in self.films() {
             longest = longest.max(eta.re * V::Precise::splat(film.thickness_nm));
-            let least = Wave::<V>::min_in_film(eta) * V::Precise::splat(MIN_ROUNDED);
-            kept_off = wave.normal.norm_sqr().select_lt(least, V::Precise::one(), kept_off);
+            let min = Wave::<V>::min_in_film(eta) * V::Precise::splat(CLAMP_TOLERANCE);
+            kept_off = wave.normal.norm_sqr().select_lt(min, V::Precise::one(), kept_off);
         }
         let turns = V::narrow(longest / self.wavelength_nm());
         let path = turns * V::splat(phases * 2.0 * TAU * ROUNDINGS_OF_A_PATH);
-        let least = V::narrow(kept_off) * V::splat(2.0 * libm::sqrt(2.0 * lanes));
-        least.max(amplification * (path + V::splat(lanes * ROUNDINGS_OF_A_PLANE)))
+        let at_critical_angle = V::narrow(kept_off) * V::splat(2.0 * libm::sqrt(2.0 * lanes));
+        at_critical_angle.max(amplification * (path + V::splat(lanes * ROUNDINGS_OF_A_PLANE)))
     }
 }
 
-/// Σ over planes of squares, times |d|⁴ of the present one.
+/// Sum of squares over the planes, times |d|⁴ of the present plane.
 struct Amplification<V> {
     reversal: V,
     sum: Polarised<V>,
@@ -83,7 +85,7 @@ impl<V: Lanes> Amplification<V> {
         Self { reversal, sum: one, size: one, denominator: one }
     }
 
-    /// The amplification at the present plane. No denominator is a pole of the stack: nothing holds there.
+    /// The amplification at the present plane. A denominator of 0 is a pole of the stack, where no digit is right.
     fn relative(&self) -> Polarised<V> {
         self.sum.zip(self.denominator, |sum, d| V::zero().select_lt(d, sum.sqrt() / d, V::splat(POLE)))
     }

@@ -1,4 +1,4 @@
-//! Complex numbers of lanes.
+//! Complex numbers of one number per wavelength, and pairs of quantities for the two polarisations.
 
 use crate::simd::lanes::Lanes;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 /// One complex number for each wavelength of a group.
 ///
-/// `num_complex` asks its scalars for `Num`, which SIMD lanes are not; the names follow it.
+/// `num_complex` requires its scalars to be `Num`, which SIMD lanes cannot be; names here follow that crate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComplexLanes<V> {
     /// Real part.
@@ -16,31 +16,31 @@ pub struct ComplexLanes<V> {
 }
 
 impl<V: Lanes> ComplexLanes<V> {
-    /// re + i·im.
+    /// The number re + i·im.
     #[inline]
     pub fn new(re: V, im: V) -> Self {
         Self { re, im }
     }
 
-    /// A real number.
+    /// The real number re + 0i.
     #[inline]
     pub fn real(re: V) -> Self {
         Self { re, im: V::zero() }
     }
 
-    /// 0.
+    /// The number 0.
     #[inline]
     pub fn zero() -> Self {
         Self::real(V::zero())
     }
 
-    /// 1.
+    /// The number 1.
     #[inline]
     pub fn one() -> Self {
         Self::real(V::one())
     }
 
-    /// Lane `i` holds `f(i)`.
+    /// Fills each lane `i` with `f(i)`.
     pub fn from_fn(mut f: impl FnMut(usize) -> Complex64) -> Self {
         Self { re: V::from_fn(|i| f(i).re), im: V::from_fn(|i| f(i).im) }
     }
@@ -50,44 +50,44 @@ impl<V: Lanes> ComplexLanes<V> {
         Complex64::new(self.re.lane(i), self.im.lane(i))
     }
 
-    /// Rounds double precision to the lanes' own.
+    /// Rounds [`Lanes::Precise`] lanes to the precision of these.
     #[inline]
     pub fn narrow(precise: ComplexLanes<V::Precise>) -> Self {
         Self { re: V::narrow(precise.re), im: V::narrow(precise.im) }
     }
 
-    /// Complex conjugate.
+    /// The complex conjugate.
     #[inline]
     pub fn conj(self) -> Self {
         Self { re: self.re, im: -self.im }
     }
 
-    /// |z|².
+    /// The squared magnitude |z|².
     #[inline]
     pub fn norm_sqr(self) -> V {
         self.re.mul_add(self.re, self.im * self.im)
     }
 
-    /// |z|; squares must not overflow.
+    /// The magnitude |z|; squares must not overflow.
     #[inline]
     pub fn norm(self) -> V {
         self.norm_sqr().sqrt()
     }
 
-    /// z · x for real x.
+    /// The product z · x with a real x.
     #[inline]
     pub fn scale(self, x: V) -> Self {
         Self { re: self.re * x, im: self.im * x }
     }
 
-    /// z².
+    /// The square z².
     #[inline]
     pub fn square(self) -> Self {
         let cross = self.re * self.im;
         Self { re: self.im.neg_mul_add(self.im, self.re * self.re), im: cross + cross }
     }
 
-    /// self · m + a.
+    /// The sum self · m + a.
     #[inline]
     pub fn mul_add(self, m: Self, a: Self) -> Self {
         Self {
@@ -96,7 +96,7 @@ impl<V: Lanes> ComplexLanes<V> {
         }
     }
 
-    /// a − self · m.
+    /// The difference a − self · m.
     #[inline]
     pub fn neg_mul_add(self, m: Self, a: Self) -> Self {
         Self {
@@ -105,23 +105,24 @@ impl<V: Lanes> ComplexLanes<V> {
         }
     }
 
-    /// self / d, or 0 where d = 0: two media of equal index whose wave runs along the plane do not reflect.
+    /// The quotient self / d, and 0 where d = 0: two media of equal index whose wave runs along the plane do not
+    /// reflect.
     #[inline]
     pub fn div_or_zero(self, d: Self) -> Self {
         let norm = d.norm_sqr();
-        // Below the smallest normal number 1/norm may be infinite, and 0 times it no number.
-        let least =
+        // Below the smallest normal number 1/norm may be infinite, and 0 times it NaN.
+        let min_normal =
             V::splat(if V::UNIT_ROUNDOFF > f64::EPSILON { f32::MIN_POSITIVE.into() } else { f64::MIN_POSITIVE });
-        let scale = least.select_lt(norm, V::one() / norm, V::zero());
+        let scale = min_normal.select_lt(norm, V::one() / norm, V::zero());
         (self * d.conj()).scale(scale)
     }
 
-    /// The square root that goes away from an interface: with Re ≥ 0 where the square's real part is positive, a wave that travels;
-    /// with Im ≥ 0 where it is not, a wave that decays.
+    /// The square root that belongs to a wave that leaves an interface: the one with Re ≥ 0 where the real part of self
+    /// is positive and the wave travels, and the one with Im ≥ 0 elsewhere, where the wave decays.
     ///
-    /// Squares with Im ≥ 0, of waves whose tangential part is real, have one root that does both. Where light from an absorbing body
-    /// meets a tilted facet its tangential part is complex, and a wave beyond that travels may grow across its way, as the light does
-    /// that comes from nearer the body's entrance.
+    /// If the wave's tangential part is real, Im self ≥ 0, and one root meets both conditions. Where light from an
+    /// absorbing body meets a tilted facet, the tangential part is complex. A transmitted wave that travels may then
+    /// grow across its direction, as does the light from parts that lie nearer to the body's entrance.
     #[inline]
     pub fn sqrt_outgoing(self) -> Self {
         let upper = self.sqrt_upper();
@@ -130,7 +131,7 @@ impl<V: Lanes> ComplexLanes<V> {
         upper.scale(sign)
     }
 
-    /// The square root with Im ≥ 0, and with Re ≥ 0 where Im = 0: the wave that decays, or travels, away.
+    /// The square root with Im ≥ 0, and with Re ≥ 0 where Im = 0: that of a wave that decays, or travels, away.
     #[inline]
     pub fn sqrt_upper(self) -> Self {
         let zero = V::zero();
@@ -188,29 +189,29 @@ impl<V: Lanes> Neg for ComplexLanes<V> {
     }
 }
 
-/// A quantity for each of the two polarisations: s across the plane of incidence, p in it.
+/// A quantity for each of the two polarisations of the electric field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polarised<T> {
-    /// Perpendicular to the plane of incidence.
+    /// Field perpendicular to the plane of incidence.
     pub s: T,
-    /// Parallel to it.
+    /// Field parallel to the plane of incidence.
     pub p: T,
 }
 
 impl<T: Copy> Polarised<T> {
-    /// The same for both.
+    /// Gives both polarisations one value.
     #[inline]
     pub fn both(x: T) -> Self {
         Self { s: x, p: x }
     }
 
-    /// f applied to each.
+    /// Applies f to each polarisation.
     #[inline]
     pub fn map<U>(self, f: impl Fn(T) -> U) -> Polarised<U> {
         Polarised { s: f(self.s), p: f(self.p) }
     }
 
-    /// f applied to each pair.
+    /// Applies f to each polarisation of the two quantities.
     #[inline]
     pub fn zip<U: Copy, W>(self, other: Polarised<U>, f: impl Fn(T, U) -> W) -> Polarised<W> {
         Polarised { s: f(self.s, other.s), p: f(self.p, other.p) }
@@ -262,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn the_root_away_travels_on_or_decays() {
+    fn the_outgoing_root_travels_on_or_decays() {
         for (re, im) in [(2.0, 1e-3), (2.0, -1e-3), (2.0, 0.0), (-2.0, 1e-3), (-2.0, -1e-3), (-2.0, 0.0)] {
             let z = Complex64::new(re, im);
             let root = ComplexLanes::<F64>::from_fn(|_| z).sqrt_outgoing().lane(0);

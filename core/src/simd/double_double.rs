@@ -1,8 +1,8 @@
 //! Lanes of twice the digits of double precision: each number is the unevaluated sum of two doubles.
 //!
-//! For what double precision cannot hold: resonances whose stored energy is 10⁵ times the incident, and the
-//! neighbourhood of a film's critical angle. They take 17 times the instructions of [`F64`]. Products are split by
-//! Dekker's method, which needs no fused multiply-add, so that every machine gives the same digits.
+//! They serve what double precision cannot resolve: resonances whose stored energy is 10⁵ times the incident energy,
+//! and the neighbourhood of a film's critical angle. They take 17 times the instructions of [`F64`]. Products are split
+//! by Dekker's method, which needs no fused multiply-add, so that every machine gives the same digits.
 //!
 //! Source: T. J. Dekker, "A floating-point technique for extending the available precision", Numer. Math. 18 (1971);
 //! the algorithms are those of Y. Hida, X. S. Li and D. H. Bailey, "Library for double-double and quad-double
@@ -13,15 +13,15 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use crate::simd::lanes::{F64, Lanes};
 
-/// As many numbers as [`F64`] has, each with about 100 bits; the range is that of doubles.
+/// Lanes of the width of [`F64`] whose numbers have about 100 bits and the range of doubles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DoubleDouble {
     high: F64,
-    /// At most half the last digit of `high`.
+    /// Rest of the number, at most half a unit in the last place of `high`.
     low: F64,
 }
 
-/// a + b and its rounding error, exactly.
+/// The rounded sum a + b and its rounding error, exactly.
 #[inline]
 fn two_sum(a: F64, b: F64) -> (F64, F64) {
     let sum = a + b;
@@ -29,14 +29,14 @@ fn two_sum(a: F64, b: F64) -> (F64, F64) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
-/// [`two_sum`] where |a| ≥ |b|.
+/// The rounded sum a + b and its rounding error, exactly, where |a| ≥ |b|.
 #[inline]
 fn fast_two_sum(a: F64, b: F64) -> (F64, F64) {
     let sum = a + b;
     (sum, b - (sum - a))
 }
 
-/// a in two halves of 26 bits each.
+/// Splits a into two halves of 26 bits each.
 #[inline]
 fn split(a: F64) -> (F64, F64) {
     const SPLITTER: f64 = ((1u64 << 27) + 1) as f64;
@@ -45,7 +45,7 @@ fn split(a: F64) -> (F64, F64) {
     (high, a - high)
 }
 
-/// a b and its rounding error, exactly where nothing underflows.
+/// The rounded product a b and its rounding error, exactly where nothing underflows.
 #[inline]
 fn two_product(a: F64, b: F64) -> (F64, F64) {
     let product = a * b;
@@ -54,7 +54,7 @@ fn two_product(a: F64, b: F64) -> (F64, F64) {
 }
 
 impl DoubleDouble {
-    /// The sum of two doubles.
+    /// The number a + b in every lane, exactly.
     #[must_use]
     pub fn sum_of(a: f64, b: f64) -> Self {
         let (high, low) = two_sum(F64::splat(a), F64::splat(b));
@@ -66,13 +66,13 @@ impl DoubleDouble {
         Self { high, low: Lanes::zero() }
     }
 
-    /// Multiplied by a power of two, or by 0.
+    /// Multiplies by a power of two, or by 0, exactly.
     #[inline]
     fn scaled(self, by: F64) -> Self {
         Self { high: self.high * by, low: self.low * by }
     }
 
-    /// A part of the number where `condition` < 0, that of `other` elsewhere.
+    /// `then` where `condition` < 0, otherwise `otherwise`.
     #[inline]
     fn select(condition: F64, then: Self, otherwise: Self) -> Self {
         let pick = |a: F64, b: F64| Lanes::select_lt(condition, Lanes::zero(), a, b);
@@ -120,7 +120,7 @@ impl Mul for DoubleDouble {
 
 impl Div for DoubleDouble {
     type Output = Self;
-    /// Long division, three digits of 53 bits.
+    /// Long division by three digits of 53 bits.
     #[inline]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
@@ -143,7 +143,8 @@ impl AddAssign for DoubleDouble {
 impl Lanes for DoubleDouble {
     type Precise = Self;
     const WIDTH: usize = F64::WIDTH;
-    /// 2⁻⁸⁰: that of the series in [`crate::simd::phase`], which is the least accurate. Sums and products keep 2⁻¹⁰⁴.
+    /// 2⁻⁸⁰, the accuracy of the series in [`crate::simd::phase`], the least accurate operation. Sums and products keep
+    /// 2⁻¹⁰⁴.
     const UNIT_ROUNDOFF: f64 = 1.0 / (1u128 << 80) as f64;
 
     #[inline]
@@ -154,7 +155,7 @@ impl Lanes for DoubleDouble {
     fn from_fn(f: impl FnMut(usize) -> f64) -> Self {
         Self::from_high(<F64 as Lanes>::from_fn(f))
     }
-    /// Rounded to a double.
+    /// The number in lane `i`, rounded to a double.
     #[inline]
     fn lane(self, i: usize) -> f64 {
         Lanes::lane(self.high, i)
@@ -175,7 +176,7 @@ impl Lanes for DoubleDouble {
     fn neg_mul_add(self, m: Self, a: Self) -> Self {
         a - self * m
     }
-    /// Newton's step from the root of the high part.
+    /// The square root by one Newton step from the root of the high part.
     #[inline]
     fn sqrt(self) -> Self {
         let root = self.high.sqrt();
@@ -193,9 +194,9 @@ impl Lanes for DoubleDouble {
         let rest = (self.high - near) + self.low;
         Self::from_high(near) + Self::from_high(Lanes::round(rest))
     }
-    /// e^x = 2^k (e^y)^64 with |y| ≤ ln 2/128, whose series ends at y¹²/12! < 1e-35.
+    /// The exponential e^x = 2^k (e^y)^64 with |y| ≤ ln 2/128; the first omitted term is y¹²/12! < 1e-35.
     fn exp(self) -> Self {
-        /// ln 2 − [`LN_2`].
+        /// Error of [`LN_2`]: ln 2 − [`LN_2`].
         const LN_2_LOW: f64 = 2.319_046_813_846_299_6e-17;
         const HALVINGS: usize = 6;
         const TERMS: u32 = 11;
@@ -238,7 +239,7 @@ mod tests {
     use super::*;
     use core::f64::consts::{E, SQRT_2};
 
-    /// The distance of lane 0 from 0, as a double.
+    /// The magnitude of lane 0, as a double.
     fn size(x: DoubleDouble) -> f64 {
         x.abs().lane(0)
     }
@@ -247,7 +248,7 @@ mod tests {
         DoubleDouble::sum_of(high, low)
     }
 
-    /// Of a sum, product, quotient or root: a few of 2⁻¹⁰⁴.
+    /// Relative error of a sum, product, quotient or root: a few times 2⁻¹⁰⁴.
     const ROUNDING: f64 = 8.0 / (1u128 << 104) as f64;
 
     #[test]

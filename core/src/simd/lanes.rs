@@ -1,8 +1,8 @@
-//! Lanes: one number for each of a group of wavelengths. The only file that names the SIMD crates.
+//! Lanes: one number for each wavelength of a group, in a SIMD register. No other file names the SIMD crates.
 //!
-//! Numerics are generic over [`Lanes`]; [`F32`] and [`F64`] are the two instances. Phases need more digits than single
-//! precision has, so each lane type has a [`Lanes::Precise`] companion of equal width in double precision, in which
-//! optical paths are formed and reduced before they are narrowed.
+//! Numerics are generic over [`Lanes`], which [`F32`] and [`F64`] implement. Phases need more digits than single
+//! precision has. Each lane type therefore has a companion of equal width in double precision, [`Lanes::Precise`], in
+//! which optical paths are formed and reduced before they are narrowed.
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
@@ -16,46 +16,46 @@ mod width {
     pub use wide::{f32x8 as Single, f64x4 as Double};
 }
 
-/// Single precision: 16 wavelengths at once with AVX-512, otherwise 8.
+/// Single precision lanes: 16 wavelengths with AVX-512, otherwise 8.
 pub type F32 = width::Single;
-/// Double precision: half as many.
+/// Double precision lanes: half as many wavelengths as [`F32`].
 pub type F64 = width::Double;
 
-/// Eight boxes of the bounding volume hierarchy.
+/// One number for each of the eight boxes of a node of the bounding volume hierarchy.
 pub(crate) type BoxLanes = wide::f32x8;
 
-/// Eight numbers, not negative, that order as whole numbers do, each with its lane in the last three bits: the least of them says
-/// where it is.
+/// Keys of eight non-negative numbers that compare as integers do, each with its lane in the last three bits: the
+/// smallest key also says where its number is.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct OrderedKeys(wide::u32x8);
 
 impl OrderedKeys {
-    /// No number.
+    /// Keys of no numbers.
     pub(crate) const MAX: Self = Self(wide::u32x8::MAX);
     const LANE: u32 = 7;
 
-    /// Of the lanes that are `there`, a mask.
+    /// Keys of the numbers in the lanes that the mask `valid` selects.
     #[inline]
-    pub(crate) fn new(numbers: BoxLanes, there: BoxLanes) -> Self {
-        let [bits, there]: [wide::u32x8; 2] = [numbers, there].map(wide::bytemuck::cast);
-        Self((bits & wide::u32x8::splat(!Self::LANE)) | wide::u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]) | !there)
+    pub(crate) fn new(numbers: BoxLanes, valid: BoxLanes) -> Self {
+        let [bits, valid]: [wide::u32x8; 2] = [numbers, valid].map(wide::bytemuck::cast);
+        Self((bits & wide::u32x8::splat(!Self::LANE)) | wide::u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]) | !valid)
     }
 
-    /// The largest key of a number; 0 if it is negative or none.
+    /// The largest key of a number in any lane; 0 if it is negative or NaN.
     #[inline]
     pub(crate) fn key(number: f32) -> u32 {
         if number >= 0.0 { number.to_bits() | Self::LANE } else { 0 }
     }
 
-    /// The least key, `u32::MAX` if there is none, and the others.
+    /// Takes the smallest key, `u32::MAX` if there is none, and returns it with the others.
     #[inline]
     pub(crate) fn take_min(self) -> (u32, Self) {
-        let least = self.0.reduce_min();
-        (least, Self(self.0 | self.0.simd_eq(wide::u32x8::splat(least))))
+        let min = self.0.reduce_min();
+        (min, Self(self.0 | self.0.simd_eq(wide::u32x8::splat(min))))
     }
 }
 
-/// Asks for memory that will be read soon, where the machine can.
+/// Prefetches memory that will be read soon, where the machine can.
 #[inline]
 pub(crate) fn prefetch<T>(place: &T) {
     #[cfg(target_arch = "x86_64")]
@@ -64,7 +64,7 @@ pub(crate) fn prefetch<T>(place: &T) {
     let _ = place;
 }
 
-/// The instruction set that was compiled in, for `--version` and the C interface.
+/// Name of the SIMD instruction set for which the crate was compiled, for `--version` and the C interface.
 #[must_use]
 pub const fn simd_level() -> &'static str {
     if cfg!(target_feature = "avx512f") {
@@ -99,22 +99,22 @@ pub trait Lanes:
     + Sync
     + 'static
 {
-    /// Double precision lanes of equal width.
+    /// Lanes of equal width with at least double precision.
     type Precise: Lanes<Precise = Self::Precise>;
     /// Number of lanes.
     const WIDTH: usize;
-    /// Half the distance from 1 to the next number: the bound of one rounding.
+    /// Half the distance from 1 to the next number, which bounds the relative error of one rounding.
     const UNIT_ROUNDOFF: f64;
 
-    /// The same number in every lane.
+    /// Copies a number to every lane.
     fn splat(x: f64) -> Self;
-    /// Lane `i` holds `f(i)`.
+    /// Fills each lane `i` with `f(i)`.
     fn from_fn(f: impl FnMut(usize) -> f64) -> Self;
     /// The number in lane `i`; NaN beyond [`Lanes::WIDTH`].
     fn lane(self, i: usize) -> f64;
-    /// Rounds double precision to this one.
+    /// Rounds [`Lanes::Precise`] lanes to this precision.
     fn narrow(precise: Self::Precise) -> Self;
-    /// The same numbers in double precision.
+    /// Converts to [`Lanes::Precise`] lanes, exactly.
     fn widen(self) -> Self::Precise;
     /// self · m + a, fused where the machine can.
     fn mul_add(self, m: Self, a: Self) -> Self;
@@ -134,9 +134,9 @@ pub trait Lanes:
     fn min(self, other: Self) -> Self;
     /// `then` where self < bound, otherwise `otherwise`.
     fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self;
-    /// Bit i is set where lane i of self does not exceed that of `other`; never for NaN.
+    /// A mask whose bit i is set if lane i of self does not exceed that of `other`; never for NaN.
     fn mask_le(self, other: Self) -> u32;
-    /// True if a lane exceeds `bound`.
+    /// True if any lane exceeds `bound`.
     fn any_above(self, bound: f64) -> bool;
 
     /// Sum over lanes.
@@ -157,7 +157,7 @@ pub trait Lanes:
     }
 }
 
-/// The methods that both instances take from the SIMD crate unchanged.
+/// The methods that [`F32`] and [`F64`] take from the SIMD crate unchanged.
 macro_rules! delegate_to_wide {
     ($scalar:ty, $width:expr) => {
         const WIDTH: usize = $width;
@@ -222,7 +222,12 @@ macro_rules! delegate_to_wide {
     };
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_lossless, clippy::unnecessary_cast)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_lossless,
+    clippy::unnecessary_cast,
+    reason = "the macro converts from either scalar type, also where it is f64 itself"
+)]
 impl Lanes for F32 {
     type Precise = F64Pair;
     delegate_to_wide!(f32, 2 * F64::WIDTH);
@@ -245,7 +250,11 @@ impl Lanes for F32 {
     }
 }
 
-#[allow(clippy::cast_lossless, clippy::unnecessary_cast)]
+#[allow(
+    clippy::cast_lossless,
+    clippy::unnecessary_cast,
+    reason = "the macro converts from either scalar type, also where it is f64 itself"
+)]
 impl Lanes for F64 {
     type Precise = Self;
     delegate_to_wide!(f64, size_of::<F64>() / size_of::<f64>());
@@ -260,7 +269,7 @@ impl Lanes for F64 {
     }
 }
 
-/// As many double precision lanes as [`F32`] has.
+/// Double precision lanes of the same width as [`F32`], in two registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct F64Pair(F64, F64);
 

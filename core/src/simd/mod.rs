@@ -1,6 +1,6 @@
-//! One number per wavelength: lanes of floating point and what is built of them.
+//! SIMD lanes that hold one number per wavelength, and the complex numbers, vectors and phase factors made of them.
 //!
-//! Everything in the crate that is followed at several wavelengths at once is generic over [`lanes::Lanes`].
+//! All of the crate's numerics that run at several wavelengths at once are generic over [`lanes::Lanes`].
 
 pub mod lanes;
 pub mod double_double;

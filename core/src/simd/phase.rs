@@ -1,17 +1,20 @@
-//! Phase factors exp(2πi x) of an optical path x counted in wavelengths ("turns").
+//! Phase factors exp(2πi x) of an optical path x in wavelengths, that is, in turns of the phase.
 //!
-//! k₀L formed in single precision loses 5e-4 at a path of 400 µm. Here the path is divided by λ in double precision and
-//! reduced to [−½, ½]; what is left has the absolute accuracy of the lanes, whatever the length of the path.
+//! A phase k₀L in single precision is wrong by 5e-4 at a path of 400 µm. Here the path is divided by λ in double
+//! precision and reduced to [−½, ½]. The phase factor then has the absolute accuracy of the lanes, whatever the length
+//! of the path.
 
 use crate::simd::complex::ComplexLanes;
 use crate::simd::lanes::Lanes;
 use core::f64::consts::TAU;
 
-/// Bound of |error| of each part of [`cis`], in unit roundoffs: the truncated series stays below 0.5 (see
-/// `SERIES_TERMS`), the rounded argument adds π/4 · 1.5, Horner's last steps 2.
+/// Error bound of the real and of the imaginary part of [`cis`], in unit roundoffs.
+///
+/// Terms: the truncated series stays below 0.5, the rounded argument adds π/4 · 1.5, the last steps of Horner's scheme
+/// 2.
 pub const CIS_ERROR: f64 = 4.0;
 
-/// 1/k! with alternating signs, k = 2, 4, … for the cosine and 3, 5, … for the sine. On |y| ≤ π/4 the first omitted term is
+/// Coefficients of the cosine's series: 1/k! with alternating signs, k = 2, 4, … On |y| ≤ π/4 the first omitted term is
 /// y¹⁸/18! < 3e-18 in double precision and y¹⁰/10! < 3e-8 in single precision.
 const COS_TERMS: [f64; 8] = [
     -1.0 / 2.0,
@@ -23,6 +26,7 @@ const COS_TERMS: [f64; 8] = [
     -1.0 / 87178291200.0,
     1.0 / 20922789888000.0,
 ];
+/// Coefficients of the sine's series: 1/k! with alternating signs, k = 3, 5, …
 const SIN_TERMS: [f64; 8] = [
     -1.0 / 6.0,
     1.0 / 120.0,
@@ -34,17 +38,18 @@ const SIN_TERMS: [f64; 8] = [
     1.0 / 355687428096000.0,
 ];
 
-/// 2π − [`TAU`].
+/// Error of [`TAU`]: 2π − [`TAU`].
 const TAU_LOW: f64 = 2.449_293_598_294_706_4e-16;
 
-/// How many terms of the series lanes of this precision need.
+/// Number of terms of the series that lanes of this precision need.
 const fn series_terms<V: Lanes>() -> usize {
     if V::UNIT_ROUNDOFF > 1e-10 { 4 } else { 8 }
 }
 
-/// 1 − y²/(n (n + 1)) (1 − y²/((n + 2)(n + 3)) (1 − …)): the cosine for n = 1, the sine over y for n = 2. For lanes of
-/// more digits than doubles, to which the constants of [`COS_TERMS`] are rounded; the first omitted term is y²⁴/24! <
-/// 5e-27 and y²⁴/25! < 2e-28.
+/// The series 1 − y²/(n (n + 1)) (1 − y²/((n + 2)(n + 3)) (1 − …)): cos y for n = 1, sin y/y for n = 2.
+///
+/// It serves lanes of more digits than doubles, to which the coefficients in [`COS_TERMS`] are rounded. The first
+/// omitted terms are y²⁴/24! < 5e-27 and y²⁴/25! < 2e-28.
 fn nested_series<V: Lanes>(y2: V, n: u32) -> V {
     const TERMS: u32 = 11;
     (0..TERMS).rev().fold(V::one(), |sum, term| {
@@ -53,16 +58,16 @@ fn nested_series<V: Lanes>(y2: V, n: u32) -> V {
     })
 }
 
-/// 2π as the lanes hold it.
+/// 2π to the precision of the lanes.
 #[inline]
 fn tau<V: Lanes>() -> V {
     V::splat(TAU) + V::splat(TAU_LOW)
 }
 
-/// cos 2πx + i sin 2πx for x in [−½, ½]; each part within [`CIS_ERROR`] unit roundoffs.
+/// The phase factor cos 2πx + i sin 2πx for x in [−½, ½], each part to within [`CIS_ERROR`] unit roundoffs.
 #[inline]
 pub fn cis<V: Lanes>(turn: V) -> ComplexLanes<V> {
-    // A quarter turn at most π/4 away, and how many quarters were taken off: −2 … 2.
+    // The nearest number of quarter turns, −2 … 2, and the angle y that is left, at most π/4.
     let quarters = (turn * V::splat(4.0)).round();
     let y = quarters.neg_mul_add(V::splat(0.25), turn) * tau();
     let y2 = y * y;
@@ -86,14 +91,14 @@ pub fn cis<V: Lanes>(turn: V) -> ComplexLanes<V> {
     ComplexLanes::new(c * sign, s * sign)
 }
 
-/// exp(2πi z) for a complex path z in wavelengths, Im z ≥ 0: phase and attenuation.
+/// The propagation factor exp(2πi z) of a complex path z in wavelengths, Im z ≥ 0: phase and attenuation.
 #[inline]
 pub fn propagate<V: Lanes>(turns: ComplexLanes<V::Precise>) -> ComplexLanes<V> {
     let phase = cis(V::narrow(turns.re - turns.re.round()));
     if turns.im.any_above(0.0) { phase.scale(attenuation(turns)) } else { phase }
 }
 
-/// exp(−2π Im z): how much amplitude is left after a complex path z in wavelengths.
+/// The attenuation exp(−2π Im z) of the amplitude along a complex path z in wavelengths.
 #[inline]
 pub fn attenuation<V: Lanes>(turns: ComplexLanes<V::Precise>) -> V {
     V::narrow(turns.im * -tau::<V::Precise>()).exp()

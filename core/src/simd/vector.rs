@@ -1,19 +1,19 @@
-//! Vectors with a number per wavelength in each component: complex ones for wavevectors and electric fields, real ones for the
-//! directions of light that does not interfere.
+//! Vectors whose components hold one number per wavelength: complex ones for wavevectors and electric fields, real ones
+//! for the directions of light that does not interfere.
 
 use crate::simd::complex::ComplexLanes;
 use crate::simd::lanes::Lanes;
 use core::ops::{Add, Mul, Sub};
 use glam::DVec3;
 
-/// A vector of numbers of lanes.
+/// A vector of three components in the surface frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector<T> {
-    /// Along the tangent.
+    /// Component along the tangent.
     pub x: T,
-    /// Along the binormal.
+    /// Component along the binormal.
     pub y: T,
-    /// Along the macroscopic normal.
+    /// Component along the macroscopic normal.
     pub z: T,
 }
 
@@ -23,11 +23,11 @@ pub type VectorLanes<V> = Vector<ComplexLanes<V>>;
 /// A real vector for each wavelength of a group.
 pub type RealLanes<V> = Vector<V>;
 
-/// What components have in common: lanes, and complex numbers of them.
+/// Arithmetic that a [`Vector`] needs of its components: lanes, or complex numbers of lanes.
 pub trait Component: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// self · m + a.
+    /// The sum self · m + a.
     fn mul_add(self, m: Self, a: Self) -> Self;
-    /// a − self · m.
+    /// The difference a − self · m.
     fn neg_mul_add(self, m: Self, a: Self) -> Self;
 }
 
@@ -54,13 +54,13 @@ impl<V: Lanes> Component for ComplexLanes<V> {
 }
 
 impl<T: Component> Vector<T> {
-    /// Σ aᵢbᵢ, without conjugation: q·q = η² holds for this product.
+    /// The scalar product Σ aᵢbᵢ, without conjugation: q·q = η² holds for this product.
     #[inline]
     pub fn dot(self, other: Self) -> T {
         self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
     }
 
-    /// Vector product.
+    /// The vector product a × b.
     #[inline]
     pub fn cross(self, other: Self) -> Self {
         Self {
@@ -70,19 +70,19 @@ impl<T: Component> Vector<T> {
         }
     }
 
-    /// Each component times a number.
+    /// Multiplies each component by a number.
     #[inline]
     pub fn scale(self, by: T) -> Self {
         self.map(|component| component * by)
     }
 
-    /// f applied to each component.
+    /// Applies f to each component.
     #[inline]
     pub fn map<U>(self, f: impl Fn(T) -> U) -> Vector<U> {
         Vector { x: f(self.x), y: f(self.y), z: f(self.z) }
     }
 
-    /// f applied to each pair of components.
+    /// Applies f to each pair of components.
     #[inline]
     pub fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
         Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }
@@ -106,67 +106,67 @@ impl<T: Component> Sub for Vector<T> {
 }
 
 impl<V: Lanes> VectorLanes<V> {
-    /// The same real vector in every lane.
+    /// Copies a real vector to every lane.
     pub fn splat(v: DVec3) -> Self {
         RealLanes::<V>::splat(v).map(ComplexLanes::real)
     }
 
-    /// 0.
+    /// The vector 0.
     pub fn zero() -> Self {
         Self { x: ComplexLanes::zero(), y: ComplexLanes::zero(), z: ComplexLanes::zero() }
     }
 
-    /// Rounds double precision to the lanes' own.
+    /// Rounds [`Lanes::Precise`] lanes to the precision of these.
     #[inline]
     pub fn narrow(precise: VectorLanes<V::Precise>) -> Self {
         precise.map(ComplexLanes::narrow)
     }
 
-    /// Product with a real vector.
+    /// The scalar product with a real vector.
     #[inline]
     pub fn dot_real(self, v: DVec3) -> ComplexLanes<V> {
         self.dot_lanes(RealLanes::<V>::splat(v))
     }
 
-    /// Product with a real vector for each lane.
+    /// The scalar product with a real vector for each lane.
     #[inline]
     pub fn dot_lanes(self, v: RealLanes<V>) -> ComplexLanes<V> {
         ComplexLanes { re: self.map(|c| c.re).dot(v), im: self.map(|c| c.im).dot(v) }
     }
 
-    /// self + v·by for a real vector v.
+    /// The sum self + v·by with a real vector v.
     #[inline]
     pub fn add_scaled(self, v: DVec3, by: ComplexLanes<V>) -> Self {
         let along = |c: ComplexLanes<V>, v: f64| c + by.scale(V::splat(v));
         Self { x: along(self.x, v.x), y: along(self.y, v.y), z: along(self.z, v.z) }
     }
 
-    /// Σ |aᵢ|².
+    /// The squared norm Σ |aᵢ|².
     #[inline]
     pub fn norm_sqr(self) -> V {
         self.x.norm_sqr() + self.y.norm_sqr() + self.z.norm_sqr()
     }
 
-    /// The real part in one lane.
+    /// The real part of the vector in one lane.
     pub fn direction(self, lane: usize) -> DVec3 {
         self.map(|c| c.re).lane(lane)
     }
 }
 
 impl<V: Lanes> RealLanes<V> {
-    /// The same vector in every lane.
+    /// Copies a vector to every lane.
     #[inline]
     pub fn splat(v: DVec3) -> Self {
         Self { x: V::splat(v.x), y: V::splat(v.y), z: V::splat(v.z) }
     }
 
-    /// self + v·by.
+    /// The sum self + v·by.
     #[inline]
     pub fn add_scaled(self, v: Self, by: V) -> Self {
         self.zip(v, |component, v| v.mul_add(by, component))
     }
 
-    /// Of length 1 where it has a length.
+    /// The vector scaled to length 1, and 0 where its length is 0.
     #[inline]
     pub fn normalize_or_zero(self) -> Self {
         let square = self.dot(self);

@@ -194,7 +194,7 @@ pub fn rounding<V: Lanes>(optics: &PreparedStack<'_, V>, totals: &[Totals<V>]) -
     }
     // Where κ₁ + κ₂ cancels, r loses digits as 1 + |r|².
     let relative = sum.zip(incident, |sum, incident| (sum / incident).sqrt());
-    let relative = relative.zip(optics.strongest(), |sum, r_squared| r_squared.mul_add(sum, sum));
+    let relative = relative.zip(optics.max_reflectance(), |sum, r_squared| r_squared.mul_add(sum, sum));
     optics.rounding(relative.s.max(relative.p))
 }
 

@@ -13,7 +13,8 @@ use glam::DVec3;
 const IN_FLIGHT: usize = 16;
 const _: () = assert!(IN_FLIGHT.is_power_of_two());
 
-/// Maximum size in bytes of a hierarchy that is taken to lie in a near cache, where a prefetch costs more than it gains.
+/// Maximum size in bytes of a hierarchy that is taken to lie in a near cache, where a prefetch costs more than it
+/// gains.
 const MAX_NEAR_CACHE: usize = 1 << 20;
 
 /// Number of doubles in a line of the cache.

@@ -12,8 +12,8 @@ const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 /// frame's units, plus the ray's nearest approach.
 ///
 /// Terms, in unit roundoffs: the nearest approach is rounded by 1, the direction's components and their inverses by 2,
-/// the products of the bound and of the approach by 1 each, and their difference by 1. Both sides together make 10, held
-/// by 16.
+/// the products of the bound and of the approach by 1 each, and their difference by 1. Both sides together make 10,
+/// held by 16.
 const BOX_SLACK: f64 = 16.0 * ROUNDOFF;
 /// Widening of a ray's parameter against single precision, where the ray has crossed the mesh at the latest.
 const PARAMETER_SLACK: f64 = 64.0 * ROUNDOFF;
@@ -23,8 +23,8 @@ const ORIGIN_SLACK: f64 = 8.0 * f64::EPSILON;
 /// Minimum component of a direction whose largest is 1; smaller ones are raised to it. Within the mesh this moves the
 /// ray by less than the slack.
 const MIN_COMPONENT: f64 = 1e-20;
-/// A parameter before the mesh: the points of the mesh are within √3 of its middle, and the direction is no shorter than
-/// 1. Keys count from a ray's first parameter, which must therefore be finite.
+/// A parameter before the mesh: the points of the mesh are within √3 of its middle, and the direction is no shorter
+/// than 1. Keys count from a ray's first parameter, which must therefore be finite.
 const BEFORE_MESH: f32 = -2.0;
 
 /// A ray prepared for box tests: in the frame's units, from its nearest approach to the middle of the mesh, with its
@@ -112,8 +112,8 @@ impl Slabs {
 
     /// The largest key of a child that is entered at `far`.
     ///
-    /// Differences round monotonically, and truncation to a key makes none larger, so that no child entered before `far`
-    /// has a larger key.
+    /// Differences round monotonically, and truncation to a key makes none larger, so that no child entered before
+    /// `far` has a larger key.
     #[inline]
     pub(super) fn key(&self, far: f32) -> u32 {
         OrderedKeys::key(far - self.first)

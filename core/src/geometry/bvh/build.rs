@@ -204,8 +204,8 @@ impl Builder<'_> {
 
     /// Splits the child of largest area until there are `WIDTH` children, or `MIN_CHILDREN` that fit into leaves.
     ///
-    /// Where the levels below have room for a balanced tree only, the child of most triangles is halved instead, so that
-    /// each gets a `WIDTH`th of the triangles, rounded up.
+    /// Where the levels below have room for a balanced tree only, the child of most triangles is halved instead, so
+    /// that each gets a `WIDTH`th of the triangles, rounded up.
     fn split_into_children(&mut self, range: Range, depth: usize, children: &mut [Range; WIDTH]) {
         let levels_below = (MAX_DEPTH - depth - 1) as u32;
         let balanced = range.count() as u64

@@ -6,14 +6,14 @@ use glam::DVec3;
 pub(super) const WIDTH: usize = 8;
 /// Maximum number of triangles of a leaf.
 pub(super) const MAX_LEAF_TRIANGLES: usize = 8;
-/// Minimum number of children of a node that holds more triangles than a leaf can. Where fewer children are large enough
-/// to be nodes, small ones are split too: rays enter leaves of a few triangles less often.
+/// Minimum number of children of a node that holds more triangles than a leaf can. Where fewer children are large
+/// enough to be nodes, small ones are split too: rays enter leaves of a few triangles less often.
 pub(super) const MIN_CHILDREN: usize = 5;
 /// Maximum number of levels of nodes, equal to 48 binary levels. The builder halves by count where the heuristic would
 /// exceed it.
 pub(super) const MAX_DEPTH: usize = 48 / WIDTH.ilog2() as usize;
-/// Maximum number of nodes and leaves that wait in a depth-first traversal: a node leaves `WIDTH` − 1 on each level, and
-/// the last node leaves `WIDTH`.
+/// Maximum number of nodes and leaves that wait in a depth-first traversal: a node leaves `WIDTH` − 1 on each level,
+/// and the last node leaves `WIDTH`.
 pub(super) const MAX_WAITING: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 /// Number of values of a leaf's triangle count, 0 to [`MAX_LEAF_TRIANGLES`], rounded up to a power of 2.
 pub(super) const COUNTS: u32 = 16;

@@ -65,8 +65,8 @@ pub struct Bvh<'a> {
 impl<'a> Bvh<'a> {
     /// Number of nodes that suffice for any mesh of `triangle_count` triangles.
     ///
-    /// A tree of I nodes, each with `MIN_CHILDREN` or more children, has (`MIN_CHILDREN` − 1) I + 1 leaves or more, none
-    /// of them empty.
+    /// A tree of I nodes, each with `MIN_CHILDREN` or more children, has (`MIN_CHILDREN` − 1) I + 1 leaves or more,
+    /// none of them empty.
     #[must_use]
     pub const fn required_nodes(triangle_count: usize) -> usize {
         let nodes = triangle_count.saturating_sub(1) / (MIN_CHILDREN - 1);

@@ -1,8 +1,9 @@
-//! Dispersion formulas, numbered as in refractiveindex.info.
+//! The dispersion formulas of refractiveindex.info, under their numbers there.
 
 use libm::{exp, pow, sqrt};
 
-/// Dispersion formulas of refractiveindex.info; λ in micrometres, c₁ first. Missing trailing coefficients are zero.
+/// A dispersion formula of refractiveindex.info, with λ in micrometres and c₁ first. Missing trailing coefficients are
+/// 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Formula {
     /// 1: n² − 1 = c₁ + Σ c₂λ²/(λ² − c₃²)
@@ -28,7 +29,7 @@ pub enum Formula {
 }
 
 impl Formula {
-    /// The formula of that number in refractiveindex.info files, 1 to 9.
+    /// The formula of a number in refractiveindex.info files, 1 to 9; `None` for other numbers.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
         Some(match number {
@@ -85,7 +86,7 @@ impl Formula {
 mod tests {
     use super::*;
 
-    /// Published values quoted to five digits.
+    /// Bound of the rounding of published values, which are quoted to five digits.
     const QUOTED_DIGITS: f64 = 5e-6;
 
     fn n(formula: Formula, coefficients: &[f64], nm: f64) -> f64 {

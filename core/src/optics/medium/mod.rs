@@ -1,8 +1,8 @@
 //! The complex refractive index η(λ) = n + ik of a medium: constants, dispersion formulas, borrowed tables.
 //!
 //! The formulas are those of the refractiveindex.info database (M. N. Polyanskiy, *Sci. Data* 11, 94 (2024)), numbered
-//! as there. A [`Medium`] is checked when it is made; evaluation can fail only because a wavelength lies outside the
-//! range for which the data hold, or beside a value that is not known.
+//! as there. A [`Medium`] is checked when it is made. Its evaluation fails where a wavelength lies outside the range of
+//! the data or beside an unknown value of a table, and where a formula gives no passive medium.
 
 use crate::simd::complex::ComplexLanes;
 use crate::simd::lanes::Lanes;
@@ -12,29 +12,28 @@ mod formula;
 
 pub use formula::Formula;
 
-/// Where a medium stands in the list of media of a scene.
+/// Index of a medium in the list of media of a scene.
 pub type MediumIndex = u16;
 
 /// A real function of wavelength: the n or the k of a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dispersion<'a> {
-    /// The same at every wavelength.
+    /// One value at every wavelength.
     Constant(f64),
     /// A formula of the wavelength in micrometres.
     Formula {
-        /// Which one.
+        /// The formula.
         formula: Formula,
-        /// c₁, c₂, …
+        /// The coefficients c₁, c₂, …
         coefficients: &'a [f64],
         /// The wavelengths for which the formula was fitted, ends included.
         range_nm: [f64; 2],
     },
-    /// Samples, linear in wavelength between them.
+    /// Samples, with linear interpolation in wavelength.
     Table {
-        /// Strictly increasing.
+        /// The wavelengths, strictly increasing.
         wavelength_nm: &'a [f64],
-        /// One value for each wavelength. NaN marks a value that is not known: nothing is known between it and its
-        /// neighbours.
+        /// One value for each wavelength. NaN marks an unknown value; nothing is known between it and its neighbours.
         value: &'a [f64],
     },
 }
@@ -42,9 +41,9 @@ pub enum Dispersion<'a> {
 /// One of the two parts of η = n + ik.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IndexPart {
-    /// The refractive index.
+    /// The refractive index n.
     N,
-    /// The extinction coefficient.
+    /// The extinction coefficient k.
     K,
 }
 
@@ -59,38 +58,37 @@ impl core::fmt::Display for IndexPart {
 
 /// Largest k of a medium through which light may arrive.
 ///
-/// In such a medium a plane wave whose n sin θ is real decays towards the surface. Its power is that at the surface, Re
-/// κ for a unit amplitude, and R = |r|². The incident and the reflected wave exchange power besides, 2 Im κ Im r in the
-/// same units, which belongs to neither: R + T + A differs from 1 by up to 2 |r| Im κ/Re κ ≤ 2 (k/n)/cos²θ, to first
-/// order in k/n. At the largest k and normal incidence that is 2e-3/n.
+/// In an absorbing medium a plane wave whose n sin θ is real decays towards the surface. Its power is the one at the
+/// surface, Re κ for a unit amplitude, and R = |r|². The incident and the reflected wave also exchange the power
+/// 2 Im κ Im r, in the same units, which belongs to neither. R + T + A therefore differs from 1 by up to
+/// 2 |r| Im κ/Re κ ≤ 2 (k/n)/cos²θ, to first order in k/n. At the largest k and normal incidence this is 2e-3/n.
 pub const MAX_AMBIENT_K: f64 = 1e-3;
 
-/// What to do with a wavelength outside the range for which data exist.
+/// The treatment of wavelengths outside the range of the data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extrapolate {
-    /// Refuse it: [`MediumError::OutOfRange`].
+    /// Refuses the wavelength, with [`MediumError::OutOfRange`].
     #[default]
     Refuse,
-    /// Use the value at the nearest end of the range.
+    /// Uses the value at the nearest end of the range.
     Clamp,
 }
 
-/// Why a medium was refused, or could not be evaluated.
+/// A reason for which a medium is refused, or cannot be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MediumError {
-    /// A number that is NaN or infinite, or a table of which no value is known; its index among the coefficients or
-    /// rows.
+    /// A number is NaN or infinite, or no value of a table is known.
     NotFinite {
-        /// Row or coefficient.
+        /// Index of the number among the coefficients or rows.
         index: usize,
     },
-    /// n ≤ 0 or k < 0 (gain): not a passive medium.
+    /// The medium is not passive: n ≤ 0 or k < 0 (gain).
     NotPassive {
         /// The offending n.
         n: f64,
         /// The offending k.
         k: f64,
-        /// Where; 0 for a constant.
+        /// The wavelength; 0 for a constant.
         wavelength_nm: f64,
     },
     /// A table's wavelengths do not increase, or are not positive, at this row.
@@ -98,27 +96,28 @@ pub enum MediumError {
         /// Row, from 0.
         index: usize,
     },
-    /// A table with no rows, or columns of different lengths.
+    /// A table has no rows, or columns of different lengths; or lists of wavelengths, media or memory do not fit
+    /// together.
     Shape,
     /// The wavelength lies outside the data of n or k.
     OutOfRange {
-        /// Which of the two.
+        /// The part of η that has no data there.
         part: IndexPart,
         /// The wavelength asked for.
         wavelength_nm: f64,
         /// The range of its data.
         range_nm: [f64; 2],
     },
-    /// The wavelength lies beside a value of a table that is not known.
+    /// The wavelength lies beside an unknown value of a table.
     Unknown {
-        /// Which of n and k.
+        /// The part of η that is not known.
         part: IndexPart,
         /// The wavelength asked for.
         wavelength_nm: f64,
     },
     /// Light cannot arrive through this medium: its k is above [`MAX_AMBIENT_K`].
     Opaque {
-        /// The k.
+        /// The medium's k.
         k: f64,
         /// The wavelength asked for.
         wavelength_nm: f64,
@@ -152,7 +151,7 @@ impl core::fmt::Display for MediumError {
 impl core::error::Error for MediumError {}
 
 impl Dispersion<'_> {
-    /// The wavelengths for which this holds, ends included.
+    /// The range of wavelengths with data, ends included.
     #[must_use]
     pub fn range_nm(&self) -> [f64; 2] {
         match *self {
@@ -165,6 +164,7 @@ impl Dispersion<'_> {
         }
     }
 
+    /// Checks that the numbers are finite and the wavelengths positive and in order.
     fn check(&self) -> Result<(), MediumError> {
         let finite = |values: &[f64]| match values.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(MediumError::NotFinite { index }),
@@ -201,7 +201,7 @@ impl Dispersion<'_> {
         }
     }
 
-    /// The value at `nm`, which must lie in [`Dispersion::range_nm`]; NaN in a table where it is not known.
+    /// The value at a wavelength in [`Dispersion::range_nm`]; NaN where a table does not know it.
     fn at(&self, nm: f64) -> f64 {
         match *self {
             Self::Constant(x) => x,
@@ -210,7 +210,7 @@ impl Dispersion<'_> {
                 let upper = x.partition_point(|&l| l < nm);
                 let row = |row: usize| Some((*x.get(row)?, *y.get(row)?));
                 match (upper.checked_sub(1).and_then(row), row(upper)) {
-                    // A row's own value, also beside one that is not known.
+                    // A row's own value, even beside an unknown one.
                     (_, Some((x1, y1))) if x1 <= nm => y1,
                     (Some((x0, y0)), Some((x1, y1))) => {
                         let w = (nm - x0) / (x1 - x0);
@@ -233,23 +233,24 @@ pub struct Medium<'a> {
 }
 
 impl<'a> Medium<'a> {
-    /// η = 1.
+    /// The vacuum, η = 1.
     pub const VACUUM: Self =
         Self { n: Dispersion::Constant(1.0), k: Dispersion::Constant(0.0), extrapolate: Extrapolate::Refuse };
 
-    /// A medium of the same η at every wavelength.
+    /// A medium of one η at every wavelength.
     ///
     /// # Errors
-    /// [`MediumError::NotFinite`], [`MediumError::NotPassive`].
+    /// [`MediumError::NotFinite`] if n or k is NaN or infinite, [`MediumError::NotPassive`] if n ≤ 0 or k < 0.
     pub fn constant(eta: Complex64) -> Result<Self, MediumError> {
         Self::new(Dispersion::Constant(eta.re), Dispersion::Constant(eta.im), Extrapolate::Refuse)
     }
 
-    /// A medium from its n and its k. The medium holds where both do; one that clamps holds each at the ends of its own
-    /// range.
+    /// A medium from its n and its k. It has data where both have; one that clamps continues n and k each beyond its
+    /// own range.
     ///
     /// # Errors
-    /// Any but [`MediumError::OutOfRange`]. A formula that gives n ≤ 0 is found when it is evaluated.
+    /// [`MediumError::NotFinite`], [`MediumError::NotPassive`], [`MediumError::NotIncreasing`] or
+    /// [`MediumError::Shape`]. A formula that gives n ≤ 0 is found only when it is evaluated.
     pub fn new(n: Dispersion<'a>, k: Dispersion<'a>, extrapolate: Extrapolate) -> Result<Self, MediumError> {
         n.check()?;
         k.check()?;
@@ -270,19 +271,21 @@ impl<'a> Medium<'a> {
         Ok(Self { n, k, extrapolate })
     }
 
-    /// The wavelengths for which both n and k have data, ends included; the first is the larger where there are none.
+    /// The range of wavelengths for which both n and k have data, ends included. If there is none, the first end
+    /// exceeds the last.
     #[must_use]
     pub fn range_nm(&self) -> [f64; 2] {
         let ([n0, n1], [k0, k1]) = (self.n.range_nm(), self.k.range_nm());
         [n0.max(k0), n1.min(k1)]
     }
 
-    /// The wavelengths for which n or k has data, ends included.
+    /// The range of wavelengths for which n, or k, has data, ends included.
     #[must_use]
     pub fn part_range_nm(&self, part: IndexPart) -> [f64; 2] {
         self.part(part).range_nm()
     }
 
+    /// n or k as a function of wavelength.
     fn part(&self, part: IndexPart) -> &Dispersion<'a> {
         match part {
             IndexPart::N => &self.n,
@@ -290,11 +293,11 @@ impl<'a> Medium<'a> {
         }
     }
 
-    /// n or k at a wavelength.
+    /// The value of n or k at a wavelength.
     fn value(&self, part: IndexPart, wavelength_nm: f64) -> Result<f64, MediumError> {
         let dispersion = self.part(part);
         let range_nm @ [from, to] = dispersion.range_nm();
-        // Files give micrometres; their conversion may move an end of the range by one rounding.
+        // Files give micrometres, and their conversion may move an end of the range by a rounding.
         let slack = 4.0 * f64::EPSILON * wavelength_nm;
         let inside = wavelength_nm >= from - slack && wavelength_nm <= to + slack;
         if !inside && self.extrapolate == Extrapolate::Refuse {
@@ -307,10 +310,10 @@ impl<'a> Medium<'a> {
         }
     }
 
-    /// η = n + ik at a vacuum wavelength in nanometres.
+    /// The complex index η = n + ik at a vacuum wavelength in nanometres.
     ///
     /// # Errors
-    /// [`MediumError::OutOfRange`] unless the medium clamps; [`MediumError::Unknown`] beside a value that is not known;
+    /// [`MediumError::OutOfRange`] unless the medium clamps; [`MediumError::Unknown`] beside an unknown value;
     /// [`MediumError::NotPassive`] where a formula leaves the passive domain.
     pub fn eta(&self, wavelength_nm: f64) -> Result<Complex64, MediumError> {
         let n = self.value(IndexPart::N, wavelength_nm)?;
@@ -322,7 +325,7 @@ impl<'a> Medium<'a> {
         }
     }
 
-    /// [`Medium::eta`] of a medium in which light arrives.
+    /// The complex index η of a medium in which light arrives.
     ///
     /// # Errors
     /// Those of [`Medium::eta`], and [`MediumError::Opaque`] where k exceeds [`MAX_AMBIENT_K`].
@@ -346,8 +349,8 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
     /// `memory` holds one element for each medium.
     ///
     /// # Errors
-    /// The index of the medium and what it said of the first wavelength that it refuses. [`MediumError::Shape`] if
-    /// there is no wavelength, one is not positive, or
+    /// The index of the first medium that refuses a wavelength, with the error of [`Medium::eta`] at the first
+    /// wavelength that it refuses. [`MediumError::Shape`] if there is no wavelength, one is not positive and finite, or
     /// `memory` and `media` differ in length.
     pub fn evaluate(
         media: &[Medium<'_>],
@@ -375,18 +378,18 @@ impl<'a, V: Lanes> MediaLanes<'a, V> {
         Ok(Self { wavelength_nm: <V::Precise as Lanes>::from_fn(nm), eta: memory })
     }
 
-    /// Index of refraction of a medium; 1 beyond the last.
+    /// The complex index η of a medium; 1 beyond the last medium.
     #[inline]
     pub fn eta_of(&self, medium: MediumIndex) -> ComplexLanes<V::Precise> {
         self.eta.get(usize::from(medium)).copied().unwrap_or_else(ComplexLanes::one)
     }
 
-    /// Vacuum wavelengths.
+    /// The vacuum wavelengths in nanometres.
     pub fn wavelength_nm(&self) -> V::Precise {
         self.wavelength_nm
     }
 
-    /// η of each medium, in the order of the scene.
+    /// The complex indices η of the media, in the order of the scene.
     pub fn eta(&self) -> &'a [ComplexLanes<V::Precise>] {
         self.eta
     }

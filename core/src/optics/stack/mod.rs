@@ -1,11 +1,13 @@
 //! A planar multilayer, and its reflection and transmission in closed form (the paper's section 4.5, "formula for
 //! analysis").
 //!
-//! From the substrate upwards ρ_j = (r_j + ρ_{j+1} e²)/(1 + r_j ρ_{j+1} e²) with e = exp(i k₀ q_n d). |e| ≤ 1, so
-//! nothing overflows for opaque layers. Numerator and denominator are carried apart and divided once at the end.
+//! A [`Stack`] is the checked list of layers. A [`PreparedStack`] is a stack at one angle and one group of wavelengths.
+//! It holds what depends on each distinct film and each distinct pair of media, computed once, so that a repeated layer
+//! costs a few multiply-adds per wavelength and polarisation.
 //!
-//! What depends on a distinct film or a distinct pair of media is computed once per angle and group of wavelengths
-//! ([`PreparedStack`]), so a repeated layer costs a handful of multiply-adds per wavelength and polarisation.
+//! The recursion runs from the substrate upwards: ρ_j = (r_j + ρ_{j+1} e²)/(1 + r_j ρ_{j+1} e²) with e = exp(i k₀ q_n
+//! d).
+//! |e| ≤ 1, so nothing overflows for opaque layers. Numerator and denominator are kept apart and divided once at the end.
 
 mod prepared;
 
@@ -14,7 +16,7 @@ use crate::optics::medium::MediumIndex;
 pub(crate) use prepared::Observer;
 pub use prepared::{PreparedStack, PreparedStackArrays, PreparedStackMemory, Response, TooSmall};
 
-/// A layer: its medium and its thickness.
+/// A layer of one medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     /// The medium.
@@ -23,15 +25,15 @@ pub struct Film {
     pub thickness_nm: f64,
 }
 
-/// One plane of a stack, by place in the lists of distinct interfaces and films.
+/// One plane of a stack, by indices in the lists of distinct interfaces and films.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Boundary {
     pub(crate) interface: u32,
-    /// The film below; of no meaning for the last boundary.
+    /// The film below; meaningless for the last boundary.
     pub(crate) film: u32,
 }
 
-/// Memory in which a stack of up to `boundaries.len() − 1` layers is laid out; all three of equal length suffice.
+/// Memory for a stack of up to `boundaries.len() − 1` layers; three lists of equal length always suffice.
 #[derive(Debug)]
 pub struct StackMemory<'a> {
     /// Distinct pairs of media.
@@ -42,7 +44,7 @@ pub struct StackMemory<'a> {
     pub boundaries: &'a mut [Boundary],
 }
 
-/// [`StackMemory`] for up to `N` planes, N − 1 layers.
+/// Arrays for the [`StackMemory`] of up to `N` planes, that is, N − 1 layers.
 #[derive(Clone, Copy, Debug)]
 pub struct StackArrays<const N: usize> {
     interfaces: [Interface; N],
@@ -51,7 +53,7 @@ pub struct StackArrays<const N: usize> {
 }
 
 impl<const N: usize> StackArrays<N> {
-    /// Empty.
+    /// Empty arrays.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -61,7 +63,7 @@ impl<const N: usize> StackArrays<N> {
         }
     }
 
-    /// Lends the arrays.
+    /// Lends the arrays as memory.
     pub fn memory(&mut self) -> StackMemory<'_> {
         StackMemory { interfaces: &mut self.interfaces, films: &mut self.films, boundaries: &mut self.boundaries }
     }
@@ -73,15 +75,15 @@ impl<const N: usize> Default for StackArrays<N> {
     }
 }
 
-/// Why a stack was refused.
+/// A reason for which a stack is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StackError {
-    /// The memory holds `available` planes; more are needed.
+    /// The stack has more planes than the memory holds.
     Memory {
-        /// Planes for which there is room.
+        /// Number of planes that the memory holds.
         available: usize,
     },
-    /// A thickness that is negative, NaN or infinite.
+    /// A layer has a thickness that is negative, NaN or infinite.
     Thickness {
         /// Layer, from 0 at the top.
         layer: usize,
@@ -103,7 +105,7 @@ impl core::fmt::Display for StackError {
 
 impl core::error::Error for StackError {}
 
-/// A planar multilayer, checked: at least one plane, finite thicknesses.
+/// A checked planar multilayer: it has at least one plane, and finite thicknesses.
 #[derive(Clone, Copy, Debug)]
 pub struct Stack<'a> {
     interfaces: &'a [Interface],
@@ -113,7 +115,7 @@ pub struct Stack<'a> {
     substrate: Below,
 }
 
-/// Where `wanted` stands in `list`; appended if new.
+/// Index of `wanted` in `list`, to which it is appended if it is new; `None` if the list is full.
 fn intern<T: Copy + PartialEq>(list: &mut [T], len: &mut usize, wanted: T) -> Option<u32> {
     // Stacks repeat within a few layers; an unbounded search would make random stacks quadratic.
     const RECENT: usize = 64;
@@ -134,7 +136,8 @@ impl<'a> Stack<'a> {
     /// Lays out a stack in `memory`, from the ambient medium downwards.
     ///
     /// # Errors
-    /// [`StackError`].
+    /// [`StackError::Thickness`] for a layer whose thickness is negative or not finite, [`StackError::Memory`] if the
+    /// stack has more planes than the memory holds.
     pub fn new(
         ambient: MediumIndex,
         layers: impl IntoIterator<Item = Film>,
@@ -169,21 +172,21 @@ impl<'a> Stack<'a> {
         })
     }
 
-    /// Number of planes: layers + 1.
+    /// Number of planes, one more than layers.
     #[must_use]
     pub fn planes(&self) -> usize {
         self.boundaries.len()
     }
 
-    /// The media above and below plane `j`, 0 at the top; those of the whole stack for a plane that it does not have.
+    /// The media above and below plane `j`, counted from 0 at the top; those around the whole stack beyond the last
+    /// plane.
     #[must_use]
     pub fn interface(&self, j: usize) -> Interface {
         let known = self.boundaries.get(j).and_then(|boundary| self.interfaces.get(boundary.interface as usize));
         known.copied().unwrap_or(Interface { above: self.ambient, below: self.substrate })
     }
 
-    /// The layer below plane `j`, which must not be the last; a layer of no thickness for a plane that the stack does
-    /// not have.
+    /// The layer below plane `j`, which must not be the last; a layer of zero thickness beyond the last plane.
     #[must_use]
     pub fn film(&self, j: usize) -> Film {
         let known = self.boundaries.get(j).and_then(|boundary| self.films.get(boundary.film as usize));
@@ -202,7 +205,7 @@ impl<'a> Stack<'a> {
         self.substrate
     }
 
-    /// Media that a scene must have for this stack: one more than the largest index in use.
+    /// Number of media that a scene must have for this stack: one more than the largest index in use.
     #[must_use]
     pub fn media(&self) -> usize {
         let each = |i: &Interface| match i.below {

@@ -1,4 +1,4 @@
-//! What a stack does to light of one angle and one group of wavelengths.
+//! A stack prepared for one angle and one group of wavelengths, and its response in closed form.
 
 use super::{Film, Stack};
 use crate::optics::incidence::Incidence;
@@ -8,19 +8,19 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
 
-/// Memory for [`PreparedStack`]: at least as many elements as the stack has media, distinct interfaces and distinct films; the
-/// number of planes suffices for the last two.
+/// Memory for a [`PreparedStack`]: at least as many elements as the stack has media, distinct interfaces and distinct
+/// films. The number of planes suffices for the last two.
 #[derive(Debug)]
 pub struct PreparedStackMemory<'m, V: Lanes> {
-    /// One for each medium.
+    /// One wave for each medium.
     pub waves: &'m mut [Wave<V>],
-    /// One for each distinct interface.
+    /// One reflection coefficient for each distinct interface.
     pub reflections: &'m mut [Polarised<ComplexLanes<V>>],
-    /// One for each distinct film.
+    /// One propagator for each distinct film.
     pub propagators: &'m mut [ComplexLanes<V>],
 }
 
-/// [`PreparedStackMemory`] for up to `N` media, interfaces and films.
+/// Arrays for the [`PreparedStackMemory`] of up to `N` media, interfaces and films.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedStackArrays<V: Lanes, const N: usize> {
     waves: [Wave<V>; N],
@@ -29,7 +29,7 @@ pub struct PreparedStackArrays<V: Lanes, const N: usize> {
 }
 
 impl<V: Lanes, const N: usize> PreparedStackArrays<V, N> {
-    /// Empty.
+    /// Empty arrays.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -39,7 +39,7 @@ impl<V: Lanes, const N: usize> PreparedStackArrays<V, N> {
         }
     }
 
-    /// Lends the arrays.
+    /// Lends the arrays as memory.
     pub fn memory(&mut self) -> PreparedStackMemory<'_, V> {
         PreparedStackMemory {
             waves: &mut self.waves,
@@ -55,7 +55,8 @@ impl<V: Lanes, const N: usize> Default for PreparedStackArrays<V, N> {
     }
 }
 
-/// A stack at one angle and one group of wavelengths: what its media, interfaces and films do to a wave.
+/// A stack at one angle and one group of wavelengths: the waves in its media, the reflection coefficients of its
+/// interfaces and the propagators of its films.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedStack<'m, V: Lanes> {
     stack: Stack<'m>,
@@ -66,20 +67,20 @@ pub struct PreparedStack<'m, V: Lanes> {
     model: Model,
 }
 
-/// A stack's answer to a wave of unit amplitude.
+/// Reflection and transmission of a wave of unit amplitude by a stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response<V> {
-    /// Amplitude that returns, referred to the first plane.
+    /// Reflected amplitude, referred to the first plane.
     pub reflection: Polarised<ComplexLanes<V>>,
-    /// Amplitude that arrives behind the last plane, referred to it; the magnetic field for p. Of no meaning for a mirror.
+    /// Amplitude behind the last plane, referred to it; for p that of the magnetic field. Meaningless for a mirror.
     pub transmission: Polarised<ComplexLanes<V>>,
 }
 
-/// Is shown the recursion as it climbs; `()` looks away.
+/// An observer of the recursion, which runs upwards; `()` observes nothing.
 pub(crate) trait Observer<V: Lanes> {
-    /// r of the last plane, with which the recursion begins.
+    /// Receives r of the last plane, with which the recursion begins.
     fn last_plane(&mut self, r: Polarised<ComplexLanes<V>>);
-    /// r of the next plane above, e of the film between, and ρ = n/d with that plane.
+    /// Receives r of the next plane above, e of the film below it, and ρ = n/d including that plane.
     fn plane(
         &mut self,
         r: Polarised<ComplexLanes<V>>,
@@ -87,7 +88,7 @@ pub(crate) trait Observer<V: Lanes> {
         n: Polarised<ComplexLanes<V>>,
         d: Polarised<ComplexLanes<V>>,
     );
-    /// n and d were multiplied by this.
+    /// Receives the factor by which n and d were multiplied.
     fn rescale(&mut self, scale: Polarised<V>);
 }
 
@@ -107,7 +108,7 @@ impl<V: Lanes> Observer<V> for () {
     fn rescale(&mut self, _: Polarised<V>) {}
 }
 
-/// Memory or media are fewer than a stack needs: see [`PreparedStackMemory`] and [`Stack::media`].
+/// The error of memory or media that are fewer than a stack needs; see [`PreparedStackMemory`] and [`Stack::media`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooSmall;
 
@@ -120,7 +121,7 @@ impl core::fmt::Display for TooSmall {
 impl core::error::Error for TooSmall {}
 
 impl<'m, V: Lanes> PreparedStack<'m, V> {
-    /// [`PreparedStack::prepare`] with memory that is known to suffice.
+    /// Prepares `stack` as [`PreparedStack::prepare`] does, with media and memory that are known to suffice.
     ///
     /// # Panics
     /// If `memory` or `media` is smaller than the stack needs ([`Stack::media`], [`Stack::planes`]).
@@ -135,11 +136,11 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
             .expect("as many media and as much memory as the stack has")
     }
 
-    /// Prepares `stack` for light that arrives at an angle θ in the ambient medium, in [0°, 90°]. At 90°, the limit of
-    /// grazing incidence, all is reflected and nothing passes. A number is sin θ.
+    /// Prepares `stack` for light that arrives in the ambient medium at an angle θ in [0°, 90°]. A number as
+    /// `incidence` is sin θ. At 90°, the limit of grazing incidence, all light is reflected.
     ///
     /// # Errors
-    /// [`TooSmall`].
+    /// [`TooSmall`] if there are fewer media or less memory than the stack needs.
     pub fn prepare(
         stack: Stack<'m>,
         media: &MediaLanes<'m, V>,
@@ -149,24 +150,24 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
     ) -> Result<Self, TooSmall> {
         let eta = |medium: MediumIndex| media.eta().get(usize::from(medium)).copied().ok_or(TooSmall);
         let incident = incidence.into().in_medium(eta(stack.ambient)?.re);
-        // Only the media of this stack; waves in others are never read.
+        // Only the media of this stack: waves in other media are never read.
         let waves = memory.waves.get_mut(..stack.media()).ok_or(TooSmall)?;
-        let mut put =
-            |medium: MediumIndex, wave| waves.get_mut(usize::from(medium)).map(|place| *place = wave).ok_or(TooSmall);
+        let mut set =
+            |medium: MediumIndex, wave| waves.get_mut(usize::from(medium)).map(|slot| *slot = wave).ok_or(TooSmall);
         let substrate = match stack.substrate {
             Below::Medium(substrate) => substrate,
             Below::Mirror => stack.ambient,
         };
         for medium in [stack.ambient, substrate] {
             let eta = eta(medium)?;
-            put(medium, Wave::of_square(eta, incident.normal_squared(eta)))?;
+            set(medium, Wave::of_square(eta, incident.normal_squared(eta)))?;
         }
         for (place, film) in stack.films.iter().enumerate() {
-            // Films of one medium that differ in thickness share its wave; a look at the last few finds most.
+            // Films of one medium share its wave; a search of the last four finds most repetitions.
             let mut earlier = stack.films.iter().take(place).skip(place.saturating_sub(4));
             if !earlier.any(|earlier| earlier.medium == film.medium) {
                 let eta = eta(film.medium)?;
-                put(film.medium, Wave::film_of_square(eta, incident.normal_squared(eta)))?;
+                set(film.medium, Wave::film_of_square(eta, incident.normal_squared(eta)))?;
             }
         }
         let waves = &*waves;
@@ -193,30 +194,31 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
         Ok(Self { stack, waves, reflections, propagators, media: *media, model })
     }
 
-    /// The stack this was made for.
+    /// The stack that was prepared.
     #[must_use]
     pub fn stack(&self) -> Stack<'m> {
         self.stack
     }
 
-    // `Stack::new` and `PreparedStack::prepare` leave no boundary without its interface, film and media. That look-ups give 0 where
-    // there are none keeps panics out of programs that must not have any.
+    // `Stack::new` and `PreparedStack::prepare` make sure that each boundary has its interface, film and media.
+    // Look-ups still return 0 beyond the end instead of panicking, which keeps panic code out of programs that must
+    // have none.
 
-    /// r of boundary `j` for a wave from above.
+    /// The reflection coefficient r of boundary `j` for a wave from above.
     #[inline]
     pub(crate) fn reflection_at(&self, j: usize) -> Polarised<ComplexLanes<V>> {
         let interface = self.stack.boundaries.get(j).map_or(0, |boundary| boundary.interface as usize);
         self.reflections.get(interface).copied().unwrap_or_else(|| Polarised::both(ComplexLanes::zero()))
     }
 
-    /// exp(i k₀ q_n d) of the film below boundary `j`.
+    /// The propagator exp(i k₀ q_n d) of the film below boundary `j`.
     #[inline]
     pub(crate) fn propagator_below(&self, j: usize) -> ComplexLanes<V> {
         let film = self.stack.boundaries.get(j).map_or(0, |boundary| boundary.film as usize);
         self.propagators.get(film).copied().unwrap_or_else(ComplexLanes::zero)
     }
 
-    /// κ of a medium.
+    /// The admittance κ of a medium.
     #[inline]
     pub(crate) fn admittance(&self, medium: MediumIndex) -> Polarised<ComplexLanes<V>> {
         self.waves
@@ -224,13 +226,13 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
             .map_or_else(|| Polarised::both(ComplexLanes::zero()), |wave| wave.admittance)
     }
 
-    /// σ of [`Model::reversal`] in every lane.
+    /// The factor σ of [`Model::reversal`] in every lane.
     #[inline]
     pub(crate) fn reversal(&self) -> V {
         V::splat(self.model.reversal())
     }
 
-    /// κ below each plane, from the top; 0 for a mirror.
+    /// The admittance κ below each plane, from the top; 0 for a mirror.
     pub(crate) fn admittances_below(&self) -> impl Iterator<Item = Polarised<ComplexLanes<V>>> {
         self.stack.boundaries.iter().map(|boundary| {
             match self.stack.interfaces.get(boundary.interface as usize).map(|interface| interface.below) {
@@ -241,13 +243,13 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
     }
 
     /// The largest |r|² of the planes.
-    pub(crate) fn strongest(&self) -> Polarised<V> {
+    pub(crate) fn max_reflectance(&self) -> Polarised<V> {
         self.reflections
             .iter()
-            .fold(Polarised::both(V::zero()), |most, r| most.zip(r.map(ComplexLanes::norm_sqr), Lanes::max))
+            .fold(Polarised::both(V::zero()), |max, r| max.zip(r.map(ComplexLanes::norm_sqr), Lanes::max))
     }
 
-    /// Each distinct film, η of its medium, and its wave.
+    /// The distinct films, each with η of its medium and its wave.
     pub(crate) fn films(&self) -> impl Iterator<Item = (Film, ComplexLanes<V::Precise>, Wave<V>)> {
         let with_wave = |&film: &Film| {
             let wave = self.waves.get(usize::from(film.medium)).copied().unwrap_or_else(Wave::none);
@@ -256,33 +258,35 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
         self.stack.films.iter().map(with_wave)
     }
 
-    /// Vacuum wavelengths.
+    /// The vacuum wavelengths.
     pub(crate) fn wavelength_nm(&self) -> V::Precise {
         self.media.wavelength_nm()
     }
 
-    /// Which model this was prepared for.
+    /// The model for which the stack was prepared.
     #[must_use]
     pub fn model(&self) -> Model {
         self.model
     }
 
-    /// Reflection alone, in closed form.
+    /// The reflected amplitude alone, in closed form.
     #[must_use]
     pub fn reflection(&self) -> Polarised<ComplexLanes<V>> {
         self.recursion::<false, _>(&mut ()).reflection
     }
 
-    /// Reflection and transmission in closed form.
+    /// The reflected and the transmitted amplitude, in closed form.
     #[must_use]
     pub fn response(&self) -> Response<V> {
         self.recursion::<true, _>(&mut ())
     }
 
-    /// ρ_j = [r + ρ e² (1 − (1 + σ) r)] / (1 − σ r ρ e²), which for σ = −1 is the formula at the head of this module.
+    /// The recursion ρ_j = [r + ρ e² (1 − (1 + σ) r)] / (1 − σ r ρ e²). For σ = −1 it is the formula at the head of
+    /// [`crate::optics::stack`].
     #[inline]
     pub(crate) fn recursion<const TRANSMISSION: bool, O: Observer<V>>(&self, observer: &mut O) -> Response<V> {
-        // Every factor of the denominator lies between 1 − |r| and 2: this many keep far from single precision's limits.
+        // Each factor of the denominator lies between 1 − |r| and 2: eight of them stay within single precision's
+        // range.
         const RESCALE_EVERY: usize = 8;
         let sigma = self.reversal();
         let through = V::one() + sigma;
@@ -328,7 +332,7 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
         }
     }
 
-    /// Power that returns for amplitude `a`: |a|², in the paper's model |a|.
+    /// Reflected power for the reflected amplitude `a`: |a|², and |a| in the paper's model.
     #[must_use]
     #[inline]
     pub fn reflectance(&self, a: Polarised<ComplexLanes<V>>) -> Polarised<V> {
@@ -338,7 +342,7 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
         }
     }
 
-    /// Power that enters the substrate for amplitude `a` behind the last plane; 0 for a mirror.
+    /// Power that enters the substrate for the amplitude `a` behind the last plane; 0 for a mirror.
     #[must_use]
     pub fn transmittance(&self, a: Polarised<ComplexLanes<V>>) -> Polarised<V> {
         match (self.stack.substrate(), self.model) {
@@ -346,7 +350,7 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
             (_, Model::Paper) => a.map(ComplexLanes::norm),
             (Below::Medium(substrate), Model::Physical) => {
                 let ratio = self.admittance(substrate).zip(self.admittance(self.stack.ambient()), |below, above| {
-                    // Grazing light brings no power that could pass.
+                    // At grazing incidence no power arrives that could pass.
                     V::zero().select_lt(above.re, below.re / above.re, V::zero())
                 });
                 a.zip(ratio, |a, ratio| a.norm_sqr() * ratio)
