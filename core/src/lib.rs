@@ -8,12 +8,12 @@
 //!
 //! - Fields vary as exp(−iωt). A medium has the complex index η = n + ik; k ≥ 0 absorbs, k < 0 (gain) is refused.
 //! - Lengths and vacuum wavelengths are in nanometres, angles in radians.
-//! - The surface frame has z along the macroscopic normal (the paper's **n**), x along the tangent **t**, and y along the
-//!   binormal **b**. `wi` points towards the light, `wo` towards the viewer; both leave the surface.
-//! - k₀ = 2π/λ. A plane wave has the wavevector q in units of k₀, q·q = η², and the phase factor exp(i k₀ q·x). q may be
-//!   complex, in absorbing media and beyond total reflection.
-//! - s light has its electric field perpendicular to the plane of incidence. p light is followed by its magnetic field, so
-//!   that both obey one formula ([`optics::interface`]); powers do not depend on that choice.
+//! - The surface frame has z along the macroscopic normal (the paper's **n**), x along the tangent **t**, and y along
+//!   the binormal **b**. `wi` points towards the light, `wo` towards the viewer; both leave the surface.
+//! - k₀ = 2π/λ. A plane wave has the wavevector q in units of k₀, q·q = η², and the phase factor exp(i k₀ q·x). q may
+//!   be complex, in absorbing media and beyond total reflection.
+//! - s light has its electric field perpendicular to the plane of incidence. p light is followed by its magnetic field,
+//!   so that both obey one formula ([`optics::interface`]); powers do not depend on that choice.
 //!
 //! # Where to find what
 //!

@@ -19,7 +19,7 @@
 use core::f64::consts::TAU;
 
 use crate::optics::interface::Wave;
-use crate::optics::stack::{Observer, PreparedStack, Response};
+use crate::optics::stack::{Amplitudes, Observer, PreparedStack, Response};
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 
@@ -93,19 +93,13 @@ impl<V: Lanes> Amplification<V> {
 
 impl<V: Lanes> Observer<V> for Amplification<V> {
     #[inline]
-    fn last_plane(&mut self, r: Polarised<ComplexLanes<V>>) {
+    fn last_plane(&mut self, r: Amplitudes<V>) {
         self.size = r.map(|r| V::one() + r.norm_sqr());
         self.sum = self.size.map(|size| size * size);
     }
 
     #[inline]
-    fn plane(
-        &mut self,
-        r: Polarised<ComplexLanes<V>>,
-        e: ComplexLanes<V>,
-        n: Polarised<ComplexLanes<V>>,
-        d: Polarised<ComplexLanes<V>>,
-    ) {
+    fn plane(&mut self, r: Amplitudes<V>, e: ComplexLanes<V>, n: Amplitudes<V>, d: Amplitudes<V>) {
         let attenuation = e.norm_sqr();
         let (attenuation_squared, through) = (attenuation * attenuation, V::one() + self.reversal);
         let step = |r: ComplexLanes<V>, n: ComplexLanes<V>, d: ComplexLanes<V>, sum: &mut V, size: &mut V| {

@@ -280,37 +280,20 @@ impl F64Pair {
     }
 }
 
-impl Add for F64Pair {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, F64::add)
-    }
+/// Implements operators of [`F64Pair`] register by register.
+macro_rules! zip_registers {
+    ($($operator:ident $method:ident),*) => {$(
+        impl $operator for F64Pair {
+            type Output = Self;
+            #[inline]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, F64::$method)
+            }
+        }
+    )*};
 }
 
-impl Sub for F64Pair {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, F64::sub)
-    }
-}
-
-impl Mul for F64Pair {
-    type Output = Self;
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, F64::mul)
-    }
-}
-
-impl Div for F64Pair {
-    type Output = Self;
-    #[inline]
-    fn div(self, other: Self) -> Self {
-        self.zip(other, F64::div)
-    }
-}
+zip_registers!(Add add, Sub sub, Mul mul, Div div);
 
 impl Neg for F64Pair {
     type Output = Self;

@@ -13,7 +13,7 @@ mod prepared;
 
 use crate::optics::interface::{Below, Interface};
 use crate::optics::medium::MediumIndex;
-pub(crate) use prepared::Observer;
+pub(crate) use prepared::{Amplitudes, Observer};
 pub use prepared::{PreparedStack, PreparedStackArrays, PreparedStackMemory, Response, TooSmall};
 
 /// A layer of one medium.

@@ -76,34 +76,24 @@ pub struct Response<V> {
     pub transmission: Polarised<ComplexLanes<V>>,
 }
 
+/// A complex amplitude for each polarisation.
+pub(crate) type Amplitudes<V> = Polarised<ComplexLanes<V>>;
+
 /// An observer of the recursion, which runs upwards; `()` observes nothing.
 pub(crate) trait Observer<V: Lanes> {
     /// Receives r of the last plane, with which the recursion begins.
-    fn last_plane(&mut self, r: Polarised<ComplexLanes<V>>);
+    fn last_plane(&mut self, r: Amplitudes<V>);
     /// Receives r of the next plane above, e of the film below it, and ρ = n/d including that plane.
-    fn plane(
-        &mut self,
-        r: Polarised<ComplexLanes<V>>,
-        e: ComplexLanes<V>,
-        n: Polarised<ComplexLanes<V>>,
-        d: Polarised<ComplexLanes<V>>,
-    );
+    fn plane(&mut self, r: Amplitudes<V>, e: ComplexLanes<V>, n: Amplitudes<V>, d: Amplitudes<V>);
     /// Receives the factor by which n and d were multiplied.
     fn rescale(&mut self, scale: Polarised<V>);
 }
 
 impl<V: Lanes> Observer<V> for () {
     #[inline]
-    fn last_plane(&mut self, _: Polarised<ComplexLanes<V>>) {}
+    fn last_plane(&mut self, _: Amplitudes<V>) {}
     #[inline]
-    fn plane(
-        &mut self,
-        _: Polarised<ComplexLanes<V>>,
-        _: ComplexLanes<V>,
-        _: Polarised<ComplexLanes<V>>,
-        _: Polarised<ComplexLanes<V>>,
-    ) {
-    }
+    fn plane(&mut self, _: Amplitudes<V>, _: ComplexLanes<V>, _: Amplitudes<V>, _: Amplitudes<V>) {}
     #[inline]
     fn rescale(&mut self, _: Polarised<V>) {}
 }
@@ -206,7 +196,7 @@ impl<'m, V: Lanes> PreparedStack<'m, V> {
 
     /// The reflection coefficient r of boundary `j` for a wave from above.
     #[inline]
-    pub(crate) fn reflection_at(&self, j: usize) -> Polarised<ComplexLanes<V>> {
+    pub(crate) fn reflection_at(&self, j: usize) -> Amplitudes<V> {
         let interface = self.stack.boundaries.get(j).map_or(0, |boundary| boundary.interface as usize);
         self.reflections.get(interface).copied().unwrap_or_else(|| Polarised::both(ComplexLanes::zero()))
     }
