@@ -1,4 +1,4 @@
-//! Facets, the plane pieces of a micro-surface, and the reasons for which a cell of facets is refused.
+//! Facets, the plane pieces of a micro-surface, and the errors for which a cell of facets is refused.
 
 use glam::DVec3;
 
@@ -23,7 +23,7 @@ impl Facet {
     }
 }
 
-/// A reason for which a cell is refused.
+/// An error in a cell, for which it is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CellError {
     /// The cell has no facets, or a mesh names no facet for some of its triangles.

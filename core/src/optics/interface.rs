@@ -53,8 +53,8 @@ impl Model {
 /// A plane wave of given tangential wavevector in a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave<V: Lanes> {
-    /// q_n, the component of the wavevector along the normal in units of k₀: Re q_n ≥ 0 where the wave travels, Im q_n
-    /// ≥ 0 where it decays; both where q_t is real ([`ComplexLanes::sqrt_outgoing`]).
+    /// The component q_n of the wavevector along the normal, in units of k₀. Where the wave travels, Re q_n ≥ 0; where
+    /// it decays, Im q_n ≥ 0; where q_t is real, both ([`ComplexLanes::sqrt_outgoing`]).
     pub normal: ComplexLanes<V::Precise>,
     /// The admittance κ of each polarisation.
     pub admittance: Polarised<ComplexLanes<V>>,

@@ -32,6 +32,7 @@ pub(crate) struct OrderedKeys(wide::u32x8);
 impl OrderedKeys {
     /// Keys of no numbers.
     pub(crate) const MAX: Self = Self(wide::u32x8::MAX);
+    /// Bits of a key that hold its lane.
     const LANE: u32 = 7;
 
     /// Keys of the numbers in the lanes that the mask `valid` selects.

@@ -10,8 +10,8 @@ use core::f64::consts::TAU;
 
 /// Error bound of the real and of the imaginary part of [`cis`], in unit roundoffs.
 ///
-/// Terms: the truncated series stays below 0.5, the rounded argument adds π/4 · 1.5, the last steps of Horner's scheme
-/// 2.
+/// Terms: the truncated series stays below 0.5, the rounded argument adds π/4 · 1.5, and the last steps of Horner's
+/// scheme add 2. Together they make 3.7, held by 4.
 pub const CIS_ERROR: f64 = 4.0;
 
 /// Coefficients of the cosine's series: 1/k! with alternating signs, k = 2, 4, … On |y| ≤ π/4 the first omitted term is

@@ -4,7 +4,7 @@ use super::leaf::{TERMS, WINDOW};
 use super::node::{Frame, MIN_CHILDREN, Node};
 use glam::DVec3;
 
-/// A reason for which a mesh is refused.
+/// An error in a mesh, for which it is refused, or too little memory for its hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BvhError {
     /// The mesh has no triangles.

@@ -74,7 +74,7 @@ pub enum Extrapolate {
     Clamp,
 }
 
-/// A reason for which a medium is refused, or cannot be evaluated.
+/// An error in a medium, for which it is refused, or in its evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MediumError {
     /// A number is NaN or infinite, or no value of a table is known.

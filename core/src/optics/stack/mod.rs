@@ -75,7 +75,7 @@ impl<const N: usize> Default for StackArrays<N> {
     }
 }
 
-/// A reason for which a stack is refused.
+/// An error in a stack, for which it is refused, or too little memory for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StackError {
     /// The stack has more planes than the memory holds.
