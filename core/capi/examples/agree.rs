@@ -1,5 +1,5 @@
-//! Prints what `tests/agree.c` prints, computed through the Rust interface, after writing the table blobs that it reads into
-//! the folder named on the command line.
+//! Prints what `tests/agree.c` prints, computed through the Rust interface. First it writes the table blobs that the C
+//! program reads, into the folder named on the command line.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ use goniochrome::trace::sobol::sobol;
 use goniochrome::trace::waves::Limits;
 use num_complex::Complex64;
 
-/// As `%a` of C prints it.
+/// Prints a number as `%a` of C does.
 fn print(what: &str, x: f64) {
     let bits = x.to_bits();
     let sign = if x.is_sign_negative() { "-" } else { "" };
@@ -59,8 +59,8 @@ fn films() {
             let mut eta = [ComplexLanes::zero(); 3];
             let lanes = MediaLanes::<F64>::evaluate(&media, nm, &mut eta).unwrap();
             let mut memory = PreparedStackArrays::<F64, 4>::new();
-            let optics = PreparedStack::new(stack, &lanes, incidence, Model::Physical, memory.memory());
-            let r = optics.reflectance(optics.reflection());
+            let prepared = PreparedStack::new(stack, &lanes, incidence, Model::Physical, memory.memory());
+            let r = prepared.reflectance(prepared.reflection());
             found.extend((0..nm.len()).map(|lane| [Lanes::lane(r.s, lane), Lanes::lane(r.p, lane)]));
         }
         found
@@ -127,7 +127,7 @@ fn ridge(interference: bool) {
     let lanes = MediaLanes::<F32>::evaluate(&media, &NM, &mut eta).unwrap();
     let wi = DVec3::new(0.6, 0.0, 0.8).normalize_or_zero();
     let incident = IncidentWave::new(wi, lanes.eta()[0]);
-    let (mut polygons, mut geometric) =
+    let (mut coherent, mut incoherent) =
         (CoherentMesh::new(cell, lanes, incident), IncoherentMesh::new(cell, lanes, incident));
     let mut memory = vec![ExitRecord::<F32>::none(); 128];
     let mut exits = ExitBuffer::new(&mut memory, GRID, &lanes);
@@ -137,22 +137,22 @@ fn ridge(interference: bool) {
     let mut truncated = F32::zero();
     for ray in 0..RAYS {
         let [u, v] = sobol(ray, SEED);
-        let (path, light) = geometric.start(u, v).expect("the ridge has no holes");
+        let (path, light) = incoherent.start(u, v).expect("the ridge has no holes");
         exits.begin(path.at().point_nm);
         let mut random = Random::new(ray, SEED);
-        let done = if interference {
-            let (state, field) = polygons.start_at(path.at());
-            let spill = IncoherentFallback::new(&mut geometric, &mut waiting, paths, &mut random);
+        let trace = if interference {
+            let (state, field) = coherent.start_at(path.at());
+            let fallback = IncoherentFallback::new(&mut incoherent, &mut waiting, paths, &mut random);
             let limits = Limits { in_flight: 1e-13, generations: 10_000 };
-            trace_with_fallback(&mut polygons, state, field, &mut waves, limits, spill, &mut exits)
+            trace_with_fallback(&mut coherent, state, field, &mut waves, limits, fallback, &mut exits)
         } else {
-            follow_paths(&mut geometric, path, light, &mut waiting, paths, &mut random, &mut exits)
+            follow_paths(&mut incoherent, path, light, &mut waiting, paths, &mut random, &mut exits)
         };
-        truncated += done.truncated + exits.flush(&mut tally);
+        truncated += trace.truncated + exits.flush(&mut tally);
     }
-    truncated += polygons.lost() + geometric.lost();
-    let absorbed = polygons.absorbed();
-    let absorbed = (absorbed.s + absorbed.p) * F32::splat(0.5) + geometric.absorbed();
+    truncated += coherent.lost() + incoherent.lost();
+    let absorbed = coherent.absorbed();
+    let absorbed = (absorbed.s + absorbed.p) * F32::splat(0.5) + incoherent.absorbed();
     let per_ray = 1.0 / f64::from(RAYS);
     for lane in 0..NM.len() {
         print("reflected", tally.reflected[lane] * per_ray);

@@ -1,8 +1,9 @@
-/* C interface of goniochrome. Made by cbindgen from core/capi; tests/run there makes it anew.
+/* C interface of goniochrome. cbindgen generates this file from core/capi; tests/run there checks that it is up to date.
  *
  * Objects live in memory of the caller and need no destruction. Every call is re-entrant: it keeps no state, allocates
- * nothing, and uses the caller's stack. Results are written only after GONIO_STATUS_OK. Pointers may be NULL or misaligned, and
- * are answered with a status. Lengths are in nanometres; z is the surface's normal; directions leave the surface.
+ * nothing, and uses the caller's stack. Results are written only if the status is GONIO_STATUS_OK. Pointers may be NULL or
+ * misaligned: calls return a status for those. Lengths are in nanometres; z is the surface's normal; directions leave the
+ * surface.
  */
 
 #ifndef GONIOCHROME_H
@@ -12,97 +13,97 @@
 #include <stdint.h>
 
 /*
- Bytes of a gonio_cell.
- */
-#define GONIO_CELL_SIZE (8 * 384)
-
-/*
- Alignment of a gonio_cell.
- */
-#define GONIO_CELL_ALIGN 8
-
-/*
- Bytes of a gonio_colour.
- */
-#define GONIO_COLOUR_SIZE (8 * 384)
-
-/*
- Alignment of a gonio_colour.
- */
-#define GONIO_COLOUR_ALIGN 8
-
-/*
- The light.
- */
-#define GONIO_ILLUMINANT_D65 0
-
-/*
- Light of equal energy at every wavelength.
- */
-#define GONIO_ILLUMINANT_E 1
-
-/*
- Linear sRGB, Rec. 709 primaries.
- */
-#define GONIO_SPACE_SRGB 1
-
-/*
- Linear Rec. 2020.
- */
-#define GONIO_SPACE_REC2020 2
-
-/*
- ACEScg.
- */
-#define GONIO_SPACE_ACESCG 3
-
-/*
- Most media of a stack or a cell.
+ Largest number of media of a stack or a cell.
  */
 #define GONIO_MAX_MEDIA 16
 
 /*
- Most layers of a stack.
+ Size of a gonio_colour in bytes.
+ */
+#define GONIO_COLOUR_SIZE (8 * 384)
+
+/*
+ Alignment of a gonio_colour in bytes.
+ */
+#define GONIO_COLOUR_ALIGN 8
+
+/*
+ Illuminant D65: daylight of 6504 K.
+ */
+#define GONIO_ILLUMINANT_D65 0
+
+/*
+ Illuminant E: equal energy at every wavelength.
+ */
+#define GONIO_ILLUMINANT_E 1
+
+/*
+ Colour space linear sRGB: Rec. 709 primaries.
+ */
+#define GONIO_SPACE_SRGB 1
+
+/*
+ Colour space linear Rec. 2020.
+ */
+#define GONIO_SPACE_REC2020 2
+
+/*
+ Colour space ACEScg.
+ */
+#define GONIO_SPACE_ACESCG 3
+
+/*
+ Largest number of layers of a stack.
  */
 #define GONIO_MAX_LAYERS 31
 
 /*
- The index of a perfect mirror, in place of a medium below an interface.
+ Index that stands for a perfect mirror instead of the medium below an interface.
  */
 #define GONIO_MIRROR 65535
 
 /*
- Bytes of a gonio_stack.
+ Size of a gonio_stack in bytes.
  */
 #define GONIO_STACK_SIZE (8 * 384)
 
 /*
- Alignment of a gonio_stack.
+ Alignment of a gonio_stack in bytes.
  */
 #define GONIO_STACK_ALIGN 8
 
 /*
- Bytes of a gonio_table.
+ Size of a gonio_cell in bytes.
+ */
+#define GONIO_CELL_SIZE (8 * 384)
+
+/*
+ Alignment of a gonio_cell in bytes.
+ */
+#define GONIO_CELL_ALIGN 8
+
+/*
+ Size of a gonio_table in bytes.
  */
 #define GONIO_TABLE_SIZE (8 * 32)
 
 /*
- Alignment of a gonio_table.
+ Alignment of a gonio_table in bytes.
  */
 #define GONIO_TABLE_ALIGN 8
 
 /*
- A mirror-like surface: one direction out for one in.
+ Kind of a table: a mirror-like surface, which reflects into one direction only.
  */
 #define GONIO_KIND_MIRROR 1
 
 /*
- A surface that reflects everywhere.
+ Kind of a table: a surface that reflects into every direction.
  */
 #define GONIO_KIND_SCATTER 2
 
 /*
- What a call answers; only after GONIO_STATUS_OK are its results written.
+ Status that a call returns. Results are written only if it is GONIO_STATUS_OK.
  */
 enum gonio_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -110,7 +111,7 @@ enum gonio_status
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /*
-     Done.
+     The call has succeeded.
      */
     GONIO_STATUS_OK = 0,
     /*
@@ -118,19 +119,19 @@ enum gonio_status
      */
     GONIO_STATUS_NULL_POINTER = 1,
     /*
-     A pointer is not aligned for what it points to.
+     A pointer is not aligned for its type.
      */
     GONIO_STATUS_MISALIGNED = 2,
     /*
-     The object has not been made, or its making failed.
+     The object has not been made, or making it has failed.
      */
     GONIO_STATUS_NOT_MADE = 3,
     /*
-     The memory handed over is too small.
+     The memory that was handed over is too small.
      */
     GONIO_STATUS_MEMORY = 4,
     /*
-     More elements than the object has room for, or than memory can hold.
+     There are more elements than the object has room for, or than memory can hold.
      */
     GONIO_STATUS_TOO_MANY = 5,
     /*
@@ -142,11 +143,12 @@ enum gonio_status
      */
     GONIO_STATUS_DIRECTION = 7,
     /*
-     No wavelengths, or one is not from 1e-3 to 1e9 nm.
+     There are no wavelengths, or one is not from 1e-3 to 1e9 nm.
      */
     GONIO_STATUS_WAVELENGTH = 8,
     /*
-     A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0 to 1e6).
+     A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0
+     to 1e6).
      */
     GONIO_STATUS_MEDIUM = 9,
     /*
@@ -154,7 +156,7 @@ enum gonio_status
      */
     GONIO_STATUS_NO_DATA = 10,
     /*
-     An index names a medium, an interface or a vertex that is not there.
+     An index refers to a medium, an interface or a vertex that does not exist.
      */
     GONIO_STATUS_INDEX = 11,
     /*
@@ -162,7 +164,7 @@ enum gonio_status
      */
     GONIO_STATUS_THICKNESS = 12,
     /*
-     The medium that the light comes from absorbs: its k is above 1e-3.
+     The medium that the light comes from absorbs too much: its k is above 1e-3.
      */
     GONIO_STATUS_AMBIENT = 13,
     /*
@@ -186,7 +188,7 @@ enum gonio_status
      */
     GONIO_STATUS_WRONG_KIND = 18,
     /*
-     The bytes do not begin as a table blob does.
+     The bytes do not begin with the magic of a table blob.
      */
     GONIO_STATUS_BLOB_MAGIC = 19,
     /*
@@ -194,7 +196,7 @@ enum gonio_status
      */
     GONIO_STATUS_BLOB_VERSION = 20,
     /*
-     The table blob is cut short, or followed by other bytes.
+     The table blob is truncated, or followed by other bytes.
      */
     GONIO_STATUS_BLOB_LENGTH = 21,
     /*
@@ -223,11 +225,62 @@ typedef int32_t gonio_status;
 #endif // __cplusplus
 
 /*
- Light, and how to follow it.
+ Conversion of spectra to RGB; made by gonio_colour_make. It may be moved, and shared between threads.
+ */
+typedef struct {
+    uint64_t opaque[384];
+} gonio_colour;
+
+/*
+ Planar stack; made by gonio_stack_make. It may be moved.
+ */
+typedef struct {
+    uint64_t opaque[384];
+} gonio_stack;
+
+/*
+ Complex refractive index n + ik of a medium by vacuum wavelength. The arrays must outlive the objects that are made from
+ it.
  */
 typedef struct {
     /*
-     The unit vector towards the light, z > 0.
+     Vacuum wavelengths in nanometres, strictly increasing. Not read, and may be NULL, if count is 1.
+     */
+    const double *wavelength_nm;
+    /*
+     n at each wavelength, from 1e-6 to 1e6; linear between them.
+     */
+    const double *n;
+    /*
+     k at each wavelength, from 0 to 1e6; linear between them. NULL for a medium that does not absorb.
+     */
+    const double *k;
+    /*
+     Number of wavelengths; 1 for a medium with the same n and k at every wavelength.
+     */
+    size_t count;
+} gonio_medium;
+
+/*
+ Layer of a stack.
+ */
+typedef struct {
+    /*
+     Thickness in nanometres, from 0 to 1e9.
+     */
+    double thickness_nm;
+    /*
+     Index of the layer's medium.
+     */
+    uint16_t medium;
+} gonio_layer;
+
+/*
+ Incident light, and settings of the tracer.
+ */
+typedef struct {
+    /*
+     Unit vector towards the light, z > 0.
      */
     double wi[3];
     /*
@@ -239,78 +292,56 @@ typedef struct {
      */
     size_t count;
     /*
-     Starting rays over the period.
+     Number of starting rays over the period, at least 1.
      */
     uint32_t rays;
     /*
-     Which sequence of starting points: results of different seeds are independent.
+     Seed of the sequence of starting points. Results of different seeds are independent.
      */
     uint32_t seed;
     /*
-     Bins in cos theta of reflected light, from 0 at the horizon; 1 to 1024.
+     Number of bins of reflected light in cos theta, counted from the horizon; 1 to 1024.
      */
     uint32_t bins_cos;
     /*
-     Bins in phi, from 0 at x; 1 to 1024.
+     Number of bins of reflected light in phi, counted from x; 1 to 1024.
      */
     uint32_t bins_phi;
     /*
-     1: paths of one starting ray that leave in one bin interfere; 0: every path adds as power.
+     Coherence. 1: paths of one starting ray that leave in one bin interfere; 0: every path adds as power.
      */
     uint32_t interference;
 } gonio_light;
 
 /*
- A periodic cell of polygons; made by gonio_cell_make. It may be moved, and shared between threads.
+ Periodic cell of polygons; made by gonio_cell_make. It may be moved, and shared between threads.
  */
 typedef struct {
     uint64_t opaque[384];
 } gonio_cell;
 
 /*
- The media that facets divide.
+ Media on the two sides of a facet.
  */
 typedef struct {
     /*
-     The medium on the side from which the triangles run counter-clockwise.
+     Index of the medium on the side from which the triangles run counter-clockwise.
      */
     uint16_t above;
     /*
-     The medium on the other side, or GONIO_MIRROR.
+     Index of the medium on the other side, or GONIO_MIRROR.
      */
     uint16_t below;
 } gonio_interface;
 
 /*
- n + ik of a medium against vacuum wavelength. The arrays must outlive what is made of them.
+ Mesh over one period, [0, period_x] × [0, period_y], z up, which repeats. It must be closed: light that falls through a
+ hole is lost and counts as truncated. Vertices that lie beside the border of the period by the rounding of single
+ precision are moved onto it.
  */
 typedef struct {
     /*
-     Vacuum wavelengths in nanometres, strictly increasing; not read, and may be NULL, if count is 1.
-     */
-    const double *wavelength_nm;
-    /*
-     n at each wavelength, linear between them; from 1e-6 to 1e6.
-     */
-    const double *n;
-    /*
-     k at each wavelength, from 0 to 1e6; NULL for a medium that does not absorb.
-     */
-    const double *k;
-    /*
-     Number of wavelengths; 1 for the same n and k at all of them.
-     */
-    size_t count;
-} gonio_medium;
-
-/*
- A mesh over one period, [0, period_x] × [0, period_y], z up; it repeats. It must be closed: light that finds a hole
- is lost, and counts as truncated. Vertices that lie beside the border of the period by the rounding of single
- precision count as on it.
- */
-typedef struct {
-    /*
-     Three coordinates for each vertex, in nanometres, from -1e9 to 1e9.
+     Three coordinates of each vertex, in nanometres, from -1e9 to 1e9.
      */
     const double *vertices_nm;
     /*
@@ -318,11 +349,11 @@ typedef struct {
      */
     size_t vertex_count;
     /*
-     Three vertices for each triangle.
+     Indices of the three vertices of each triangle.
      */
     const uint32_t *triangles;
     /*
-     The interface of each triangle.
+     Index of the interface of each triangle.
      */
     const uint16_t *interface_of;
     /*
@@ -330,7 +361,7 @@ typedef struct {
      */
     size_t triangle_count;
     /*
-     The interfaces.
+     Interfaces.
      */
     const gonio_interface *interfaces;
     /*
@@ -338,7 +369,7 @@ typedef struct {
      */
     size_t interface_count;
     /*
-     The media.
+     Media.
      */
     const gonio_medium *media;
     /*
@@ -346,74 +377,46 @@ typedef struct {
      */
     size_t media_count;
     /*
-     The periods in x and y, in nanometres.
+     Periods in x and y, in nanometres.
      */
     double period_nm[2];
     /*
-     The medium that light comes from.
+     Index of the medium that light comes from.
      */
     uint16_t ambient;
 } gonio_mesh;
 
 /*
- Where the light went, as fractions of what came, unpolarised.
+ Distribution of the unpolarised incident power, as fractions of it.
  */
 typedef struct {
     /*
-     Through the top.
+     Power that leaves through the top.
      */
     double reflected;
     /*
-     Through the bottom.
+     Power that leaves through the bottom.
      */
     double transmitted;
     /*
-     By media.
+     Power that media absorb.
      */
     double absorbed;
     /*
-     Of rays that were dropped or lost: the error bar.
+     Power of rays that were dropped or lost: the error bar.
      */
     double truncated;
 } gonio_power;
 
 /*
- How spectra become colours; made by gonio_colour_make. It may be moved, and shared between threads.
- */
-typedef struct {
-    uint64_t opaque[384];
-} gonio_colour;
-
-/*
- A planar stack; made by gonio_stack_make. It may be moved.
- */
-typedef struct {
-    uint64_t opaque[384];
-} gonio_stack;
-
-/*
- A layer.
- */
-typedef struct {
-    /*
-     Thickness in nanometres, from 0 to 1e9.
-     */
-    double thickness_nm;
-    /*
-     Which of the media.
-     */
-    uint16_t medium;
-} gonio_layer;
-
-/*
- A view of a table blob; made by gonio_table_view. It may be moved, and shared between threads.
+ View of a table blob; made by gonio_table_view. It may be moved, and shared between threads.
  */
 typedef struct {
     uint64_t opaque[32];
 } gonio_table;
 
 /*
- What a table holds.
+ Kind, channels and colour space of a table.
  */
 typedef struct {
     /*
@@ -421,29 +424,29 @@ typedef struct {
      */
     uint32_t kind;
     /*
-     Channels; RGB is that of the first three.
+     Number of channels. The first three are red, green and blue.
      */
     uint32_t channels;
     /*
-     GONIO_SPACE_…; 0 if the blob does not say, 4 for the matrix that the paper prints.
+     Colour space: GONIO_SPACE_…; 0 if it is unknown, 4 for the matrix printed in the paper.
      */
     uint32_t space;
 } gonio_table_description;
 
 /*
- A direction that was drawn, and what light from it is worth.
+ Outgoing direction that was drawn, with its density and weight.
  */
 typedef struct {
     /*
-     The direction, a unit vector.
+     Direction, a unit vector.
      */
     float wo[3];
     /*
-     Its density per solid angle; 1 for a mirror-like surface, which has no other.
+     Density per solid angle. It is 1 for a mirror-like surface, which has no density.
      */
     float pdf;
     /*
-     BRDF times cos theta_o over the density, RGB; for a mirror-like surface its reflectance.
+     RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface.
      */
     float weight[3];
 } gonio_sample;
@@ -458,63 +461,31 @@ extern "C" {
 const char *gonio_version(void);
 
 /*
- The instruction set that the library was compiled for: "avx512", "avx2+fma", "avx", "sse2", "neon", "simd128" or "scalar".
+ Instruction set that the library was compiled for: "avx512", "avx2+fma", "avx", "sse2", "neon", "simd128" or
+ "scalar".
  */
 const char *gonio_simd_level(void);
 
 /*
- Bytes of memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if there are too many.
+ One line of English that describes a status. Any other number has a text too.
  */
-size_t gonio_cell_memory_size(size_t triangle_count, size_t interface_count);
+const char *gonio_status_text(int32_t status);
 
 /*
- Bytes of memory, at any alignment, that gonio_cell_trace needs for such light; 0 if there are too many wavelengths or bins.
+ Makes the conversion of spectra to RGB under `illuminant` (GONIO_ILLUMINANT_…) in `space` (GONIO_SPACE_…).
 
  # Safety
- A pointer that is neither NULL nor misaligned points to what its type says.
- */
-size_t gonio_trace_memory_size(const gonio_light *light);
-
-/*
- Makes a cell. It keeps pointers to the media's arrays and into `memory`, which has
- `memory_size` bytes, at least gonio_cell_memory_size: all must outlive the cell and must not change. Triangles of one
- interface in one plane are found by comparing each with each: this is for cells of up to some thousand triangles.
-
- # Safety
- Pointers that are neither NULL nor misaligned point to what their types and counts say.
- */
-gonio_status gonio_cell_make(gonio_cell *cell, const gonio_mesh *mesh, uint8_t *memory, size_t memory_size);
-
-/*
- Follows light through a cell. `power` holds one element for each wavelength; `bins`, unless it is NULL, the reflected power
- of each bin, rows in cos theta, for each wavelength. `memory` has `memory_size` bytes, at least gonio_trace_memory_size,
- for this call alone. 29 KiB of stack are used, 51 with AVX-512.
-
- # Safety
- Pointers that are neither NULL nor misaligned point to what their types and counts say.
- */
-gonio_status gonio_cell_trace(const gonio_cell *cell,
-                              const gonio_light *light,
-                              uint8_t *memory,
-                              size_t memory_size,
-                              gonio_power *power,
-                              double *bins);
-
-/*
- Prepares colours under `illuminant` (GONIO_ILLUMINANT_…) in `space` (GONIO_SPACE_…).
-
- # Safety
- A pointer that is neither NULL nor misaligned points to what its type says.
+ A pointer that is neither NULL nor misaligned points to an object of its type.
  */
 gonio_status gonio_colour_make(gonio_colour *colour, uint32_t illuminant, uint32_t space);
 
 /*
- Makes a stack: `layer_count` layers from the top, light from medium `ambient`, below the last layer medium
- `substrate` or GONIO_MIRROR. The layers are copied, the media's arrays are not.
+ Makes a stack of `layer_count` layers, listed from the top. Light comes from medium `ambient`; below the last layer lies
+ medium `substrate`, or GONIO_MIRROR. The layers are copied; the media's arrays are not.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types and counts say; the media's arrays outlive
- the stack.
+ Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say. The media's
+ arrays outlive the stack.
  */
 gonio_status gonio_stack_make(gonio_stack *stack,
                               const gonio_medium *media,
@@ -525,14 +496,14 @@ gonio_status gonio_stack_make(gonio_stack *stack,
                               uint16_t substrate);
 
 /*
- Reflectance of light that arrives at `cos_theta`, polarised s and p, at each of `count` wavelengths.
+ Computes the reflectance for s and p polarised light that arrives at `cos_theta`, at each of `count` wavelengths.
 
- cos_theta in (0, 1]; at 0 the limit: everything is reflected. NaN and all else: GONIO_STATUS_ANGLE. The differences
- from exact arithmetic are below 1e-6: it computes in double precision and rounds once. 20 KiB of stack are used, 35
- with AVX-512.
+ cos_theta is in [0, 1]; at 0 the result is the limit: everything is reflected. Any other value, and NaN, give
+ GONIO_STATUS_ANGLE. Results differ from exact arithmetic by less than 1e-6: computation is in double precision and is
+ rounded once. It uses 20 KiB of stack, 35 KiB with AVX-512.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types and counts say.
+ Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
  */
 gonio_status gonio_stack_reflectance(const gonio_stack *stack,
                                      double cos_theta,
@@ -542,73 +513,111 @@ gonio_status gonio_stack_reflectance(const gonio_stack *stack,
                                      float *reflectance_p);
 
 /*
- Linear RGB of the light that is reflected at `cos_theta`, unpolarised; components may be negative. Angles as for
- gonio_stack_reflectance.
+ Computes the linear RGB of unpolarised light that is reflected at `cos_theta`, in [0, 1]. Components may be negative.
 
- It sums 81 wavelengths, 5 nm apart: for films in air up to n d = 6 micrometres it is within 5e-4 of the integral.
- Thicker stacks and narrow filters have fringes between those wavelengths, which tint them; sum finer ones by
- gonio_stack_reflectance.
+ It sums over 81 wavelengths, 5 nm apart. For films in air up to n d = 6 micrometres the result is within 5e-4 of the
+ integral. Thicker stacks and narrow filters have fringes between those wavelengths, and would be tinted: compute their
+ reflectance at finer wavelengths by gonio_stack_reflectance and sum that.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types say; `rgb` to three floats.
+ Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
  */
 gonio_status gonio_stack_rgb(const gonio_stack *stack, const gonio_colour *colour, double cos_theta, float *rgb);
 
 /*
- One line of English for a status; for any other number too.
+ Computes the size in bytes of the memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if
+ there are too many.
  */
-const char *gonio_status_text(int32_t status);
+size_t gonio_cell_memory_size(size_t triangle_count, size_t interface_count);
 
 /*
- Checks a table blob of `size` bytes, at any alignment, and looks at it where it lies: the bytes must outlive the view and
- must not change. Takes time in proportion to the size.
+ Computes the size in bytes of the memory, at any alignment, that gonio_cell_trace needs for such light; 0 if there are
+ too many wavelengths or bins.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types say, and `bytes` to `size` bytes.
+ A pointer that is neither NULL nor misaligned points to an object of its type.
  */
-gonio_status gonio_table_view(gonio_table *table,
-                              const uint8_t *bytes,
-                              size_t size);
+size_t gonio_trace_memory_size(const gonio_light *light);
 
 /*
- What the table holds.
+ Makes a cell in `memory`, which has `memory_size` bytes, at least as many as gonio_cell_memory_size says. The cell keeps
+ pointers into `memory` and to the media's arrays: all must outlive the cell and must not change. Triangles of one
+ interface in one plane form one facet; they are found by comparing each with each, which suits cells of up to some
+ thousand triangles.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types say.
+ Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
+ */
+gonio_status gonio_cell_make(gonio_cell *cell,
+                             const gonio_mesh *mesh,
+                             uint8_t *memory,
+                             size_t memory_size);
+
+/*
+ Traces light through a cell. `power` receives one element for each wavelength. Unless it is NULL, `bins` receives, for
+ each wavelength, the reflected power of each bin, row by row in cos theta. `memory` has `memory_size` bytes, at least as
+ many as gonio_trace_memory_size says, and is used by this call alone. It uses 29 KiB of stack, 51 KiB with AVX-512.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
+ */
+gonio_status gonio_cell_trace(const gonio_cell *cell,
+                              const gonio_light *light,
+                              uint8_t *memory,
+                              size_t memory_size,
+                              gonio_power *power,
+                              double *bins);
+
+/*
+ Checks a table blob of `size` bytes, at any alignment, and makes a view of it. The bytes are not copied: they must
+ outlive the view and must not change. The time is proportional to the size.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types, and `bytes` to `size` bytes.
+ */
+gonio_status gonio_table_view(gonio_table *table, const uint8_t *bytes, size_t size);
+
+/*
+ Describes a table: its kind, channels and colour space.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
  */
 gonio_status gonio_table_describe(const gonio_table *table, gonio_table_description *description);
 
 /*
- Reflectance of a mirror-like surface at `cos_theta`, RGB. Beyond the table's largest angle it is held. NaN and what is
- outside [0, 1]: GONIO_STATUS_ANGLE.
+ Looks up the RGB reflectance of a mirror-like surface at `cos_theta`. It is constant beyond the table's largest angle.
+ NaN and cosines outside [0, 1] give GONIO_STATUS_ANGLE.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types say; `rgb` to three floats.
+ Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
  */
 gonio_status gonio_table_reflectance(const gonio_table *table, float cos_theta, float *rgb);
 
 /*
- The BRDF in 1/sr of a surface that reflects everywhere, RGB, without the cosine. Directions are unit vectors in the
- surface's frame, z its normal, both leaving the surface; 0 if either is below it.
+ Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are unit
+ vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is below it.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types say; `wi`, `wo` and `rgb` to three floats.
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.
  */
 gonio_status gonio_table_rgb(const gonio_table *table, const float *wi, const float *wo, float *rgb);
 
 /*
- The density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 below the surface.
+ Looks up the density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 if either is below the
+ surface.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types say; `wi` and `wo` to three floats.
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wi` and `wo` to three floats.
  */
 gonio_status gonio_table_pdf(const gonio_table *table, const float *wi, const float *wo, float *pdf);
 
 /*
- Draws a direction for `wi`, which must lie above the surface, from two numbers in [0, 1). Either kind of table.
+ Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes tables of
+ either kind.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to what their types say; `wi` to three floats, `u` to two.
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
  */
 gonio_status gonio_table_sample(const gonio_table *table, const float *wi, const float *u, gonio_sample *sample);
 

@@ -1,46 +1,48 @@
-//! Colour: the weights that turn a spectrum into RGB, made once.
+//! Colour: weights that turn a spectrum into RGB.
 
-use crate::memory::Made;
-use crate::status::{Status, answer};
+use crate::memory::Tagged;
+use crate::status::{Status, status_of};
 use goniochrome::colour::{Illuminant as CoreIlluminant, Quadrature, RgbSpace, xyz_weights};
 
-/// Wavelengths over which colours are summed: 380, 385, … 780 nm.
+/// Number of wavelengths over which colours are summed: 380, 385, … 780 nm.
 const SAMPLES: usize = 81;
-/// Bytes of a gonio_colour.
+/// Size of a gonio_colour in bytes.
 pub const GONIO_COLOUR_SIZE: usize = 8 * 384;
-/// Alignment of a gonio_colour.
+/// Alignment of a gonio_colour in bytes.
 pub const GONIO_COLOUR_ALIGN: usize = 8;
 
 const _: () = assert!(size_of::<Colour>() == GONIO_COLOUR_SIZE && align_of::<Colour>() == GONIO_COLOUR_ALIGN);
 
-/// How spectra become colours; made by gonio_colour_make. It may be moved, and shared between threads.
+/// Conversion of spectra to RGB; made by gonio_colour_make. It may be moved, and shared between threads.
 #[repr(C)]
+#[derive(Debug)]
 pub struct Colour {
     opaque: [u64; 384],
 }
 
-/// The light.
+/// Illuminant D65: daylight of 6504 K.
 pub const GONIO_ILLUMINANT_D65: u32 = 0;
-/// Light of equal energy at every wavelength.
+/// Illuminant E: equal energy at every wavelength.
 pub const GONIO_ILLUMINANT_E: u32 = 1;
 
-/// Linear sRGB, Rec. 709 primaries.
+/// Colour space linear sRGB: Rec. 709 primaries.
 pub const GONIO_SPACE_SRGB: u32 = 1;
-/// Linear Rec. 2020.
+/// Colour space linear Rec. 2020.
 pub const GONIO_SPACE_REC2020: u32 = 2;
-/// ACEScg.
+/// Colour space ACEScg.
 pub const GONIO_SPACE_ACESCG: u32 = 3;
 
+/// Contents of a gonio_colour.
 pub(crate) struct ColourObject {
     wavelengths_nm: [f64; SAMPLES],
     weights: [[f64; 3]; SAMPLES],
     space: RgbSpace,
 }
 
-/// Prepares colours under `illuminant` (GONIO_ILLUMINANT_…) in `space` (GONIO_SPACE_…).
+/// Makes the conversion of spectra to RGB under `illuminant` (GONIO_ILLUMINANT_…) in `space` (GONIO_SPACE_…).
 ///
 /// # Safety
-/// A pointer that is neither NULL nor misaligned points to what its type says.
+/// A pointer that is neither NULL nor misaligned points to an object of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_colour_make(colour: *mut Colour, illuminant: u32, space: u32) -> Status {
     let object = || {
@@ -62,7 +64,7 @@ pub unsafe extern "C" fn gonio_colour_make(colour: *mut Colour, illuminant: u32,
         Ok(ColourObject { wavelengths_nm, weights, space })
     };
     // SAFETY: the caller's promise.
-    answer(|| unsafe { Made::make(colour, object) })
+    status_of(|| unsafe { Tagged::write(colour, object) })
 }
 
 impl ColourObject {
@@ -70,21 +72,21 @@ impl ColourObject {
         &self.wavelengths_nm
     }
 
-    pub fn sum(&self) -> Sum<'_> {
-        Sum { colour: self, xyz: [0.0; 3] }
+    pub fn sum(&self) -> ColourSum<'_> {
+        ColourSum { colour: self, xyz: [0.0; 3] }
     }
 }
 
-/// A colour in the making.
-pub(crate) struct Sum<'c> {
+/// Sum over the wavelengths of a reflectance spectrum.
+pub(crate) struct ColourSum<'c> {
     colour: &'c ColourObject,
     xyz: [f64; 3],
 }
 
-impl Sum<'_> {
-    /// Adds the reflectance at a wavelength.
-    pub fn add(&mut self, place: usize, reflectance: f64) {
-        let weights = self.colour.weights.get(place).copied().unwrap_or_default();
+impl ColourSum<'_> {
+    /// Adds the reflectance at the wavelength of an index.
+    pub fn add(&mut self, index: usize, reflectance: f64) {
+        let weights = self.colour.weights.get(index).copied().unwrap_or_default();
         for (sum, weight) in self.xyz.iter_mut().zip(weights) {
             *sum += weight * reflectance;
         }

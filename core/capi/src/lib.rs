@@ -1,18 +1,18 @@
-//! C interface of goniochrome: `include/goniochrome.h` is made from this crate by cbindgen.
+//! C interface of goniochrome. cbindgen generates `include/goniochrome.h` from this crate.
 //!
-//! Every function checks its pointers, then calls the core; all unsafe code of the project is in [`memory`], in the
-//! functions that C calls, and in [`cell`], which lays out the caller's memory. Nothing here keeps state, allocates, or
-//! can panic: the library that `tests/run` builds has no panic in it.
+//! Every function checks its pointers and then calls the core. All unsafe code of the project is in [`memory`], in the
+//! functions that C calls, and in [`cell`], which divides the caller's memory. Nothing here keeps state, allocates or
+//! panics: `tests/run` checks that the library contains no panic.
 //!
-//! Without unwinding it is `no_std`. The workspace's development profiles unwind, which takes `std`.
+//! The crate is `no_std` where panics abort. The workspace's development profiles unwind, which requires `std`.
 #![cfg_attr(panic = "abort", no_std)]
 
-pub mod cell;
-pub mod colour;
-pub mod media;
-mod memory;
-pub mod stack;
 pub mod status;
+mod memory;
+pub mod media;
+pub mod colour;
+pub mod stack;
+pub mod cell;
 pub mod table;
 
 use core::ffi::{CStr, c_char};
@@ -24,7 +24,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     loop {}
 }
 
-/// A text with the zero that C ends it with.
+/// Copies a text into `N` bytes, with the NUL that ends it in C.
 const fn c_text<const N: usize>(text: &str) -> [u8; N] {
     let mut bytes = [0; N];
     let (head, _) = bytes.split_at_mut(text.len());
@@ -39,7 +39,8 @@ pub extern "C" fn gonio_version() -> *const c_char {
     VERSION.as_ptr().cast()
 }
 
-/// The instruction set that the library was compiled for: "avx512", "avx2+fma", "avx", "sse2", "neon", "simd128" or "scalar".
+/// Instruction set that the library was compiled for: "avx512", "avx2+fma", "avx", "sse2", "neon", "simd128" or
+/// "scalar".
 #[unsafe(no_mangle)]
 pub extern "C" fn gonio_simd_level() -> *const c_char {
     static LEVEL: [u8; 16] = c_text(simd_level());

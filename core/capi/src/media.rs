@@ -1,44 +1,46 @@
-//! Media as C describes them.
+//! Media: their description in C, and checks.
 
 use crate::memory::list;
 use crate::status::Status;
 use goniochrome::optics::medium::{Dispersion, Extrapolate, Medium as CoreMedium};
 
-/// Most media of a stack or a cell.
+/// Largest number of media of a stack or a cell.
 pub const GONIO_MAX_MEDIA: usize = 16;
 
-/// Most n and k, and least n in its inverse: as on the command line. Squares of squares stay within single precision.
+/// Largest n and k; its inverse is the smallest n. The command line has the same bounds. Fourth powers stay within single
+/// precision.
 const MAX_INDEX: f64 = 1e6;
-/// Most of a length, and of a wavelength, in nanometres: a metre.
+/// Largest length and wavelength in nanometres: a metre.
 pub(crate) const MAX_NM: f64 = 1e9;
-/// Least wavelength in nanometres.
+/// Smallest wavelength in nanometres.
 const MIN_NM: f64 = 1e-3;
 
-/// n + ik of a medium against vacuum wavelength. The arrays must outlive what is made of them.
+/// Complex refractive index n + ik of a medium by vacuum wavelength. The arrays must outlive the objects that are made from
+/// it.
 #[repr(C)]
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Medium {
-    /// Vacuum wavelengths in nanometres, strictly increasing; not read, and may be NULL, if count is 1.
+    /// Vacuum wavelengths in nanometres, strictly increasing. Not read, and may be NULL, if count is 1.
     pub wavelength_nm: *const f64,
-    /// n at each wavelength, linear between them; from 1e-6 to 1e6.
+    /// n at each wavelength, from 1e-6 to 1e6; linear between them.
     pub n: *const f64,
-    /// k at each wavelength, from 0 to 1e6; NULL for a medium that does not absorb.
+    /// k at each wavelength, from 0 to 1e6; linear between them. NULL for a medium that does not absorb.
     pub k: *const f64,
-    /// Number of wavelengths; 1 for the same n and k at all of them.
+    /// Number of wavelengths; 1 for a medium with the same n and k at every wavelength.
     pub count: usize,
 }
 
-/// The media of an object, checked.
+/// Checked media of a stack or a cell.
 pub(crate) struct Media {
     media: [CoreMedium<'static>; GONIO_MAX_MEDIA],
     count: usize,
 }
 
 impl Media {
-    /// Checks media.
+    /// Checks media that C describes.
     ///
     /// # Safety
-    /// The pointers are NULL, misaligned, or point to as many elements as stated, which outlive the result.
+    /// Pointers that are neither NULL nor misaligned point to as many elements as stated, which outlive the result.
     pub unsafe fn new(media: *const Medium, count: usize) -> Result<Self, Status> {
         if count > GONIO_MAX_MEDIA {
             return Err(Status::TooMany);
@@ -57,12 +59,13 @@ impl Media {
         self.media.get(..self.count).unwrap_or(&self.media)
     }
 
-    /// The index of a medium that is there.
+    /// Refuses an index of a medium that does not exist.
     pub fn index(&self, medium: u16) -> Result<u16, Status> {
         if usize::from(medium) < self.count { Ok(medium) } else { Err(Status::Index) }
     }
 
-    /// Refuses wavelengths at which a medium cannot be evaluated, or the one that light comes from absorbs too much.
+    /// Refuses wavelengths that are out of range, at which a medium has no data, or at which the ambient medium absorbs too
+    /// much.
     pub fn check(&self, wavelengths_nm: &[f64], ambient: u16) -> Result<(), Status> {
         if wavelengths_nm.is_empty() || !wavelengths_nm.iter().all(|nm| (MIN_NM..=MAX_NM).contains(nm)) {
             return Err(Status::Wavelength);
@@ -76,8 +79,10 @@ impl Media {
     }
 }
 
+/// Checks one medium.
+///
 /// # Safety
-/// That of [`Media::new`].
+/// Pointers that are neither NULL nor misaligned point to `medium.count` elements, which outlive the result.
 unsafe fn checked_medium(medium: &Medium) -> Result<CoreMedium<'static>, Status> {
     if medium.count == 0 {
         return Err(Status::Medium);
@@ -90,7 +95,7 @@ unsafe fn checked_medium(medium: &Medium) -> Result<CoreMedium<'static>, Status>
             _ => Dispersion::Table { wavelength_nm: column(medium.wavelength_nm)?, value },
         })
     };
-    let within = |values: &'static [f64], least: f64| match values.iter().all(|x| (least..=MAX_INDEX).contains(x)) {
+    let within = |values: &'static [f64], min: f64| match values.iter().all(|x| (min..=MAX_INDEX).contains(x)) {
         true => Ok(values),
         false => Err(Status::Medium),
     };

@@ -1,4 +1,4 @@
-//! What a call answers.
+//! Status of a call.
 
 use core::ffi::{CStr, c_char};
 use goniochrome::geometry::bvh::BvhError;
@@ -7,37 +7,38 @@ use goniochrome::optics::medium::MediumError;
 use goniochrome::optics::stack::StackError;
 use goniochrome::table::blob::BlobError;
 
-/// What a call answers; only after GONIO_STATUS_OK are its results written.
+/// Status that a call returns. Results are written only if it is GONIO_STATUS_OK.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Done.
+    /// The call has succeeded.
     Ok = 0,
     /// A pointer is NULL.
     NullPointer = 1,
-    /// A pointer is not aligned for what it points to.
+    /// A pointer is not aligned for its type.
     Misaligned = 2,
-    /// The object has not been made, or its making failed.
+    /// The object has not been made, or making it has failed.
     NotMade = 3,
-    /// The memory handed over is too small.
+    /// The memory that was handed over is too small.
     Memory = 4,
-    /// More elements than the object has room for, or than memory can hold.
+    /// There are more elements than the object has room for, or than memory can hold.
     TooMany = 5,
     /// cos theta is not in [0, 1].
     Angle = 6,
     /// A direction is not finite, is zero, or points below the surface where it must not.
     Direction = 7,
-    /// No wavelengths, or one is not from 1e-3 to 1e9 nm.
+    /// There are no wavelengths, or one is not from 1e-3 to 1e9 nm.
     Wavelength = 8,
-    /// A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0 to 1e6).
+    /// A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0
+    /// to 1e6).
     Medium = 9,
     /// A medium has no data at a wavelength.
     NoData = 10,
-    /// An index names a medium, an interface or a vertex that is not there.
+    /// An index refers to a medium, an interface or a vertex that does not exist.
     Index = 11,
     /// A thickness is not from 0 to 1e9 nm.
     Thickness = 12,
-    /// The medium that the light comes from absorbs: its k is above 1e-3.
+    /// The medium that the light comes from absorbs too much: its k is above 1e-3.
     Ambient = 13,
     /// The mesh is empty, not finite or beyond 1e9 nm, or a triangle has no area.
     Mesh = 14,
@@ -49,11 +50,11 @@ pub enum Status {
     Diverged = 17,
     /// The table is of the other kind.
     WrongKind = 18,
-    /// The bytes do not begin as a table blob does.
+    /// The bytes do not begin with the magic of a table blob.
     BlobMagic = 19,
     /// The table blob is of a later version.
     BlobVersion = 20,
-    /// The table blob is cut short, or followed by other bytes.
+    /// The table blob is truncated, or followed by other bytes.
     BlobLength = 21,
     /// The table blob is damaged: its checksum differs.
     BlobChecksum = 22,
@@ -66,6 +67,7 @@ pub enum Status {
 }
 
 impl Status {
+    /// Texts of the statuses, by their numbers.
     const TEXT: [&'static CStr; 26] = [
         c"done",
         c"a pointer is NULL",
@@ -96,15 +98,15 @@ impl Status {
     ];
 }
 
-/// One line of English for a status; for any other number too.
+/// One line of English that describes a status. Any other number has a text too.
 #[unsafe(no_mangle)]
 pub extern "C" fn gonio_status_text(status: i32) -> *const c_char {
-    let known = usize::try_from(status).ok().and_then(|place| Status::TEXT.get(place).copied());
+    let known = usize::try_from(status).ok().and_then(|index| Status::TEXT.get(index).copied());
     known.unwrap_or(c"no status of this library").as_ptr()
 }
 
-/// The status of a body that may end early.
-pub(crate) fn answer(body: impl FnOnce() -> Result<(), Status>) -> Status {
+/// Status of a call whose body may return early with another status than OK.
+pub(crate) fn status_of(body: impl FnOnce() -> Result<(), Status>) -> Status {
     body().err().unwrap_or(Status::Ok)
 }
 

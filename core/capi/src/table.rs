@@ -1,58 +1,59 @@
-//! Tables at run time: a checked view of a table blob, looked up where it lies.
+//! Tables at run time: checked views of table blobs, which borrow the bytes.
 
-use crate::memory::{Made, Results, list, shared};
-use crate::status::{Status, answer};
+use crate::memory::{Results, Tagged, list, shared};
+use crate::status::{Status, status_of};
 use core::f32::consts::FRAC_PI_2;
 use glam::Vec3;
 use goniochrome::table::blob::{Blob, Contents, space_number};
 
-/// Bytes of a gonio_table.
+/// Size of a gonio_table in bytes.
 pub const GONIO_TABLE_SIZE: usize = 8 * 32;
-/// Alignment of a gonio_table.
+/// Alignment of a gonio_table in bytes.
 pub const GONIO_TABLE_ALIGN: usize = 8;
 
 const _: () = assert!(size_of::<Table>() == GONIO_TABLE_SIZE && align_of::<Table>() == GONIO_TABLE_ALIGN);
 
-/// A view of a table blob; made by gonio_table_view. It may be moved, and shared between threads.
+/// View of a table blob; made by gonio_table_view. It may be moved, and shared between threads.
 #[repr(C)]
+#[derive(Debug)]
 pub struct Table {
     opaque: [u64; 32],
 }
 
-/// A mirror-like surface: one direction out for one in.
+/// Kind of a table: a mirror-like surface, which reflects into one direction only.
 pub const GONIO_KIND_MIRROR: u32 = 1;
-/// A surface that reflects everywhere.
+/// Kind of a table: a surface that reflects into every direction.
 pub const GONIO_KIND_SCATTER: u32 = 2;
 
-/// What a table holds.
+/// Kind, channels and colour space of a table.
 #[repr(C)]
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct TableDescription {
     /// GONIO_KIND_MIRROR or GONIO_KIND_SCATTER.
     pub kind: u32,
-    /// Channels; RGB is that of the first three.
+    /// Number of channels. The first three are red, green and blue.
     pub channels: u32,
-    /// GONIO_SPACE_…; 0 if the blob does not say, 4 for the matrix that the paper prints.
+    /// Colour space: GONIO_SPACE_…; 0 if it is unknown, 4 for the matrix printed in the paper.
     pub space: u32,
 }
 
-/// A direction that was drawn, and what light from it is worth.
+/// Outgoing direction that was drawn, with its density and weight.
 #[repr(C)]
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// The direction, a unit vector.
+    /// Direction, a unit vector.
     pub wo: [f32; 3],
-    /// Its density per solid angle; 1 for a mirror-like surface, which has no other.
+    /// Density per solid angle. It is 1 for a mirror-like surface, which has no density.
     pub pdf: f32,
-    /// BRDF times cos theta_o over the density, RGB; for a mirror-like surface its reflectance.
+    /// RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface.
     pub weight: [f32; 3],
 }
 
-/// Checks a table blob of `size` bytes, at any alignment, and looks at it where it lies: the bytes must outlive the view and
-/// must not change. Takes time in proportion to the size.
+/// Checks a table blob of `size` bytes, at any alignment, and makes a view of it. The bytes are not copied: they must
+/// outlive the view and must not change. The time is proportional to the size.
 ///
 /// # Safety
-/// Pointers that are neither NULL nor misaligned point to what their types say, and `bytes` to `size` bytes.
+/// Pointers that are neither NULL nor misaligned point to objects of their types, and `bytes` to `size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_table_view(table: *mut Table, bytes: *const u8, size: usize) -> Status {
     let object = || {
@@ -63,16 +64,16 @@ pub unsafe extern "C" fn gonio_table_view(table: *mut Table, bytes: *const u8, s
         Ok(Blob::read(unsafe { list(bytes, size) }?)?)
     };
     // SAFETY: the caller's promise.
-    answer(|| unsafe { Made::<Blob<'static>>::make(table, object) })
+    status_of(|| unsafe { Tagged::<Blob<'static>>::write(table, object) })
 }
 
-/// What the table holds.
+/// Describes a table: its kind, channels and colour space.
 ///
 /// # Safety
-/// Pointers that are neither NULL nor misaligned point to what their types say.
+/// Pointers that are neither NULL nor misaligned point to objects of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_table_describe(table: *const Table, description: *mut TableDescription) -> Status {
-    answer(|| {
+    status_of(|| {
         // SAFETY: the caller's promises.
         let (blob, description) = unsafe { (view(table)?, Results::new(description, 1)?) };
         let (kind, channels) = match &blob.contents {
@@ -85,14 +86,14 @@ pub unsafe extern "C" fn gonio_table_describe(table: *const Table, description: 
     })
 }
 
-/// Reflectance of a mirror-like surface at `cos_theta`, RGB. Beyond the table's largest angle it is held. NaN and what is
-/// outside [0, 1]: GONIO_STATUS_ANGLE.
+/// Looks up the RGB reflectance of a mirror-like surface at `cos_theta`. It is constant beyond the table's largest angle.
+/// NaN and cosines outside [0, 1] give GONIO_STATUS_ANGLE.
 ///
 /// # Safety
-/// Pointers that are neither NULL nor misaligned point to what their types say; `rgb` to three floats.
+/// Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_table_reflectance(table: *const Table, cos_theta: f32, rgb: *mut f32) -> Status {
-    answer(|| {
+    status_of(|| {
         // SAFETY: the caller's promises.
         let (blob, rgb) = unsafe { (view(table)?, Results::new(rgb, 3)?) };
         if !(0.0..=1.0).contains(&cos_theta) {
@@ -104,14 +105,14 @@ pub unsafe extern "C" fn gonio_table_reflectance(table: *const Table, cos_theta:
     })
 }
 
-/// The BRDF in 1/sr of a surface that reflects everywhere, RGB, without the cosine. Directions are unit vectors in the
-/// surface's frame, z its normal, both leaving the surface; 0 if either is below it.
+/// Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are unit
+/// vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is below it.
 ///
 /// # Safety
-/// Pointers that are neither NULL nor misaligned point to what their types say; `wi`, `wo` and `rgb` to three floats.
+/// Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_table_rgb(table: *const Table, wi: *const f32, wo: *const f32, rgb: *mut f32) -> Status {
-    answer(|| {
+    status_of(|| {
         // SAFETY: the caller's promises.
         let (blob, wi, wo, rgb) = unsafe { (view(table)?, direction(wi)?, direction(wo)?, Results::new(rgb, 3)?) };
         let Contents::Scatter(table, _) = &blob.contents else { return Err(Status::WrongKind) };
@@ -120,13 +121,14 @@ pub unsafe extern "C" fn gonio_table_rgb(table: *const Table, wi: *const f32, wo
     })
 }
 
-/// The density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 below the surface.
+/// Looks up the density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 if either is below the
+/// surface.
 ///
 /// # Safety
-/// Pointers that are neither NULL nor misaligned point to what their types say; `wi` and `wo` to three floats.
+/// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` and `wo` to three floats.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_table_pdf(table: *const Table, wi: *const f32, wo: *const f32, pdf: *mut f32) -> Status {
-    answer(|| {
+    status_of(|| {
         // SAFETY: the caller's promises.
         let (blob, wi, wo, pdf) = unsafe { (view(table)?, direction(wi)?, direction(wo)?, Results::new(pdf, 1)?) };
         let Contents::Scatter(_, sampler) = &blob.contents else { return Err(Status::WrongKind) };
@@ -135,10 +137,11 @@ pub unsafe extern "C" fn gonio_table_pdf(table: *const Table, wi: *const f32, wo
     })
 }
 
-/// Draws a direction for `wi`, which must lie above the surface, from two numbers in [0, 1). Either kind of table.
+/// Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes tables of
+/// either kind.
 ///
 /// # Safety
-/// Pointers that are neither NULL nor misaligned point to what their types say; `wi` to three floats, `u` to two.
+/// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_table_sample(
     table: *const Table,
@@ -146,7 +149,7 @@ pub unsafe extern "C" fn gonio_table_sample(
     u: *const f32,
     sample: *mut Sample,
 ) -> Status {
-    answer(|| {
+    status_of(|| {
         // SAFETY: the caller's promises.
         let (blob, wi, u, sample) =
             unsafe { (view(table)?, direction(wi)?, *shared(u.cast::<[f32; 2]>())?, Results::new(sample, 1)?) };
@@ -160,7 +163,7 @@ pub unsafe extern "C" fn gonio_table_sample(
             Contents::Mirror(table) => (Vec3::new(-wi.x, -wi.y, wi.z), 1.0, table.rgb(angle(wi.z.min(1.0)))),
             Contents::Scatter(table, sampler) => {
                 let (wo, pdf) = sampler.sample(wi, u).ok_or(Status::Direction)?;
-                // Divided last: 0 stays 0 however improbable the direction.
+                // The division comes last, so 0 stays 0 however small the density is.
                 let weight = |f: f32| if pdf > 0.0 { f * wo.z / pdf } else { 0.0 };
                 (wo, pdf, table.rgb(wi, wo).map(weight))
             }
@@ -170,13 +173,17 @@ pub unsafe extern "C" fn gonio_table_sample(
     })
 }
 
+/// View that has been made in a gonio_table.
+///
 /// # Safety
-/// That of [`Made::of`].
+/// A pointer that is neither null nor misaligned points to a readable table that nobody changes meanwhile.
 unsafe fn view<'a>(table: *const Table) -> Result<&'a Blob<'static>, Status> {
     // SAFETY: the caller's promise.
-    unsafe { Made::of(table) }
+    unsafe { Tagged::get(table) }
 }
 
+/// Reads a direction, which is finite and not zero.
+///
 /// # Safety
 /// A pointer that is neither null nor misaligned points to three numbers.
 unsafe fn direction(pointer: *const f32) -> Result<Vec3, Status> {
@@ -185,7 +192,7 @@ unsafe fn direction(pointer: *const f32) -> Result<Vec3, Status> {
     if direction.is_finite() && direction != Vec3::ZERO { Ok(direction) } else { Err(Status::Direction) }
 }
 
-/// θ of a cosine in [0, 1].
+/// Angle θ of a cosine in [0, 1].
 fn angle(cos_theta: f32) -> f32 {
     libm::acosf(cos_theta).min(FRAC_PI_2)
 }

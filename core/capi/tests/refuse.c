@@ -144,7 +144,8 @@ static void cells(void) {
     EXPECT(TOO_MANY, gonio_cell_make(&cell, &bad, memory, size));
     EXPECT(NULL_POINTER, gonio_cell_make(&cell, &mesh, NULL, size));
     EXPECT(NULL_POINTER, gonio_cell_make(&cell, NULL, memory, size));
-    // Memory that lies well needs none of the room for alignment: 63 bytes for nodes, 31 for corners, 14 for what is smaller.
+    // Memory that is aligned well needs none of the room for alignment: 63 bytes for nodes, 31 for corners, 14 for the
+    // smaller types.
     for (size_t less = 0; less + 108 < size; less += 8) EXPECT(MEMORY, gonio_cell_make(&cell, &mesh, memory, less));
     EXPECT(OK, gonio_cell_make(&cell, &mesh, memory, size));
 
