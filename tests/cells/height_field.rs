@@ -170,10 +170,9 @@ pub fn with_cell<T>(scene: &Scene, wavelength_nm: f64, work: impl FnOnce(MeshCel
     let bumpy = MeshScene::new(scene).expect("a good mesh");
     let mut buffer = bumpy.buffer();
     let cell = bumpy.cell(&mut buffer).expect("a good mesh");
-    let media = bumpy.media();
     let wavelengths = [wavelength_nm];
-    let mut groups = Groups::<F64>::new(media.len(), &wavelengths);
-    let groups = groups.evaluate(&media, cell.above(), &wavelengths).expect("constant media");
+    let mut groups = Groups::<F64>::new(scene, &wavelengths);
+    let groups = groups.evaluate(scene, cell.above(), &wavelengths).expect("constant media");
     work(cell, groups[0].0)
 }
 

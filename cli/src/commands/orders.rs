@@ -3,10 +3,11 @@
 use crate::commands::args::OrdersArgs;
 use crate::commands::{direction, named, remark_on_media, write_csv};
 use crate::scene::load;
-use crate::solve::diffraction::{Diffraction, OrdersRequest, default_hits, groups, orders};
+use crate::solve::batches::BATCHES;
+use crate::solve::diffraction::{Diffraction, OrdersRequest, default_hits, orders};
+use crate::solve::groups::group_count;
 use crate::solve::mesh_scene::MeshScene;
 use crate::solve::order_error;
-use crate::solve::scatter::BATCHES;
 use crate::support::error::Result;
 use crate::support::output;
 use crate::support::progress::{bar, note};
@@ -26,12 +27,12 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     };
     let quiet = args.running.quiet;
     remark_on_media(&scene, wavelengths, quiet);
-    let progress = bar(&scene.name, BATCHES as usize * groups(wavelengths.len(), request.precision), quiet);
+    let progress = bar(&scene.name, BATCHES as usize * group_count(wavelengths.len(), request.precision), quiet);
     let wi = direction(args.theta, args.phi)?;
     let found = orders(&mesh_scene, wi, wavelengths, &request, &|| progress.inc(1))?;
     progress.finish_and_clear();
     let off = order_error::warning(&mesh_scene, wi, wavelengths)?;
-    for warning in [off, found.single_scattering(request.hits)].into_iter().flatten() {
+    for warning in [off, found.single_scattering_warning(request.hits)].into_iter().flatten() {
         note(quiet, format_args!("{}: {warning}", scene.name));
     }
     write(args, wavelengths, &found)

@@ -1,7 +1,8 @@
 //! What a user must know of a result of tilted facets: told at the prompt, and kept in the file.
 
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::scatter::{Adding, Coherence, MAX_TRUNCATED};
+use crate::solve::scatter::{Adding, Coherence};
+use crate::solve::truncation::MAX_TRUNCATED;
 use crate::table::statistics::MeanWithError;
 
 /// A power balance that is worse than this, and than [`FAR`] standard errors, is told. Bumpy films keep their power to

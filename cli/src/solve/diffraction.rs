@@ -1,79 +1,81 @@
-//! Diffraction orders of polygon cells: starting rays over the period as one coherent field.
+//! Diffraction orders of cells of polygons: starting rays over the period make one coherent field.
 
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::measure::orders::{Order, Orders, max_order};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::{ComplexLanes, Polarised};
-use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::simd::lanes::Lanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::sobol::sobol;
 use goniochrome::trace::waves::{Limits, Slot, trace};
 
+use crate::solve::batches::{BATCHES, rays_per_batch, sequence};
 use crate::solve::groups::Groups;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::precision::Precision;
-use crate::solve::scatter::{BATCHES, MAX_TRUNCATED, refuse_divergence, refuse_truncation, states};
+use crate::solve::precision::{Precision, in_lanes};
+use crate::solve::truncation::{MAX_TRUNCATED, refuse_divergence, refuse_truncation};
+use crate::solve::wave_limits::slots_without_fallback;
 use crate::support::error::{Error, Result};
 use crate::support::memory::expect_list;
 use crate::support::parallel;
 use crate::table::statistics::MeanWithError;
 
-/// What to compute.
+/// A request for diffraction orders.
 #[derive(Clone, Copy, Debug)]
 pub struct OrdersRequest {
     /// Starting rays over the period.
     pub rays: u32,
-    /// Of the scrambled sequence.
+    /// Seed of the scrambled Sobol sequence.
     pub seed: u32,
-    /// Largest |m| and |n|; `None` for all that travel.
+    /// Largest |m| and |n|; `None` for all orders that propagate.
     pub max_order: Option<i32>,
     /// Hits after which rays are dropped: 1 is single scattering.
     pub hits: u32,
-    /// Single or double.
+    /// Single or double precision.
     pub precision: Precision,
     /// Worker threads; the result does not depend on it.
     pub threads: usize,
 }
 
-/// One order at one wavelength.
+/// A diffraction order at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diffracted {
-    /// (m, n).
+    /// The order (m, n).
     pub index: [i32; 2],
     /// Vacuum wavelength.
     pub wavelength_nm: f64,
-    /// Unit vector.
+    /// Unit vector in which the order leaves.
     pub direction: DVec3,
-    /// Angle from the normal.
+    /// Angle between the direction and the normal.
     pub theta_deg: f64,
     /// Efficiency for s and p light.
     pub efficiency: Polarised<MeanWithError>,
 }
 
-/// Light that the orders of one wavelength leave out, as a fraction of what comes, unpolarised.
+/// Light that the orders of one wavelength leave out, as a fraction of the incident power, unpolarised.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LeftOut {
-    /// Of rays that met nothing, were lost through a hole, or found no room.
+    /// Light of rays that hit nothing, left through a hole, or found no free slot.
     pub lost: f64,
-    /// In flight to a further facet after the last hit.
+    /// Light still in flight to a further facet after the last hit.
     pub in_flight: f64,
 }
 
 impl LeftOut {
-    /// The error bar: what single scattering leaves out by definition does not count.
+    /// The error bar. Light that single scattering leaves out by definition does not count.
     #[must_use]
     pub fn truncated(&self, hits: u32) -> f64 {
         self.lost + if hits == SINGLE_SCATTERING { 0.0 } else { self.in_flight }
     }
 }
 
-/// The reflected orders of light from one direction.
+/// The reflected orders for light from one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diffraction {
-    /// By index, then by wavelength.
+    /// Orders sorted by index, then by wavelength.
     pub orders: Vec<Diffracted>,
-    /// One for each wavelength.
+    /// Light left out at each wavelength.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -84,33 +86,33 @@ impl Diffraction {
         self.left_out.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// What single scattering leaves out, in words, where it is more than a result may hide.
+    /// A warning where single scattering leaves out more light than a result may hide.
     #[must_use]
-    pub fn single_scattering(&self, hits: u32) -> Option<String> {
+    pub fn single_scattering_warning(&self, hits: u32) -> Option<String> {
         let share = self.worst(|left_out| left_out.in_flight);
         (hits == SINGLE_SCATTERING && share > MAX_TRUNCATED)
             .then(|| format!("single scattering: {share:.1e} of the light meets the surface again and is left out"))
     }
 }
 
-/// [`OrdersRequest::hits`] of single scattering.
+/// The number of [`OrdersRequest::hits`] that means single scattering.
 const SINGLE_SCATTERING: u32 = 1;
 
-/// Hits for a scene: physical optics of one rough surface holds for single scattering, since between its facets, often
-/// narrower than a wavelength, light does not travel as rays. Layers need their bounces.
+/// The default number of hits for a scene. Physical optics of one rough surface holds for single scattering: its facets
+/// are often narrower than a wavelength, and between them light does not travel as rays. Layers need their bounces.
 #[must_use]
 pub fn default_hits(mesh_scene: &MeshScene<'_>) -> u32 {
     const LAYERED: u32 = 64;
     if mesh_scene.interface_count() == 1 { SINGLE_SCATTERING } else { LAYERED }
 }
 
-/// Orders that are computed at most; a period of 20 µm has some thousands.
+/// The largest number of orders that are computed; a period of 20 µm has some thousands.
 const MAX_ORDERS: usize = 16_384;
-/// Waves in flight below this power are dropped.
-const IN_FLIGHT: f64 = 1e-10;
+/// The power below which waves in flight are dropped.
+const MIN_IN_FLIGHT: f64 = 1e-10;
 
-/// The reflected orders that travel, of light from the unit direction `wi`. `progress` is told of each of the batches
-/// of each [`groups`] wavelengths.
+/// The reflected orders that propagate, for light from the unit direction `wi`. `progress` is called after each batch of
+/// each [group](crate::solve::groups::group_count) of wavelengths.
 ///
 /// # Errors
 /// A mesh that the core refuses, a medium without data at a wavelength, more orders than are computed or memory holds,
@@ -122,19 +124,7 @@ pub fn orders(
     request: &OrdersRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Diffraction> {
-    match request.precision {
-        Precision::F32 => run::<F32>(mesh_scene, wi, wavelength_nm, request, progress),
-        Precision::F64 => run::<F64>(mesh_scene, wi, wavelength_nm, request, progress),
-    }
-}
-
-/// Groups into which [`orders`] parts so many wavelengths.
-#[must_use]
-pub fn groups(wavelengths: usize, precision: Precision) -> usize {
-    wavelengths.div_ceil(match precision {
-        Precision::F32 => F32::WIDTH,
-        Precision::F64 => F64::WIDTH,
-    })
+    in_lanes!(request.precision, V => run::<V>(mesh_scene, wi, wavelength_nm, request, progress))
 }
 
 fn run<V: Lanes>(
@@ -146,14 +136,11 @@ fn run<V: Lanes>(
 ) -> Result<Diffraction> {
     let mut buffer = mesh_scene.buffer();
     let cell = mesh_scene.cell(&mut buffer)?;
-    let media = mesh_scene.media();
-    let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-    let groups = groups
-        .evaluate(&media, cell.above(), wavelength_nm)
-        .map_err(|(index, error)| mesh_scene.scene().medium_error(index, &error))?;
+    let mut groups = Groups::<V>::new(mesh_scene.scene(), wavelength_nm);
+    let groups = groups.evaluate(mesh_scene.scene(), cell.above(), wavelength_nm)?;
     let mut found = Diffraction { orders: Vec::new(), left_out: Vec::new() };
     for (media, wavelengths) in &groups {
-        let light = Light { cell, media: *media, wavelengths, wi, states: states(mesh_scene) };
+        let light = OrderLight { cell, media: *media, wavelengths, wi, slots: slots_without_fallback(mesh_scene) };
         light.add(request, progress, &mut found)?;
     }
     found.orders.sort_by_key(|order| order.index);
@@ -169,34 +156,35 @@ fn run<V: Lanes>(
     Ok(found)
 }
 
-/// Light at one group of wavelengths.
-struct Light<'l, V: Lanes> {
+/// Light from one direction at one group of wavelengths.
+struct OrderLight<'l, V: Lanes> {
     cell: MeshCell<'l>,
     media: MediaLanes<'l, V>,
     wavelengths: &'l [f64],
     wi: DVec3,
-    states: usize,
+    /// Slots in which waves wait to merge.
+    slots: usize,
 }
 
 /// Sums over the starting rays of one batch.
-struct Batch<V: Lanes> {
+struct OrderSums<V: Lanes> {
     orders: Vec<Order<V>>,
     lost: V,
     in_flight: V,
 }
 
-impl<V: Lanes> Light<'_, V> {
-    /// Traces all batches and adds what they found.
+impl<V: Lanes> OrderLight<'_, V> {
+    /// Traces all batches and adds their orders to `found`.
     fn add(&self, request: &OrdersRequest, progress: &(dyn Fn() + Sync), found: &mut Diffraction) -> Result<()> {
         let blank = self.blank(request)?;
         expect_list::<Order<V>>(&[blank.len(), BATCHES as usize], "all orders that travel")?;
-        let rays = (request.rays / BATCHES).max(1);
-        let batch = |_| Batch { orders: blank.clone(), lost: V::zero(), in_flight: V::zero() };
-        let mut batches: Vec<Batch<V>> = (0..BATCHES).map(batch).collect();
+        let rays = rays_per_batch(request.rays);
+        let batch = |_| OrderSums { orders: blank.clone(), lost: V::zero(), in_flight: V::zero() };
+        let mut batches: Vec<OrderSums<V>> = (0..BATCHES).map(batch).collect();
         parallel::for_each(
             request.threads,
             batches.iter_mut().zip(0u32..),
-            || vec![free_slot::<V>(); self.states],
+            || vec![free_slot::<V>(); self.slots],
             |slots, (sums, batch)| {
                 self.trace(request, rays, batch, slots, sums);
                 progress();
@@ -204,7 +192,7 @@ impl<V: Lanes> Light<'_, V> {
         );
         let rays = f64::from(rays);
         found.left_out.extend((0..self.wavelengths.len()).map(|lane| {
-            let mean = |of: fn(&Batch<V>) -> V| {
+            let mean = |of: fn(&OrderSums<V>) -> V| {
                 batches.iter().map(|batch| of(batch).lane(lane)).sum::<f64>() / (rays * batches.len() as f64)
             };
             LeftOut { lost: mean(|batch| batch.lost), in_flight: mean(|batch| batch.in_flight) }
@@ -213,17 +201,17 @@ impl<V: Lanes> Light<'_, V> {
         Ok(())
     }
 
-    /// The orders that travel at some of the wavelengths, without any light.
+    /// The orders that propagate at some of the wavelengths, still without light.
     fn blank(&self, request: &OrdersRequest) -> Result<Vec<Order<V>>> {
         let eta = self.eta();
         let shortest = self.wavelengths.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = self.cell.period_nm().map(|period| {
+        let max = self.cell.period_nm().map(|period| {
             let all = max_order(period, eta.re.lane(0), shortest);
-            request.max_order.map_or(all, |max| max.min(all))
+            request.max_order.map_or(all, |limit| limit.min(all))
         });
         let mut blank = Vec::new();
-        for m in -most[0]..=most[0] {
-            for n in -most[1]..=most[1] {
+        for m in -max[0]..=max[0] {
+            for n in -max[1]..=max[1] {
                 let order = Order::<V>::new([m, n], self.wi, self.cell.period_nm(), eta, &self.media);
                 if order.cos_theta.any_above(0.0) {
                     if blank.len() == MAX_ORDERS {
@@ -238,37 +226,40 @@ impl<V: Lanes> Light<'_, V> {
         Ok(blank)
     }
 
+    /// The index of the medium that light arrives in.
     fn eta(&self) -> ComplexLanes<V::Precise> {
         self.media.eta()[usize::from(self.cell.above())]
     }
 
+    /// Traces the starting rays of one batch.
     fn trace(
         &self,
         request: &OrdersRequest,
         rays: u32,
         batch: u32,
         slots: &mut [Slot<WaveState<V>, WaveField<V>>],
-        sums: &mut Batch<V>,
+        sums: &mut OrderSums<V>,
     ) {
-        let mut polygons = CoherentMesh::new(self.cell, self.media, IncidentWave::new(self.wi, self.eta()));
+        let mut coherent = CoherentMesh::new(self.cell, self.media, IncidentWave::new(self.wi, self.eta()));
         let mut sink = Orders::new(&mut sums.orders, self.wi, self.eta(), &self.media);
-        let limits = Limits { in_flight: IN_FLIGHT, generations: request.hits };
+        let limits = Limits { in_flight: MIN_IN_FLIGHT, generations: request.hits };
         for ray in 0..rays {
-            let [u, v] = sobol(ray, request.seed.wrapping_mul(BATCHES).wrapping_add(batch));
-            match polygons.start(u, v) {
+            let [u, v] = sobol(ray, sequence(request.seed, batch));
+            match coherent.start(u, v) {
                 Some((state, field)) => {
                     sink.begin(state.point_nm());
-                    sums.in_flight += trace(&mut polygons, state, field, slots, limits, &mut sink).truncated;
+                    sums.in_flight += trace(&mut coherent, state, field, slots, limits, &mut sink).truncated;
                 }
                 None => sums.lost += V::one(),
             }
         }
-        sums.lost += polygons.lost();
+        sums.lost += coherent.lost();
     }
 }
 
-/// Efficiencies of the coherent sum over all batches, with the standard error that the batches' spread tells.
-fn summarise<V: Lanes>(batches: &[Batch<V>], wavelengths: &[f64], rays: f64, found: &mut Vec<Diffracted>) {
+/// Adds to `found` the efficiencies of the coherent sum over all batches, with standard errors from the spread of the
+/// batches.
+fn summarise<V: Lanes>(batches: &[OrderSums<V>], wavelengths: &[f64], rays: f64, found: &mut Vec<Diffracted>) {
     for (place, first) in batches[0].orders.iter().enumerate() {
         let mut whole = *first;
         for batch in &batches[1..] {
@@ -282,7 +273,7 @@ fn summarise<V: Lanes>(batches: &[Batch<V>], wavelengths: &[f64], rays: f64, fou
             }
             let estimate = |of: &dyn Fn(Polarised<V>) -> V| {
                 let value = of(whole.efficiency(rays * count)).lane(lane);
-                let batch = |batch: &Batch<V>| of(batch.orders[place].efficiency(rays)).lane(lane);
+                let batch = |batch: &OrderSums<V>| of(batch.orders[place].efficiency(rays)).lane(lane);
                 let excess = batches.iter().map(batch).sum::<f64>() / count - value;
                 MeanWithError::of_square(value, excess, count)
             };

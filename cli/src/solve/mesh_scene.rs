@@ -1,4 +1,4 @@
-//! The polygons of a scene as a cell: what the general tracer is given.
+//! The polygons of a scene as a cell, in the form that the general tracer takes.
 
 use std::collections::HashMap;
 
@@ -11,6 +11,7 @@ use goniochrome::optics::medium::{Medium, MediumIndex};
 use goniochrome::optics::stack::Film;
 
 use crate::scene::{Mesh, NamedInterface, Scene};
+use crate::solve::groups::media_of;
 use crate::support::error::{Error, Result};
 
 /// The polygons of a scene, grouped into facets, and the media between them.
@@ -22,13 +23,13 @@ pub struct MeshScene<'s> {
     facet_of: Vec<u32>,
     facets: Vec<Facet>,
     interfaces: Vec<Interface>,
-    /// One list for each interface.
+    /// The films of each interface.
     coatings: Vec<Vec<Film>>,
     period_nm: [f64; 2],
     above: MediumIndex,
 }
 
-/// Memory that a [`MeshCell`] borrows.
+/// Memory that a [`MeshCell`] borrows: its tree, triangles and coatings.
 #[derive(Debug)]
 pub struct CellBuffer<'b> {
     nodes: Vec<Node>,
@@ -41,7 +42,7 @@ impl<'s> MeshScene<'s> {
     /// Groups a mesh's triangles into facets.
     ///
     /// # Errors
-    /// A stack of layers; a mesh without area, or whose top is a mirror's back.
+    /// A stack of layers; a mesh without area; a mesh whose top is the back of a mirror.
     pub fn new(scene: &'s Scene) -> Result<Self> {
         let Some(cell) = scene.shape.polygons() else {
             return Err(Error::failed(format_args!(
@@ -52,13 +53,14 @@ impl<'s> MeshScene<'s> {
         };
         let (mesh, interfaces, period_nm) = (cell.mesh(), cell.interfaces(), cell.period_nm());
         let vertices: Vec<DVec3> = mesh.vertices.iter().copied().map(DVec3::from).collect();
-        let solid: Vec<_> = mesh.triangles.iter().filter(|t| area(&vertices, t.vertices).length() > 0.0).collect();
+        let solid: Vec<_> =
+            mesh.triangles.iter().filter(|t| area_vector(&vertices, t.vertices).length() > 0.0).collect();
         if solid.is_empty() {
             return Err(Error::failed(format_args!("{}: no triangle has an area", mesh.path.display())));
         }
         let triangles: Vec<[u32; 3]> = solid.iter().map(|t| t.vertices).collect();
         let kinds: Vec<u16> = solid.iter().map(|t| t.interface).collect();
-        let (facet_of, facets) = facets(&vertices, &triangles, &kinds);
+        let (facet_of, facets) = group_into_facets(&vertices, &triangles, &kinds);
         let above = topmost(mesh, &vertices, interfaces)?;
         let coating = |named: &NamedInterface| {
             named.coating.iter().map(|layer| Film { medium: layer.medium, thickness_nm: layer.thickness_nm }).collect()
@@ -80,10 +82,10 @@ impl<'s> MeshScene<'s> {
         }
     }
 
-    /// The checked cell.
+    /// The cell, checked by the core.
     ///
     /// # Errors
-    /// What the core refuses, with the scene's name.
+    /// A mesh that the core refuses, such as one with a triangle outside of the period.
     pub fn cell<'b>(&'b self, buffer: &'b mut CellBuffer<'b>) -> Result<MeshCell<'b>> {
         let CellBuffer { nodes, order, corners, coatings } = buffer;
         let named = |error: &dyn std::fmt::Display| Error::failed(format_args!("{}: {error}", self.scene.name));
@@ -96,7 +98,7 @@ impl<'s> MeshScene<'s> {
     /// The media, in the scene's order.
     #[must_use]
     pub fn media(&self) -> Vec<Medium<'s>> {
-        self.scene.media.iter().map(|named| named.medium.borrow()).collect()
+        media_of(self.scene)
     }
 
     /// Every triangle that has an area: its corners, the interface that it belongs to, and whether a coating lies on
@@ -145,7 +147,7 @@ impl<'s> MeshScene<'s> {
         coated.max(height_nm * inner.fold(0.0, f64::max))
     }
 
-    /// Interfaces that facets have.
+    /// The number of interfaces that have facets.
     #[must_use]
     pub fn interface_count(&self) -> usize {
         let mut kinds: Vec<u16> = self.facets.iter().map(|facet| facet.interface).collect();
@@ -161,17 +163,18 @@ impl<'s> MeshScene<'s> {
     }
 }
 
-/// Twice the area of a triangle along its normal.
-fn area(vertices: &[DVec3], triangle: [u32; 3]) -> DVec3 {
+/// The normal of a triangle, as long as twice its area.
+fn area_vector(vertices: &[DVec3], triangle: [u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|v| vertices[v as usize]);
     (b - a).cross(c - a)
 }
 
-/// Triangles that share an edge, an interface and a plane are one facet.
-fn facets(vertices: &[DVec3], triangles: &[[u32; 3]], kinds: &[u16]) -> (Vec<u32>, Vec<Facet>) {
+/// Groups triangles into facets: triangles that share an edge, an interface and a plane are one facet. Returns the facet
+/// of each triangle, and the facets.
+fn group_into_facets(vertices: &[DVec3], triangles: &[[u32; 3]], kinds: &[u16]) -> (Vec<u32>, Vec<Facet>) {
     /// Normals of coplanar triangles differ by the rounding of single-precision files over the length of an edge.
     const COPLANAR: f64 = 1e-6;
-    let normals: Vec<DVec3> = triangles.iter().map(|&t| area(vertices, t).normalize()).collect();
+    let normals: Vec<DVec3> = triangles.iter().map(|&t| area_vector(vertices, t).normalize()).collect();
     let position = |v: u32| vertices[v as usize].to_array().map(f64::to_bits);
     let mut parent: Vec<usize> = (0..triangles.len()).collect();
     let mut edges: HashMap<[[u64; 3]; 2], usize> = HashMap::new();
@@ -207,7 +210,7 @@ fn facets(vertices: &[DVec3], triangles: &[[u32; 3]], kinds: &[u16]) -> (Vec<u32
     (facet_of, facets)
 }
 
-/// The representative of a set, halving the path to it.
+/// The representative of a set in the forest `parent`; halves the path to it.
 fn root(parent: &mut [usize], mut index: usize) -> usize {
     while parent[index] != index {
         parent[index] = parent[parent[index]];
@@ -216,19 +219,19 @@ fn root(parent: &mut [usize], mut index: usize) -> usize {
     index
 }
 
-/// The medium that light arrives in: that on the upper side of the triangle with the highest vertex.
+/// The medium that light arrives in: the one on the upper side of the triangle with the highest vertex.
 fn topmost(mesh: &Mesh, vertices: &[DVec3], interfaces: &[NamedInterface]) -> Result<MediumIndex> {
-    let centre_z = |t: [u32; 3]| t.iter().map(|&v| vertices[v as usize].z).fold(f64::NEG_INFINITY, f64::max);
-    // A vertical facet beside the top tells nothing of what lies over it.
+    let top_z = |t: [u32; 3]| t.iter().map(|&v| vertices[v as usize].z).fold(f64::NEG_INFINITY, f64::max);
+    // A vertical facet beside the top does not tell which medium lies above.
     let leaning = mesh.triangles.iter().filter(|t| {
-        let normal = area(vertices, t.vertices);
+        let normal = area_vector(vertices, t.vertices);
         normal.z.abs() > 1e-9 * normal.length()
     });
     let top = leaning
-        .max_by(|a, b| centre_z(a.vertices).total_cmp(&centre_z(b.vertices)))
+        .max_by(|a, b| top_z(a.vertices).total_cmp(&top_z(b.vertices)))
         .ok_or_else(|| Error::failed(format_args!("{}: every facet is vertical", mesh.path.display())))?;
     let interface = interfaces[usize::from(top.interface)].interface;
-    let faces_up = area(vertices, top.vertices).z > 0.0;
+    let faces_up = area_vector(vertices, top.vertices).z > 0.0;
     match (faces_up, interface.below) {
         (true, _) => Ok(interface.above),
         (false, Below::Medium(below)) => Ok(below),

@@ -1,19 +1,20 @@
-//! From scenes to numbers: spectra of planes, scattering and diffraction of cells, and the tables made of them.
+//! From scenes to numbers: spectra of planar scenes, scattering and diffraction of cells, and the tables of both.
 
 pub mod precision;
+pub mod groups;
 pub mod planar_scene;
 pub mod mesh_scene;
-pub mod groups;
 pub mod spectra;
-pub mod hits;
 pub mod colours;
 pub mod integral;
 pub mod refine;
 pub mod fidelity;
 pub mod grid;
-pub mod scatter;
+pub mod batches;
+pub mod truncation;
+mod wave_limits;
 pub mod diffraction;
-pub mod coherent;
+pub mod scatter;
 pub mod order_error;
 pub mod cell_warnings;
 pub mod checkpoint;

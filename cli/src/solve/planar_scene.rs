@@ -1,4 +1,4 @@
-//! A scene as a planar multilayer: what the tracer and the closed form are given.
+//! A planar scene as a multilayer, in the form that the planar tracer and the closed form take.
 
 use goniochrome::geometry::facet::Facet;
 use goniochrome::geometry::planar_cell::PlanarCell;
@@ -7,9 +7,10 @@ use goniochrome::optics::medium::{Medium, MediumIndex};
 use goniochrome::optics::stack::{Boundary, Film, Stack, StackMemory};
 
 use crate::scene::{Layer, Plane, Scene, Shape};
+use crate::solve::groups::media_of;
 use crate::support::error::{Error, Result};
 
-/// A planar scene as a multilayer: that of its stack, or the planes of its mesh.
+/// A planar scene as a multilayer: the layers of its stack, or the planes of its mesh.
 #[derive(Debug, Clone)]
 pub struct PlanarScene<'s> {
     scene: &'s Scene,
@@ -18,7 +19,7 @@ pub struct PlanarScene<'s> {
     substrate: Below,
 }
 
-/// Memory that a [`Stack`] borrows.
+/// Memory that a [`Stack`] borrows: its interfaces, films and boundaries.
 #[derive(Debug)]
 pub struct StackBuffer {
     interfaces: Vec<Interface>,
@@ -37,13 +38,13 @@ impl StackBuffer {
 }
 
 impl<'s> PlanarScene<'s> {
-    /// The planes of a scene: those of a mesh, or those between the layers of a stack.
+    /// Takes the planes of a scene: those of a mesh, or those between the layers of a stack.
     ///
     /// # Errors
     /// A mesh of tilted facets.
     pub fn new(scene: &'s Scene) -> Result<Self> {
         let planar = match &scene.shape {
-            // As written: heights, of which a layer would be a difference, round.
+            // Thicknesses as written: differences of heights would be rounded.
             Shape::Stack { ambient, layers, substrate } => {
                 let film = |layer: &Layer| Film { medium: layer.medium, thickness_nm: layer.thickness_nm };
                 Self { scene, ambient: *ambient, layers: layers.iter().map(film).collect(), substrate: *substrate }
@@ -90,7 +91,7 @@ impl<'s> PlanarScene<'s> {
     /// The scene as a multilayer.
     ///
     /// # Errors
-    /// None for a buffer of this scene.
+    /// A buffer of another scene; a buffer of this scene never fails.
     pub fn stack<'b>(&self, buffer: &'b mut StackBuffer) -> Result<Stack<'b>> {
         let StackBuffer { interfaces, films, boundaries } = buffer;
         let memory = StackMemory { interfaces, films, boundaries };
@@ -101,13 +102,13 @@ impl<'s> PlanarScene<'s> {
     /// The media, in the scene's order.
     #[must_use]
     pub fn media(&self) -> Vec<Medium<'s>> {
-        self.scene.media.iter().map(|named| named.medium.borrow()).collect()
+        media_of(self.scene)
     }
 
-    /// Σ n d of the layers, with the largest n that each shows in a range of wavelengths.
+    /// The longest optical path across the layers: Σ n d, with the largest n of each layer in a range of wavelengths.
     ///
     /// # Errors
-    /// If a medium has no data there.
+    /// A medium without data in the range.
     pub fn longest_optical_path_nm(&self, [first, last]: [f64; 2]) -> Result<f64> {
         const MAX_PROBES: u32 = 16;
         let mut buffer = self.buffer();
@@ -115,18 +116,18 @@ impl<'s> PlanarScene<'s> {
         let media = self.media();
         let mut largest = Vec::with_capacity(media.len());
         for (index, medium) in media.iter().enumerate() {
-            let mut most: f64 = 0.0;
+            let mut max_index: f64 = 0.0;
             for i in 0..=MAX_PROBES {
                 let nm = first + (last - first) * f64::from(i) / f64::from(MAX_PROBES);
-                most = most.max(medium.eta(nm).map_err(|error| self.scene.medium_error(index, &error))?.re);
+                max_index = max_index.max(medium.eta(nm).map_err(|error| self.scene.medium_error(index, &error))?.re);
             }
-            largest.push(most);
+            largest.push(max_index);
         }
         let path = |j| largest[usize::from(stack.film(j).medium)] * stack.film(j).thickness_nm;
         Ok((0..stack.planes() - 1).map(path).sum())
     }
 
-    /// Layers between the outer media.
+    /// The number of layers between the outer media.
     #[must_use]
     pub fn layers(&self) -> usize {
         self.layers.len()

@@ -1,7 +1,7 @@
-//! Spectra of planar scenes over angles and wavelengths: owns allocation and threads, and is the only caller of the tracer.
+//! Every sample of a grid in lanes of as many digits as it needs: owns memory and threads, and calls the tracer.
 
 use goniochrome::optics::incidence::Incidence;
-use goniochrome::optics::interface::{Below, Model, Wave};
+use goniochrome::optics::interface::{Below, Wave};
 use goniochrome::optics::medium::{MediaLanes, MediumIndex};
 use goniochrome::optics::stack::{PreparedStack, PreparedStackMemory, Stack};
 use goniochrome::simd::complex::{ComplexLanes, Polarised};
@@ -12,117 +12,21 @@ use goniochrome::trace::planar::{PlanarSlot, Summation, Totals, TraceMemory, fre
 use goniochrome::trace::waves::Limits;
 
 use crate::solve::groups::Groups;
-use crate::solve::hits;
 use crate::solve::planar_scene::PlanarScene;
 use crate::solve::precision::Precision;
+use crate::solve::spectra::hit_by_hit::affordable;
+use crate::solve::spectra::request::{Method, SpectraRequest};
+use crate::solve::spectra::samples::{Sample, Spectra};
 use crate::support::error::{Error, Result};
 use crate::support::parallel;
 use crate::table::mirror::MAX_SAMPLES;
 
-/// How the reflectance is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// The closed form of the planar stack.
-    Stack,
-    /// Ray splitting, every loop summed exactly.
-    #[default]
-    Trace,
-    /// Ray splitting hit by hit; samples whose sum diverges or takes too long fall back to closed loops, and are
-    /// counted.
-    Hits,
-}
-
-/// The share of [`Precision::tolerance`] beyond which an estimated error is not accepted: the estimate may be too small
-/// by this.
+/// The largest estimated error that is accepted, as a share of [`Precision::tolerance`]: the estimate may be too small
+/// by this factor.
 const ACCEPTED: f64 = 0.5;
 
-/// How to compute.
-#[derive(Clone, Copy, Debug)]
-pub struct SpectraRequest {
-    /// Exact physics or the paper's words.
-    pub model: Model,
-    /// Closed form or rays.
-    pub method: Method,
-    /// Single or double.
-    pub precision: Precision,
-    /// Worker threads; the result does not depend on it.
-    pub threads: usize,
-}
-
-/// Power at one angle and wavelength.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    /// Reflectance.
-    pub reflectance: Polarised<f64>,
-    /// Transmittance into the substrate.
-    pub transmittance: Polarised<f64>,
-    /// The error bar of rays that were not followed: the largest difference of the four powers above from those of
-    /// [`Method::Trace`]. 0 but for [`Method::Hits`].
-    pub truncated: f64,
-    /// What the tracer's ledger misses, the larger of s and p. 0 in closed form.
-    pub imbalance: f64,
-}
-
-impl Sample {
-    /// Unpolarised reflectance.
-    #[must_use]
-    pub fn mean_reflectance(&self) -> f64 {
-        0.5 * (self.reflectance.s + self.reflectance.p)
-    }
-}
-
-/// Samples over a grid, `samples[angle * wavelengths + wavelength]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spectra {
-    /// Angles of incidence in the ambient medium.
-    pub theta_deg: Vec<f64>,
-    /// Vacuum wavelengths.
-    pub wavelength_nm: Vec<f64>,
-    /// One for each pair.
-    pub samples: Vec<Sample>,
-    /// How many of them [`Method::Hits`] could not sum, so that their loops were closed instead.
-    pub fell_back: usize,
-    /// Samples that were computed again with more digits than asked for: see [`Precision::tolerance`].
-    pub recomputed: usize,
-}
-
-impl Spectra {
-    /// The samples at one angle.
-    #[must_use]
-    pub fn row(&self, angle: usize) -> &[Sample] {
-        let width = self.wavelength_nm.len();
-        &self.samples[angle * width..(angle + 1) * width]
-    }
-
-    /// The largest of a quantity over all samples.
-    #[must_use]
-    pub fn worst(&self, of: impl Fn(&Sample) -> f64) -> f64 {
-        self.samples.iter().map(of).fold(0.0, f64::max)
-    }
-}
-
-/// Reflectance and transmittance of a planar scene at every angle and wavelength; `progress` is told of each finished angle.
-///
-/// # Errors
-/// A medium without data at a wavelength, an ambient medium that absorbs too much, a grid larger than [`MAX_SAMPLES`].
-pub fn spectra(
-    planar: &PlanarScene<'_>,
-    theta_deg: &[f64],
-    wavelength_nm: &[f64],
-    request: &SpectraRequest,
-    progress: &(dyn Fn() + Sync),
-) -> Result<Spectra> {
-    let found = computed(planar, theta_deg, wavelength_nm, request, progress)?;
-    if request.method != Method::Hits {
-        return Ok(found);
-    }
-    let closed = SpectraRequest { method: Method::Trace, ..*request };
-    let closed = computed(planar, theta_deg, wavelength_nm, &closed, &|| ())?;
-    Ok(hits::settled(found, &closed, request.precision))
-}
-
-/// What the method itself gives, in lanes of as many digits as each sample needs.
-fn computed(
+/// The spectra that the requested method gives, each sample in lanes of as many digits as it needs.
+pub(super) fn compute(
     planar: &PlanarScene<'_>,
     theta_deg: &[f64],
     wavelength_nm: &[f64],
@@ -136,7 +40,7 @@ fn computed(
         )));
     }
     let mut buffer = planar.buffer();
-    let grid = Grid { planar, stack: planar.stack(&mut buffer)?, theta_deg, wavelength_nm, request };
+    let grid = SampleGrid { planar, stack: planar.stack(&mut buffer)?, theta_deg, wavelength_nm, request };
     let mut entries = vec![Entry { sample: Sample::default(), open: true }; count];
     let open = |entries: &[Entry]| entries.iter().filter(|entry| entry.open).count();
     match request.precision {
@@ -160,8 +64,8 @@ fn computed(
     })
 }
 
-/// What is to be computed.
-struct Grid<'g> {
+/// A planar scene and the grid of angles and wavelengths at which it is computed.
+struct SampleGrid<'g> {
     planar: &'g PlanarScene<'g>,
     stack: Stack<'g>,
     theta_deg: &'g [f64],
@@ -169,26 +73,23 @@ struct Grid<'g> {
     request: &'g SpectraRequest,
 }
 
-/// A sample, and whether it is still to be computed, or computed again.
+/// A sample, and whether it still has to be computed, or computed again with more digits.
 #[derive(Clone, Copy)]
 struct Entry {
     sample: Sample,
     open: bool,
 }
 
-impl Grid<'_> {
-    /// Computes the open entries in lanes of `V`; those whose rounding is beyond what was asked for stay open.
+impl SampleGrid<'_> {
+    /// Computes the open entries in lanes of `V`. Entries whose rounding error is too large stay open.
     fn pass<V: Lanes>(&self, entries: &mut [Entry], limits: Limits, progress: &(dyn Fn() + Sync)) -> Result<()> {
         let Self { planar, stack, theta_deg, wavelength_nm, request } = *self;
-        let media = planar.media();
-        let mut groups = Groups::<V>::new(media.len(), wavelength_nm);
-        let groups = groups
-            .evaluate(&media, stack.ambient(), wavelength_nm)
-            .map_err(|(index, error)| planar.scene().medium_error(index, &error))?;
+        let mut groups = Groups::<V>::new(planar.scene(), wavelength_nm);
+        let groups = groups.evaluate(planar.scene(), stack.ambient(), wavelength_nm)?;
         parallel::for_each(
             request.threads,
             entries.chunks_mut(wavelength_nm.len().max(1)).zip(theta_deg),
-            || Worker::<V>::new(stack),
+            || StackWorker::<V>::new(stack),
             |worker, (row, theta)| {
                 let incidence = Incidence::from_degrees(*theta);
                 for (out, (group, _)) in row.chunks_mut(V::WIDTH).zip(&groups) {
@@ -205,10 +106,11 @@ impl Grid<'_> {
     }
 }
 
-/// Light along the surface.
+/// The angle of light along the surface.
 const GRAZING_DEG: f64 = 90.0;
 
-/// The limit of grazing incidence: all light returns, unless there is nothing but the ambient medium.
+/// Fills samples with the limit of grazing incidence: all light is reflected, unless there is nothing but the ambient
+/// medium.
 fn fill_grazing<V: Lanes>(out: &mut [Entry], stack: Stack<'_>, group: &MediaLanes<'_, V>) {
     let eta = |medium: MediumIndex, lane: usize| {
         let eta = group.eta()[usize::from(medium)];
@@ -216,19 +118,19 @@ fn fill_grazing<V: Lanes>(out: &mut [Entry], stack: Stack<'_>, group: &MediaLane
     };
     for (lane, entry) in out.iter_mut().enumerate() {
         let ambient = eta(stack.ambient(), lane);
-        let nothing = (0..stack.planes()).all(|j| match stack.interface(j).below {
+        let empty = (0..stack.planes()).all(|j| match stack.interface(j).below {
             Below::Medium(below) => eta(below, lane) == ambient,
             Below::Mirror => false,
         });
-        let (reflected, transmitted) = if nothing { (0.0, 1.0) } else { (1.0, 0.0) };
+        let (reflected, transmitted) = if empty { (0.0, 1.0) } else { (1.0, 0.0) };
         let (reflectance, transmittance) = (Polarised::both(reflected), Polarised::both(transmitted));
         let sample = Sample { reflectance, transmittance, truncated: 0.0, imbalance: 0.0 };
         *entry = Entry { sample, open: false };
     }
 }
 
-/// A thread's memory.
-struct Worker<V: Lanes> {
+/// Memory of one thread for the closed form and the tracer of a stack.
+struct StackWorker<V: Lanes> {
     waves: Vec<Wave<V>>,
     reflections: Vec<Polarised<ComplexLanes<V>>>,
     propagators: Vec<ComplexLanes<V>>,
@@ -236,7 +138,7 @@ struct Worker<V: Lanes> {
     slots: Vec<PlanarSlot<V>>,
 }
 
-impl<V: Lanes> Worker<V> {
+impl<V: Lanes> StackWorker<V> {
     fn new(stack: Stack<'_>) -> Self {
         let planes = stack.planes();
         Self {
@@ -248,6 +150,7 @@ impl<V: Lanes> Worker<V> {
         }
     }
 
+    /// Computes the open entries of one angle and one group of wavelengths.
     fn fill(
         &mut self,
         out: &mut [Entry],
@@ -258,7 +161,7 @@ impl<V: Lanes> Worker<V> {
         limits: Limits,
     ) {
         let Self { waves, reflections, propagators, totals, slots } = self;
-        let optics = PreparedStack::new(
+        let prepared = PreparedStack::new(
             stack,
             group,
             incidence,
@@ -266,14 +169,14 @@ impl<V: Lanes> Worker<V> {
             PreparedStackMemory { waves, reflections, propagators },
         );
         let mut traced = |summation| {
-            trace_planar(&optics, summation, TraceMemory { totals: &mut *totals, slots })
+            trace_planar(&prepared, summation, TraceMemory { totals: &mut *totals, slots })
                 .expect("the worker's memory was made for this stack")
                 .ledger
         };
         let (ledger, error) = match request.method {
             Method::Stack => {
-                let (response, error) = optics.response_and_rounding();
-                let (r, t) = (optics.reflectance(response.reflection), optics.transmittance(response.transmission));
+                let (response, error) = prepared.response_and_rounding();
+                let (r, t) = (prepared.reflectance(response.reflection), prepared.transmittance(response.transmission));
                 let none = Polarised::both(V::zero());
                 let ledger =
                     Ledger { reflected: r, transmitted: t, absorbed: none, truncated: V::zero(), imbalance: none };
@@ -281,10 +184,10 @@ impl<V: Lanes> Worker<V> {
             }
             Method::Trace => {
                 let ledger = traced(Summation::ClosedLoops);
-                (ledger, rounding(&optics, totals))
+                (ledger, rounding(&prepared, totals))
             }
-            // Its error is its distance from closed loops.
-            Method::Hits => (traced(Summation::Generations(hits::affordable(limits, stack.planes()))), V::zero()),
+            // Its error is its distance from closed loops, which is measured afterwards.
+            Method::Hits => (traced(Summation::Generations(affordable(limits, stack.planes()))), V::zero()),
         };
         let accepted = ACCEPTED * request.precision.tolerance();
         for (lane, entry) in out.iter_mut().enumerate().filter(|(_, entry)| entry.open) {
@@ -295,7 +198,7 @@ impl<V: Lanes> Worker<V> {
                 truncated: ledger.truncated.lane(lane),
                 imbalance: s.max(p),
             };
-            // Never of NaN.
+            // False for NaN.
             let holds = error.lane(lane) <= accepted;
             *entry = Entry { sample, open: !holds };
         }

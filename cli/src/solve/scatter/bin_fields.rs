@@ -1,5 +1,4 @@
-//! The two coherences in which starting rays interfere with each other: `bin`, the paper's section 2.2 taken literally, and
-//! `cell`, diffraction orders collected into bins.
+//! Coherence `bin`: the fields of all starting rays add in each bin, the paper's section 2.2 taken literally.
 
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
@@ -12,21 +11,23 @@ use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, W
 use goniochrome::trace::sobol::sobol;
 use goniochrome::trace::waves::{Slot, trace};
 
-use crate::solve::diffraction::{self, default_hits, orders};
+use crate::solve::batches::{BATCHES, rays_per_batch, sequence};
+use crate::solve::groups::Group;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::scatter::{BATCHES, ScatterRequest, Scattered, Tally, WAVES, states};
+use crate::solve::scatter::request::ScatterRequest;
+use crate::solve::scatter::tally::Tally;
+use crate::solve::wave_limits::{WAVE_LIMITS, slots_without_fallback};
 use crate::support::error::Result;
 use crate::support::memory::expect_list;
 use crate::support::parallel;
-use crate::table::statistics::MeanWithError;
 
-/// Light of one direction whose exits add as amplitudes in each bin.
+/// Light from one direction whose exits add as amplitudes in each bin.
 #[derive(Clone, Copy)]
 pub(crate) struct BinLight<'c> {
     pub cell: MeshCell<'c>,
-    /// States in which waves may wait.
-    pub states: usize,
-    /// Unit, towards the light.
+    /// Slots in which waves wait to merge.
+    pub slots: usize,
+    /// Unit vector towards the light.
     pub wi: DVec3,
     /// Starting rays of each batch.
     pub rays: u32,
@@ -35,16 +36,16 @@ pub(crate) struct BinLight<'c> {
 }
 
 /// Sums over the starting rays of one batch.
-struct Batch<V: Lanes> {
+struct BinSums<V: Lanes> {
     fields: Vec<WaveField<V>>,
     truncated: V,
     absorbed: V,
 }
 
 impl<'c> BinLight<'c> {
-    /// For as many starting rays as were asked for, at least one in each batch.
+    /// Light of the requested number of starting rays, at least one in each batch.
     pub fn new(mesh_scene: &MeshScene<'_>, cell: MeshCell<'c>, wi: DVec3, request: &'c ScatterRequest) -> Self {
-        Self { cell, states: states(mesh_scene), wi, rays: (request.rays / BATCHES).max(1), request }
+        Self { cell, slots: slots_without_fallback(mesh_scene), wi, rays: rays_per_batch(request.rays), request }
     }
 
     /// Refuses bins that memory does not hold.
@@ -53,7 +54,17 @@ impl<'c> BinLight<'c> {
         expect_list::<WaveField<V>>(&[fields, BATCHES as usize], "the fields of all --bins")
     }
 
-    /// One tally for each batch and each of the `wavelengths` that `media` hold. The mean over batches is the estimate,
+    /// The tallies of each batch at all wavelengths.
+    pub fn all_tallies<V: Lanes>(&self, groups: &[Group<'_, V>], progress: &(dyn Fn() + Sync)) -> Vec<Vec<Tally>> {
+        let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
+        for (media, wavelengths) in groups {
+            let found = self.tallies(*media, wavelengths.len(), progress);
+            batches.iter_mut().zip(found).for_each(|(batch, found)| batch.extend(found));
+        }
+        batches
+    }
+
+    /// The tallies of each batch at one group of wavelengths, as many as `media` hold. The mean over batches is the estimate,
     /// and their spread tells its standard error.
     ///
     /// The power of a bin is |F|² of the mean field F over all batches, so no batch has a power of its own. A batch
@@ -68,12 +79,12 @@ impl<'c> BinLight<'c> {
     ) -> Vec<Vec<Tally>> {
         let nothing: WaveField<V> = Polarised::both(VectorLanes::zero());
         let fields = BinFields::<V>::required_len(self.request.bins);
-        let batch = |_| Batch { fields: vec![nothing; fields], truncated: V::zero(), absorbed: V::zero() };
-        let mut batches: Vec<Batch<V>> = (0..BATCHES).map(batch).collect();
+        let batch = |_| BinSums { fields: vec![nothing; fields], truncated: V::zero(), absorbed: V::zero() };
+        let mut batches: Vec<BinSums<V>> = (0..BATCHES).map(batch).collect();
         parallel::for_each(
             self.request.threads,
             batches.iter_mut().zip(0u32..),
-            || vec![free_slot::<V>(); self.states],
+            || vec![free_slot::<V>(); self.slots],
             |slots, (sums, batch)| {
                 self.trace(media, batch, slots, sums);
                 progress();
@@ -81,7 +92,7 @@ impl<'c> BinLight<'c> {
         );
         let per_ray = 1.0 / f64::from(self.rays);
         let half = self.request.bins.count();
-        let blank = |batch: &Batch<V>| {
+        let blank = |batch: &BinSums<V>| {
             let tally = |lane| Tally {
                 truncated: batch.truncated.lane(lane) * per_ray,
                 absorbed: batch.absorbed.lane(lane) * per_ray,
@@ -107,43 +118,45 @@ impl<'c> BinLight<'c> {
         tallies
     }
 
+    /// Traces the starting rays of one batch.
     fn trace<V: Lanes>(
         &self,
         media: MediaLanes<'_, V>,
         batch: u32,
         slots: &mut [Slot<WaveState<V>, WaveField<V>>],
-        Batch { fields, truncated, absorbed }: &mut Batch<V>,
+        BinSums { fields, truncated, absorbed }: &mut BinSums<V>,
     ) {
         let incident = IncidentWave::new(self.wi, media.eta()[usize::from(self.cell.above())]);
-        let mut polygons = CoherentMesh::new(self.cell, media, incident);
+        let mut coherent = CoherentMesh::new(self.cell, media, incident);
         let mut sink = BinFields::new(fields, self.request.bins, &media, incident.wavevector());
         for ray in 0..self.rays {
-            let [u, v] = sobol(ray, self.request.seed.wrapping_mul(BATCHES).wrapping_add(batch));
-            match polygons.start(u, v) {
+            let [u, v] = sobol(ray, sequence(self.request.seed, batch));
+            match coherent.start(u, v) {
                 Some((state, field)) => {
                     sink.begin(state.point_nm());
-                    *truncated += trace(&mut polygons, state, field, slots, WAVES, &mut sink).truncated;
+                    *truncated += trace(&mut coherent, state, field, slots, WAVE_LIMITS, &mut sink).truncated;
                 }
                 None => *truncated += V::one(),
             }
         }
-        *truncated += polygons.lost();
-        let Polarised { s, p } = polygons.absorbed();
+        *truncated += coherent.lost();
+        let Polarised { s, p } = coherent.absorbed();
         *absorbed = (s + p) * V::splat(0.5);
     }
 }
 
-/// Real and imaginary parts of a field at one wavelength, of s and p light.
+/// Real and imaginary parts of a field at one wavelength, for s and p light.
 type Components = [f64; 12];
 
+/// The components of a field in one lane.
 fn components<V: Lanes>(field: &WaveField<V>, lane: usize) -> Components {
     let of = |e: VectorLanes<V>| [e.x.re, e.x.im, e.y.re, e.y.im, e.z.re, e.z.im].map(|part| part.lane(lane));
     let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (of(field.s), of(field.p));
     [a, b, c, d, e, f, g, h, i, j, k, l]
 }
 
-/// The jackknife's values of the unpolarised power of a sum of fields, one for each batch's own sum; in units of the
-/// rays of a batch, squared.
+/// The jackknife's pseudo-values of the unpolarised power of a sum of fields, one for each batch, in units of the squared
+/// number of rays in a batch.
 fn pseudo_values(sums: impl Iterator<Item = Components> + Clone) -> impl Iterator<Item = f64> {
     let whole = sums.clone().fold([0.0; 12], |whole: Components, sum| std::array::from_fn(|i| whole[i] + sum[i]));
     let power = |field: Components| 0.5 * field.iter().map(|x| x * x).sum::<f64>();
@@ -152,49 +165,10 @@ fn pseudo_values(sums: impl Iterator<Item = Components> + Clone) -> impl Iterato
     sums.map(move |sum| all - power(std::array::from_fn(|i| whole[i] - sum[i])) / (count - 1.0))
 }
 
-/// Light from `wi` with coherence `cell`: reflected orders, each in the bin of its direction. Transmitted orders are
-/// not computed: what is not reflected is left as imbalance.
-pub(crate) fn orders_in_bins(
-    mesh_scene: &MeshScene<'_>,
-    wi: DVec3,
-    wavelength_nm: &[f64],
-    request: &ScatterRequest,
-    progress: &(dyn Fn() + Sync),
-) -> Result<Vec<Scattered>> {
-    let &ScatterRequest { rays, seed, precision, threads, .. } = request;
-    let hits = default_hits(mesh_scene);
-    let how = diffraction::OrdersRequest { rays, seed, max_order: None, hits, precision, threads };
-    let found = orders(mesh_scene, wi, wavelength_nm, &how, progress)?;
-    let of_wavelength = |(&nm, left_out): (&f64, &diffraction::LeftOut)| {
-        let mut bins = vec![MeanWithError::default(); request.bins.count()];
-        let mut reflected = MeanWithError::default();
-        for order in found.orders.iter().filter(|order| order.wavelength_nm == nm) {
-            let (s, p) = (order.efficiency.s, order.efficiency.p);
-            for sum in [&mut bins[request.bins.index(order.direction)], &mut reflected] {
-                sum.value += 0.5 * (s.value + p.value);
-                sum.std_error = sum.std_error.hypot(0.5 * s.std_error.hypot(p.std_error));
-            }
-        }
-        let truncated = MeanWithError { value: left_out.truncated(hits), std_error: 0.0 };
-        let rest = 1.0 - reflected.value - truncated.value;
-        let imbalance = MeanWithError { value: rest, std_error: reflected.std_error };
-        let none = MeanWithError::default();
-        Scattered {
-            reflected,
-            transmitted: none,
-            absorbed: none,
-            truncated,
-            imbalance,
-            without_interference: none,
-            bins,
-        }
-    };
-    Ok(wavelength_nm.iter().zip(&found.left_out).map(of_wavelength).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::statistics::MeanWithError;
 
     #[test]
     fn the_mean_of_the_jackknifes_values_is_the_power_less_its_noise() {

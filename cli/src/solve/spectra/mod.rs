@@ -1,0 +1,34 @@
+//! Spectra of planar scenes over angles and wavelengths.
+
+mod request;
+mod samples;
+mod hit_by_hit;
+mod planar_grid;
+
+use crate::solve::planar_scene::PlanarScene;
+use crate::support::error::Result;
+
+pub use request::{Method, SpectraRequest};
+pub use samples::{Sample, Spectra};
+
+/// Reflectance and transmittance of a planar scene at every angle and wavelength. `progress` is called after each
+/// angle.
+///
+/// # Errors
+/// A medium without data at a wavelength, an ambient medium that absorbs too much, a grid of more samples than a table
+/// may hold.
+pub fn spectra(
+    planar: &PlanarScene<'_>,
+    theta_deg: &[f64],
+    wavelength_nm: &[f64],
+    request: &SpectraRequest,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Spectra> {
+    let found = planar_grid::compute(planar, theta_deg, wavelength_nm, request, progress)?;
+    if request.method != Method::Hits {
+        return Ok(found);
+    }
+    let closed = SpectraRequest { method: Method::Trace, ..*request };
+    let closed = planar_grid::compute(planar, theta_deg, wavelength_nm, &closed, &|| ())?;
+    Ok(hit_by_hit::replace_unconverged(found, &closed, request.precision))
+}
