@@ -6,7 +6,8 @@ use std::path::Path;
 use goniochrome::colour::{Quadrature, RgbSpace};
 
 use crate::commands::args::ColourArgs;
-use crate::commands::{compute, remark_on_colours, write_csv};
+use crate::commands::csv_file::write_csv;
+use crate::commands::planar_spectra::{compute_spectra, note_on_colours};
 use crate::plot::{OutOfGamut, hex, srgb8};
 use crate::scene::load;
 use crate::solve::colours::{Colour, colours};
@@ -22,10 +23,10 @@ pub fn run(args: &ColourArgs) -> Result<()> {
     }
     let planar = PlanarScene::new(&scene)?;
     let (wavelengths, illuminant) = (args.wavelengths.increasing(), args.colouring.illuminant.into());
-    let spectra = compute(&planar, &args.theta.0, &wavelengths, illuminant, &args.computing)?;
+    let spectra = compute_spectra(&planar, &args.theta.0, &wavelengths, illuminant, &args.computing)?;
     let space = RgbSpace::from(args.colouring.space);
     let colours = colours(&spectra, illuminant, space, Quadrature::Interpolated)?;
-    remark_on_colours(&planar, &spectra, &wavelengths, illuminant, &args.computing)?;
+    note_on_colours(&planar, &spectra, &wavelengths, illuminant, &args.computing)?;
     let of_gamut = |all: OutOfGamut, colour: &Colour| all + OutOfGamut::of(colour.display(space));
     if let Some(said) = colours.iter().fold(OutOfGamut::default(), of_gamut).note() {
         note(args.computing.running.quiet, said);

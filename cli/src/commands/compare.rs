@@ -3,7 +3,9 @@
 use goniochrome::colour::Illuminant;
 
 use crate::commands::args::CompareArgs;
-use crate::commands::{check_outputs, number, remark_fall_backs, write_csv};
+use crate::commands::csv_file::{number, write_csv};
+use crate::commands::notes::note_fall_backs;
+use crate::commands::pictures::check_outputs;
 use crate::paper::comparison::Comparison;
 use crate::scene::load;
 use crate::solve::planar_scene::PlanarScene;
@@ -47,7 +49,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         }
     }
     let traced = &comparison.traced;
-    remark_fall_backs(traced.fell_back, traced.samples.len(), args.computing.running.quiet);
+    note_fall_backs(traced.fell_back, traced.samples.len(), args.computing.running.quiet);
     note(
         args.computing.running.quiet,
         format_args!("largest difference of R_s or R_p: {:.2e}", comparison.largest_difference()),

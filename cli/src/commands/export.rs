@@ -5,8 +5,7 @@ use std::slice;
 
 use goniochrome::table::blob::Precision;
 
-use crate::commands::args::export::{ExportArgs, ExportKind, Origin};
-use crate::commands::args::spelled;
+use crate::commands::args::{ExportArgs, ExportKind, Origin, spelled};
 use crate::export::blob;
 use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;

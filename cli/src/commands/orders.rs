@@ -1,7 +1,9 @@
 //! `goniochrome orders`.
 
 use crate::commands::args::OrdersArgs;
-use crate::commands::{direction, named, remark_on_media, write_csv};
+use crate::commands::cell_options::{light_direction, listed_wavelengths};
+use crate::commands::csv_file::write_csv;
+use crate::commands::notes::note_on_media;
 use crate::scene::load;
 use crate::solve::batches::BATCHES;
 use crate::solve::diffraction::{Diffraction, OrdersRequest, default_hits, orders};
@@ -16,7 +18,7 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.csv, &scene.files)?;
     let mesh_scene = MeshScene::new(&scene)?;
-    let wavelengths = named(&args.wavelengths, &scene)?;
+    let wavelengths = listed_wavelengths(&args.wavelengths, &scene)?;
     let request = OrdersRequest {
         rays: args.rays,
         seed: args.seed,
@@ -26,9 +28,9 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
         threads: args.running.threads(),
     };
     let quiet = args.running.quiet;
-    remark_on_media(&scene, wavelengths, quiet);
+    note_on_media(&scene, wavelengths, quiet);
     let progress = bar(&scene.name, BATCHES as usize * group_count(wavelengths.len(), request.precision), quiet);
-    let wi = direction(args.theta, args.phi)?;
+    let wi = light_direction(args.theta, args.phi)?;
     let found = orders(&mesh_scene, wi, wavelengths, &request, &|| progress.inc(1))?;
     progress.finish_and_clear();
     let off = order_error::warning(&mesh_scene, wi, wavelengths)?;

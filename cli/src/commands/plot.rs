@@ -1,23 +1,23 @@
 //! `goniochrome plot`.
 
 use crate::commands::args::{PlotArgs, PlotKind};
-use crate::commands::save;
-use crate::commands::source::Source;
+use crate::commands::pictures::save_picture;
+use crate::commands::table_source::TableSource;
 use crate::plot::{Format, Picture, tables};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::table::Table;
 use crate::table::scatter::ScatterTable;
 
-/// Angles marked on the path of the colour.
+/// The default angles marked on the path of the colour.
 const MARKED: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 
-/// Angles of the light on a cell.
+/// The default angles of the light on a cell.
 const LIGHTS: [f64; 3] = [15.0, 45.0, 75.0];
 
 pub fn run(args: &PlotArgs) -> Result<()> {
     Format::of(&args.output)?;
-    let source = Source::find(&args.table)?;
+    let source = TableSource::find(&args.table)?;
     output::check_destination(&args.output, &source.files())?;
     if !args.phi.is_finite() {
         return Err(Error::usage(format_args!("--phi {}: the azimuth must be finite", args.phi)));
@@ -56,7 +56,7 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             PlotKind::Chromaticity => tables::scatter::colour_path(scatter, name, theta.unwrap_or(&MARKED), args.phi)?,
         },
     };
-    save(&picture, &args.output, args.quiet)
+    save_picture(&picture, &args.output, args.quiet)
 }
 
 /// The spectra of a cell between the light and the direction that the options name.

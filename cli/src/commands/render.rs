@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::commands::args::RenderArgs;
-use crate::commands::source::Source;
+use crate::commands::table_source::TableSource;
 use crate::obj;
 use crate::render::body::{Body, BodyShape, BvhMemory};
 use crate::render::camera::Camera;
@@ -15,7 +15,6 @@ use crate::render::surface::Surface;
 use crate::render::{Quality, Stage, render};
 use crate::support::error::{Error, Result};
 use crate::support::output;
-use crate::support::parallel;
 use crate::support::progress::{bar, note};
 
 /// A bigger file is no mesh or environment that this program could hold: 1 GiB.
@@ -23,7 +22,7 @@ const MAX_BYTES: u64 = 1 << 30;
 
 pub fn run(args: &RenderArgs) -> Result<()> {
     let format = Format::of(&args.output)?;
-    let source = Source::find(&args.table)?;
+    let source = TableSource::find(&args.table)?;
     let mut inputs = source.files();
     inputs.extend([file_of(&args.env), file_of(&args.mesh)].into_iter().flatten());
     output::check_destination(&args.output, &inputs)?;
@@ -40,12 +39,12 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     // Bad options are told before files are read.
     Camera::new(&view, glam::DVec3::ZERO, 1.0)?;
 
-    let table = source.table(args.quiet)?;
+    let table = source.table(args.running.quiet)?;
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
     let surface = Surface::new(&table, args.spectral).map_err(name)?;
     surface.check_not_black().map_err(name)?;
-    let environment = Environment::new(light(&args.env, args.quiet)?, args.env_turn);
-    let shape = shape(&args.mesh, args.axes, args.level, args.quiet)?;
+    let environment = Environment::new(light(&args.env, args.running.quiet)?, args.env_turn);
+    let shape = shape(&args.mesh, args.axes, args.level, args.running.quiet)?;
     let mut memory = BvhMemory::default();
     let body = Body::new(&shape, &mut memory)?;
     let (centre, radius) = body.bounds();
@@ -58,19 +57,18 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         camera: &camera,
         background: args.background.0,
     };
-    let threads = args.threads.map_or_else(parallel::available, usize::from);
-    let quality = Quality { samples: args.samples, reflections: args.reflections, threads };
-    let progress = bar(table.name(), view.size[1] as usize, args.quiet);
+    let quality = Quality { samples: args.samples, reflections: args.reflections, threads: args.running.threads() };
+    let progress = bar(table.name(), view.size[1] as usize, args.running.quiet);
     let film = render(&stage, &quality, &|| progress.inc(1))?;
     progress.finish_and_clear();
     if !film.shows_body {
-        note(args.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
+        note(args.running.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
     }
     let bytes = match format {
         Format::Png => {
             let (png, out_of_gamut) = film.png(args.exposure, args.tonemap);
             if let Some(said) = out_of_gamut.note() {
-                note(args.quiet, format_args!("{}: {said}", args.output.display()));
+                note(args.running.quiet, format_args!("{}: {said}", args.output.display()));
             }
             png
         }

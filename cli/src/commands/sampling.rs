@@ -3,7 +3,9 @@
 use std::cell::Cell;
 
 use crate::commands::args::SamplingArgs;
-use crate::commands::{check_outputs, remark_fall_backs, write_csv};
+use crate::commands::csv_file::write_csv;
+use crate::commands::notes::note_fall_backs;
+use crate::commands::pictures::check_outputs;
 use crate::paper::wavelength_count::{Setting, error_curve, picture};
 use crate::scene::load;
 use crate::solve::planar_scene::PlanarScene;
@@ -29,7 +31,7 @@ pub fn run(args: &SamplingArgs) -> Result<()> {
         progress.inc(1);
     })?;
     progress.finish_and_clear();
-    remark_fall_backs(fell_back.get(), all.get(), args.computing.running.quiet);
+    note_fall_backs(fell_back.get(), all.get(), args.computing.running.quiet);
     let rows = points.iter().map(|point| vec![point.samples.to_string(), format!("{:.6}", point.error)]);
     let csv = || write_csv(&args.csv, &["samples", "largest_error"], rows);
     let Some(path) = &args.output else { return csv() };

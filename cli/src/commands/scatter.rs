@@ -4,7 +4,8 @@ use goniochrome::measure::bins::DirectionBins;
 use serde_json::{Value, json};
 
 use crate::commands::args::{ScatterArgs, spelled};
-use crate::commands::{direction, named, remark_on_media};
+use crate::commands::cell_options::{light_direction, listed_wavelengths};
+use crate::commands::notes::note_on_media;
 use crate::scene::load;
 use crate::solve::cell_warnings::{unbalanced, without_sum};
 use crate::solve::mesh_scene::MeshScene;
@@ -20,9 +21,9 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.json, &scene.files)?;
     let mesh_scene = MeshScene::new(&scene)?;
-    let wavelengths = named(&args.wavelengths, &scene)?;
+    let wavelengths = listed_wavelengths(&args.wavelengths, &scene)?;
     let [cos, phi] = args.bins.0;
-    let wi = direction(args.theta, args.phi)?;
+    let wi = light_direction(args.theta, args.phi)?;
     let mut request = ScatterRequest {
         coherence: args.coherence,
         rays: args.rays,
@@ -31,7 +32,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         precision: args.precision,
         threads: args.running.threads(),
     };
-    remark_on_media(&scene, wavelengths, args.running.quiet);
+    note_on_media(&scene, wavelengths, args.running.quiet);
     let once = |request: &ScatterRequest| {
         let progress = bar(&scene.name, steps(wavelengths.len(), request), args.running.quiet);
         let found = scatter(&mesh_scene, wi, wavelengths, request, &|| progress.inc(1));

@@ -3,7 +3,8 @@
 use goniochrome::colour::Illuminant;
 
 use crate::commands::args::SpectrumArgs;
-use crate::commands::{compute, number, write_csv};
+use crate::commands::csv_file::{number, write_csv};
+use crate::commands::planar_spectra::compute_spectra;
 use crate::scene::load;
 use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::Result;
@@ -13,7 +14,7 @@ pub fn run(args: &SpectrumArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.csv, &scene.files)?;
     let planar = PlanarScene::new(&scene)?;
-    let spectra = compute(&planar, &args.theta.0, &args.wavelengths, Illuminant::D65, &args.computing)?;
+    let spectra = compute_spectra(&planar, &args.theta.0, &args.wavelengths, Illuminant::D65, &args.computing)?;
     let rows = (0..spectra.theta_deg.len()).flat_map(|angle| {
         let spectra = &spectra;
         spectra.row(angle).iter().zip(&spectra.wavelength_nm).map(move |(sample, nm)| {

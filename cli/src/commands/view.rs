@@ -1,7 +1,7 @@
 //! `goniochrome view`.
 
 use crate::commands::args::PageArgs;
-use crate::commands::source::Source;
+use crate::commands::table_source::TableSource;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::view::page;
@@ -11,7 +11,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
     if extension != "html" && extension != "htm" {
         return Err(Error::usage(format_args!("{}: a page is written as .html; name it so", args.output.display())));
     }
-    let source = Source::find(&args.table)?;
+    let source = TableSource::find(&args.table)?;
     output::check_destination(&args.output, &source.files())?;
     let table = source.table(args.quiet)?;
     let html = page(&table).map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;

@@ -43,7 +43,7 @@ pub fn choose(
     illuminant: Illuminant,
     request: &SpectraRequest,
 ) -> Result<Choice> {
-    let most = most(theta_deg.len());
+    let max = max_wavelengths(theta_deg.len());
     let integral = Integral::new(planar, range_nm, illuminant, request)?;
     let mut choice = Choice { wavelength_nm: even(range_nm), xyz: Vec::new() };
     // What one angle adds changes the cubics of the others.
@@ -56,26 +56,26 @@ pub fn choose(
             |choice| &choice.wavelength_nm,
             |choice, spectrum, weights| {
                 choice.xyz.push(xyz(&weights.xyz, spectrum.reflectance.iter().copied()));
-                refine(&mut choice.wavelength_nm, spectrum, weights, most);
+                refine(&mut choice.wavelength_nm, spectrum, weights, max);
             },
         )?;
-        if choice.wavelength_nm.len() == before || choice.wavelength_nm.len() == most || theta_deg.len() == 1 {
+        if choice.wavelength_nm.len() == before || choice.wavelength_nm.len() == max || theta_deg.len() == 1 {
             break;
         }
     }
     Ok(choice)
 }
 
-/// As many wavelengths as a table of so many angles holds.
+/// The largest number of wavelengths that a table of so many angles holds.
 #[must_use]
-pub fn most(angles: usize) -> usize {
+pub fn max_wavelengths(angles: usize) -> usize {
     MAX_WAVELENGTHS.min(MAX_SAMPLES / angles.max(1))
 }
 
 /// Adds wavelengths of a spectrum to those that are kept until its colour stands still.
-fn refine(kept: &mut Vec<f64>, spectrum: &Spectrum, weights: &Weights, most: usize) {
+fn refine(kept: &mut Vec<f64>, spectrum: &Spectrum, weights: &Weights, max: usize) {
     while let Some(halves) = Errors::new(kept, spectrum, weights).worst_halves() {
-        let room = most.saturating_sub(kept.len());
+        let room = max.saturating_sub(kept.len());
         if room == 0 {
             return;
         }

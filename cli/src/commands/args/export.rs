@@ -11,16 +11,16 @@ use crate::export::lut::Vary;
 pub struct ExportArgs {
     /// A table made by `estimate` (.exr); for lut and gltf also a scene file or the name of a preset
     pub source: String,
-    /// The format
+    /// The format to write
     #[arg(long, value_enum)]
     pub to: ExportKind,
     /// The file to write
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// Blob: values in half precision
+    /// blob: values in half precision
     #[arg(long)]
     pub half: bool,
-    /// merl and bsdf of mirror-like tables: the lobe's width, α of the GGX distribution in (0, 1]
+    /// merl and bsdf of mirror-like tables: the width of the lobe, α of the GGX distribution in (0, 1]
     #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
     pub roughness: Option<f64>,
     /// bsdf: the table's linear RGB instead of its spectra, for RGB variants of Mitsuba
@@ -29,21 +29,21 @@ pub struct ExportArgs {
     /// lut: texels over cos θ [default: 256]
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=4096))]
     pub width: Option<u16>,
-    /// lut of a scene: the thickness in nm of a layer (1 is the top) over y, such as 1=100:800:64
+    /// lut of a scene: vary the thickness of a layer in nm over y; 1=100:800:64 varies the top layer in 64 rows
     #[arg(long, value_name = "LAYER=FROM:TO:STEPS")]
     pub vary: Option<Vary>,
     /// lut with --vary: the side of the picture at which the range starts [default: top]
     #[arg(long, value_enum)]
     pub origin: Option<Origin>,
-    /// lut: also the shader function that samples it (.glsl, .hlsl or .wgsl)
+    /// lut: also write the shader function that samples it (.glsl, .hlsl or .wgsl)
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
-    /// No remarks on standard error
+    /// Print no notes on standard error
     #[arg(long, short)]
     pub quiet: bool,
 }
 
-/// What `export` writes.
+/// The formats that `export` writes.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum ExportKind {
     /// RGB reflectance over cos θ for shaders (.exr, half floats, or .png, 16 bits)
@@ -58,7 +58,7 @@ pub enum ExportKind {
     Blob,
 }
 
-/// Where the rows of a varied thickness start.
+/// The side of a picture at which the rows of a varied thickness start.
 #[derive(Debug, Clone, Copy, Default, ValueEnum, PartialEq, Eq)]
 pub enum Origin {
     /// The first row of the file: for programs that upload rows in the file's order
@@ -68,13 +68,14 @@ pub enum Origin {
     Bottom,
 }
 
-/// Below, single precision no longer holds the lobe's peak.
-const SMALLEST_ROUGHNESS: f64 = 1e-3;
+/// The smallest roughness: below it, single precision no longer holds the peak of the lobe.
+const MIN_ROUGHNESS: f64 = 1e-3;
 
+/// Parses `--roughness`.
 fn roughness(text: &str) -> Result<f64, String> {
     let alpha = text.parse::<f64>().map_err(|error| error.to_string())?;
-    if alpha > 0.0 && alpha < SMALLEST_ROUGHNESS {
-        return Err(format!("must be at least {SMALLEST_ROUGHNESS}: a smoother lobe is a mirror; export a lut"));
+    if alpha > 0.0 && alpha < MIN_ROUGHNESS {
+        return Err(format!("must be at least {MIN_ROUGHNESS}: a smoother lobe is a mirror; export a lut"));
     }
     if alpha > 0.0 && alpha <= 1.0 { Ok(alpha) } else { Err("must lie in (0, 1]".into()) }
 }

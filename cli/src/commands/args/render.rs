@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 
+use crate::commands::args::shared::Running;
 use crate::render::Background;
 use crate::render::camera::View;
 use crate::render::mesh::{Axes, DEFAULT_LEVEL};
@@ -13,16 +14,16 @@ use crate::render::tone::ToneMap;
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// A table made by `estimate`, or a scene file or preset, of which one is made in memory
+    /// A table made by `estimate`, or a scene file or preset, whose table is made in memory
     #[arg(value_name = "TABLE|SCENE")]
     pub table: PathBuf,
-    /// The picture: .exr, scene-linear R, G, B, A, or .png
+    /// The picture: .exr (scene-linear R, G, B, A) or .png
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// The light: white (1 from everywhere), studio (built in, neutral), or a lat-long image (.exr or Radiance .hdr)
     #[arg(long, value_name = "white|studio|FILE", default_value = "studio")]
     pub env: String,
-    /// Turn the light about the vertical, in degrees counter-clockwise from above
+    /// Turn the light about the vertical, in degrees, counter-clockwise as seen from above
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub env_turn: f64,
     /// What is lit: teapot, sphere (exact), plane, or an OBJ with z up
@@ -37,46 +38,45 @@ pub struct RenderArgs {
     /// Where the camera stands
     #[command(flatten)]
     pub view: ViewArgs,
-    /// Rays through each pixel, a power of two for the evenest spread; 1 goes through its middle
+    /// Rays through each pixel; powers of two are spread most evenly, and 1 goes through the middle
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub samples: u32,
-    /// Reflections to follow where the body reflects itself. With 1 it does not see itself at all; with more, light is
-    /// followed from part to part, and only from the last is the environment seen as if nothing stood in its way
+    /// Number of reflections to trace where the body reflects itself. With 1 it does not see itself. With more, light is
+    /// traced from part to part; the last part sees the environment as if nothing stood in between
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub reflections: u32,
-    /// Shade each wavelength of the table, then integrate; the environment's RGB becomes smooth spectra. Otherwise shade RGB
+    /// Shade each wavelength of the table and then integrate, with the environment's RGB turned into smooth spectra;
+    /// without this option RGB is shaded
     #[arg(long)]
     pub spectral: bool,
-    /// What is seen past the body: environment, transparent, or linear R,G,B such as 0.2,0.2,0.2
+    /// The background: environment, transparent, or linear R,G,B such as 0.2,0.2,0.2
     #[arg(long, value_name = "WHAT", default_value = "environment")]
     pub background: BackgroundArg,
     /// PNG: brighter by this many stops; EXR stays scene-linear
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub exposure: f64,
-    /// PNG: how bright light is brought into the range of a screen
+    /// PNG: the curve that brings bright light into the range of a screen
     #[arg(long, value_enum, default_value_t = ToneMap::None)]
     pub tonemap: ToneMap,
-    /// Worker threads [default: as many as the machine has]; the picture does not depend on it
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// No progress and no remarks on standard error
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
 }
 
-/// Where the camera stands.
+/// Options of the camera.
 #[derive(Debug, Clone, Args)]
 pub struct ViewArgs {
-    /// Around the vertical from +x, in degrees
+    /// Azimuth of the camera around the vertical, in degrees from +x
     #[arg(long, default_value_t = View::default().azimuth_deg, allow_negative_numbers = true)]
     pub azimuth: f64,
-    /// Above the horizon, in degrees
+    /// Elevation of the camera above the horizon, in degrees
     #[arg(long, default_value_t = View::default().elevation_deg, allow_negative_numbers = true)]
     pub elevation: f64,
     /// Field of view of the picture's shorter side, in degrees
     #[arg(long, default_value_t = View::default().field_of_view_deg)]
     pub fov: f64,
-    /// From the middle of the mesh, in radii of a sphere around it [default: the sphere fits into the picture]
+    /// Distance of the camera from the middle of the mesh, in radii of a sphere around it [default: the sphere fits into
+    /// the picture]
     #[arg(long)]
     pub distance: Option<f64>,
     /// Width and height in pixels: 1024, or 1280x720
@@ -85,7 +85,7 @@ pub struct ViewArgs {
 }
 
 impl ViewArgs {
-    /// As the camera wants it.
+    /// The view of the camera.
     #[must_use]
     pub fn view(&self) -> View {
         View {
@@ -98,7 +98,7 @@ impl ViewArgs {
     }
 }
 
-/// `--size`.
+/// The value of `--size`: width and height in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SizeArg(pub [u32; 2]);
 
@@ -114,7 +114,7 @@ impl FromStr for SizeArg {
     }
 }
 
-/// `--background`.
+/// The value of `--background`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackgroundArg(pub Background);
 

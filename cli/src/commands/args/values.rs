@@ -1,5 +1,7 @@
 //! Values that options of several commands take.
 
+use std::str::FromStr;
+
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use goniochrome::colour::{Illuminant, RgbSpace};
@@ -12,12 +14,12 @@ use crate::solve::precision::Precision;
 use crate::solve::scatter::Coherence;
 use crate::solve::spectra::Method;
 
-/// `--model`.
+/// The values of `--model`.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum ModelArg {
-    /// Complex amplitudes of s and p, power |Σ|²
+    /// Waves add as complex amplitudes of s and p light; the power is |Σ|²
     Physical,
-    /// Fresnel power ratios as weights, flux |Σ|
+    /// Waves are weighted by Fresnel's power ratios, as the paper writes; the power is |Σ|
     Paper,
 }
 
@@ -30,10 +32,10 @@ impl From<ModelArg> for Model {
     }
 }
 
-/// `--illuminant`.
+/// The values of `--illuminant`.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum IlluminantArg {
-    /// Daylight, 6504 K
+    /// Daylight of 6504 K
     #[value(name = "D65")]
     D65,
     /// Equal energy
@@ -50,7 +52,7 @@ impl From<IlluminantArg> for Illuminant {
     }
 }
 
-/// `--space`.
+/// The values of `--space`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SpaceArg(pub RgbSpace);
 
@@ -78,7 +80,8 @@ impl From<SpaceArg> for RgbSpace {
     }
 }
 
-/// Teaches the command line the values of a type that knows nothing of it: variant, name, help.
+/// Implements clap's `ValueEnum` for a type of another module, which does not depend on the command line: variant, name,
+/// help.
 macro_rules! value_enum {
     ($type:ty: $($variant:ident => $name:expr, $help:literal;)+) => {
         impl ValueEnum for $type {
@@ -99,19 +102,19 @@ macro_rules! value_enum {
 value_enum! { Method:
     Stack => "stack", "The closed form of the planar stack";
     Trace => "trace", "Ray splitting, every loop summed exactly";
-    Hits => "hits", "Ray splitting hit by hit; samples whose sum diverges or takes too long fall back to closed loops, and are counted";
+    Hits => "hits", "Ray splitting hit by hit; samples that do not converge in time fall back to closed loops, and are counted";
 }
 
 value_enum! { Precision:
-    F32 => "f32", "Single precision. R and T of planes to 1e-5: samples that it cannot hold are computed again with more digits";
-    F64 => "f64", "Double precision. R and T of planes to 1e-11, likewise";
+    F32 => "f32", "Single precision: R and T of planar scenes to 1e-5; samples that need more digits are computed with more";
+    F64 => "f64", "Double precision: R and T of planar scenes to 1e-11; samples that need more digits are computed with more";
 }
 
 value_enum! { Coherence:
     Ray => Coherence::Ray.name(), "Paths of one starting ray that leave in one bin interfere; starting rays add as powers";
-    None => Coherence::None.name(), "Every path adds as power: classic geometric optics";
-    Bin => Coherence::Bin.name(), "All exits in a bin interfere, whatever starting ray they come from: the paper's section 2.2, literally";
-    Cell => Coherence::Cell.name(), "The period is one coherent field, which leaves in diffraction orders; reflection alone";
+    None => Coherence::None.name(), "Nothing interferes: all paths add as powers, as in geometric optics";
+    Bin => Coherence::Bin.name(), "All paths that leave in one bin interfere, whatever their starting ray: the paper's section 2.2, literally";
+    Cell => Coherence::Cell.name(), "All light interferes: the period is one field, which leaves in diffraction orders; reflection only";
 }
 
 value_enum! { Axes:
@@ -120,12 +123,34 @@ value_enum! { Axes:
 }
 
 value_enum! { ToneMap:
-    None => "none", "As it is; colours out of range are desaturated, then scaled, as in every picture of this program";
+    None => "none", "No curve; colours out of range are desaturated, then scaled, as in every picture of this program";
     Reinhard => "reinhard", "Reinhard's curve on luminance, L (1 + L/16)/(1 + L): radiance 4 becomes white";
     Filmic => "filmic", "A film-like curve for each of R, G and B (Narkowicz's fit of ACES): highlights bleach";
 }
 
-/// The name of a value as the command line spells it.
+/// Parses a number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().map_err(|error| error.to_string())?;
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("must be positive".into()) }
+}
+
+/// Numbers of bins in cos θ and in φ, such as `8x16`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bins(pub [u32; 2]);
+
+impl FromStr for Bins {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let part = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=1024).contains(n));
+        match text.split_once('x').map(|(cos, phi)| (part(cos), part(phi))) {
+            Some((Some(cos), Some(phi))) => Ok(Self([cos, phi])),
+            _ => Err("expected two numbers such as 8x16, each from 1 to 1024".into()),
+        }
+    }
+}
+
+/// The name of a value on the command line.
 #[must_use]
 pub fn spelled(value: impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())

@@ -7,13 +7,13 @@ use clap::Args;
 /// Arguments of `view`.
 #[derive(Debug, Args)]
 pub struct PageArgs {
-    /// A table made by `estimate`, or a scene file or preset, of which one is made in memory
+    /// A table made by `estimate`, or a scene file or preset, whose table is made in memory
     #[arg(value_name = "TABLE|SCENE")]
     pub table: PathBuf,
     /// The page (.html): one file that needs no network
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// No progress and no remarks on standard error
+    /// Print no progress and no notes on standard error
     #[arg(long, short)]
     pub quiet: bool,
 }

@@ -1,29 +1,29 @@
-//! A table to draw: read from a file, or made in memory from a scene.
+//! The table that a command draws: read from a file, or made in memory from a scene.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::commands::estimate;
+use crate::commands::make_table::make_table_in_memory;
 use crate::scene::{Scene, load};
 use crate::support::error::Result;
 use crate::support::progress::note;
 use crate::table::{Table, file};
 
-/// Where a table comes from.
-pub(super) enum Source {
+/// The source of a table.
+pub(super) enum TableSource {
     /// A file that `estimate` wrote.
     File(PathBuf),
     /// A scene file or a preset.
     Scene(Box<Scene>),
 }
 
-impl Source {
-    /// What the first argument of `plot`, `render` and `view` names. Names that end in .exr and files that begin as
-    /// OpenEXR are tables; everything else is a scene.
+impl TableSource {
+    /// The source that the first argument of `plot`, `render` and `view` names. Names that end in .exr and files that
+    /// begin as OpenEXR are tables; everything else is a scene.
     ///
     /// # Errors
-    /// As [`load`].
+    /// A scene that cannot be read, or is no scene.
     pub fn find(name: &Path) -> Result<Self> {
         let named = name.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
         match name.to_str() {
@@ -32,7 +32,7 @@ impl Source {
         }
     }
 
-    /// The files that are read, which no output may overwrite.
+    /// The files that are read; no output may overwrite them.
     pub fn files(&self) -> Vec<PathBuf> {
         match self {
             Self::File(path) => vec![path.clone()],
@@ -40,7 +40,7 @@ impl Source {
         }
     }
 
-    /// The table. That of a scene is made by the defaults of `estimate`, for cells with fewer rays.
+    /// The table. For a scene it is made by the defaults of `estimate`, for cells with fewer rays.
     ///
     /// # Errors
     /// A file that is no table; a scene that cannot be computed.
@@ -48,10 +48,10 @@ impl Source {
         match self {
             Self::File(path) => file::read(path),
             Self::Scene(scene) => {
-                let (table, said) = estimate::in_memory(scene, quiet)?;
+                let (table, summary) = make_table_in_memory(scene, quiet)?;
                 note(
                     quiet,
-                    format_args!("{}: {said}; `goniochrome estimate` keeps a table and has options", scene.name),
+                    format_args!("{}: {summary}; `goniochrome estimate` keeps a table and has options", scene.name),
                 );
                 Ok(table)
             }

@@ -1,0 +1,81 @@
+//! Arguments of `estimate`.
+
+use std::path::PathBuf;
+
+use clap::{Args, FromArgMatches as _};
+
+use crate::commands::args::shared::{Colouring, Computing};
+use crate::commands::args::values::Bins;
+use crate::solve::grid::Wavelengths;
+use crate::solve::scatter::Coherence;
+
+/// Arguments of `estimate`.
+#[derive(Debug, Args)]
+pub struct EstimateArgs {
+    /// A scene file or the name of a preset
+    pub scene: String,
+    /// The table to write (.exr)
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Also draw the table as a disc (.png or .svg)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Planar scenes: number of angles of incidence, evenly spaced from 0 up to but not including 90° [default: 90]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(2..=9000))]
+    pub angles: Option<u16>,
+    /// Wavelengths in nm: a list 450,550, a range 380:780:5 (start:end:step), or auto: as many as the colours of a planar
+    /// scene need [default: auto, for cells 380:780:10]
+    #[arg(long, allow_hyphen_values = true)]
+    pub wavelengths: Option<Wavelengths>,
+    /// How a cell of tilted facets is sampled
+    #[command(flatten)]
+    pub cell: CellSampling,
+    /// From spectrum to colour
+    #[command(flatten)]
+    pub colouring: Colouring,
+    /// How to compute
+    #[command(flatten)]
+    pub computing: Computing,
+}
+
+impl EstimateArgs {
+    /// The defaults of all options. The scene and the output are placeholders, not files.
+    #[must_use]
+    pub fn defaults() -> Self {
+        let command = Self::augment_args(clap::Command::new("estimate").no_binary_name(true));
+        let matches = command.get_matches_from(["scene", "--output", "table.exr"]);
+        Self::from_arg_matches(&matches).expect("the command line accepts its own defaults")
+    }
+}
+
+/// Options of `estimate` for sampling a cell of tilted facets; planar scenes refuse them.
+#[derive(Debug, Clone, Args)]
+pub struct CellSampling {
+    /// Cells: number of incident directions, θ × φ; with one φ the table is isotropic, averaged around the normal
+    /// [default: 8x16]
+    #[arg(long, value_name = "THETAxPHI")]
+    pub incident: Option<Bins>,
+    /// Cells: number of bins of outgoing directions, cos θ × φ; the number of φ must be a multiple of that of --incident
+    /// [default: 16x32]
+    #[arg(long, value_name = "COSxPHI")]
+    pub bins: Option<Bins>,
+    /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
+    pub rays: Option<u32>,
+    /// Cells: which light interferes where it leaves [default: ray]
+    #[arg(long, value_enum)]
+    pub coherence: Option<Coherence>,
+    /// Cells: seed of the random sequence of starting rays [default: 0]
+    #[arg(long)]
+    pub seed: Option<u32>,
+    /// Cells: average f(wi, wo) and f(wo, wi): less noise, and a table that path tracers may use from either end
+    #[arg(long)]
+    pub reciprocal: bool,
+    /// Cells: double the rays of each incident direction until the standard error of its albedo is at most this, up to
+    /// 4194304 rays
+    #[arg(long, value_name = "ERROR")]
+    pub target_error: Option<f64>,
+    /// Cells: start over and discard the finished part of an interrupted run; without this option the command resumes it
+    #[arg(long)]
+    pub restart: bool,
+}

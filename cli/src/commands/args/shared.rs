@@ -1,0 +1,69 @@
+//! Options that several commands share.
+
+use clap::Args;
+use goniochrome::colour::RgbSpace;
+
+use crate::commands::args::values::{IlluminantArg, ModelArg, SpaceArg};
+use crate::solve::precision::Precision;
+use crate::solve::spectra::{Method, SpectraRequest};
+use crate::support::parallel;
+
+/// Options of every command that computes: how it runs.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Running {
+    /// Worker threads [default: as many as the machine has]; results do not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print no progress and no notes on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl Running {
+    /// The number of threads to use.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.threads.map_or_else(parallel::available, usize::from)
+    }
+}
+
+/// Options of every command for planar scenes: how to compute.
+#[derive(Debug, Clone, Args)]
+pub struct Computing {
+    /// Exact physics, or the paper's words taken literally
+    #[arg(long, value_enum, default_value_t = ModelArg::Physical)]
+    pub model: ModelArg,
+    /// Closed form, ray tracing with loops summed exactly, or ray tracing hit by hit
+    #[arg(long, value_enum, default_value_t = Method::Trace)]
+    pub method: Method,
+    /// Single or double precision
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
+}
+
+impl Computing {
+    /// The request for spectra.
+    #[must_use]
+    pub fn request(&self) -> SpectraRequest {
+        SpectraRequest {
+            model: self.model.into(),
+            method: self.method,
+            precision: self.precision,
+            threads: self.running.threads(),
+        }
+    }
+}
+
+/// Options of commands that turn a spectrum into a colour.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Colouring {
+    /// The spectrum of the light
+    #[arg(long, value_enum, ignore_case = true, default_value_t = IlluminantArg::D65)]
+    pub illuminant: IlluminantArg,
+    /// The colour space of R, G, B; linear, unclipped
+    #[arg(long, value_enum, default_value_t = SpaceArg(RgbSpace::Srgb))]
+    pub space: SpaceArg,
+}

@@ -1,0 +1,108 @@
+//! The 4D table of a cell of tilted facets.
+
+use std::path::Path;
+use std::sync::Once;
+
+use goniochrome::colour::Quadrature;
+use goniochrome::measure::bins::DirectionBins;
+use goniochrome::table::ScatterLayout;
+
+use crate::colour::visible_weights;
+use crate::commands::args::{EstimateArgs, ModelArg};
+use crate::commands::cell_options::listed_wavelengths;
+use crate::commands::make_table::metadata::scatter_metadata;
+use crate::commands::notes::note_on_media;
+use crate::scene::Scene;
+use crate::solve::cell_table::{TableRequest, estimate};
+use crate::solve::cell_warnings::{too_few, unbalanced, without_sum};
+use crate::solve::checkpoint::Checkpoint;
+use crate::solve::grid::Wavelengths;
+use crate::solve::mesh_scene::MeshScene;
+use crate::solve::scatter::ScatterRequest;
+use crate::solve::spectra::Method;
+use crate::support::error::{Error, Result};
+use crate::support::progress::{bar, note};
+use crate::table::Table;
+
+/// The default number of starting rays of an incident direction.
+const RAYS: u32 = 4096;
+
+/// Traces the table of a cell; also returns its summary, and its checkpoint if it has an output.
+pub(super) fn scatter_table(
+    args: &EstimateArgs,
+    scene: &Scene,
+    output: Option<&Path>,
+) -> Result<(Table, String, Option<Checkpoint>)> {
+    let refuse =
+        |option: &str, why: &str| Error::usage(format_args!("{option}: {} has tilted facets; {why}", scene.name));
+    if args.angles.is_some() {
+        return Err(refuse("--angles", "name its directions by --incident"));
+    }
+    if args.computing.model != ModelArg::Physical {
+        return Err(refuse("--model", "they are traced by exact physics alone"));
+    }
+    if args.computing.method != Method::Trace {
+        return Err(refuse("--method", "they can only be traced"));
+    }
+    let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
+    let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
+    let cell = &args.cell;
+    if cell.target_error.is_some_and(|error| error.is_nan() || error <= 0.0) {
+        return Err(Error::usage("--target-error must be positive"));
+    }
+    let [theta, phi] = cell.incident.map_or([8, 16], |bins| bins.0);
+    let [cos, around] = cell.bins.map_or([16, 32], |bins| bins.0);
+    let bins = DirectionBins { cos, phi: around };
+    let layout = ScatterLayout::new(theta, phi, bins)
+        .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))?;
+    let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
+    let tracing = ScatterRequest {
+        coherence: cell.coherence.unwrap_or_default(),
+        rays: cell.rays.unwrap_or(RAYS),
+        seed: cell.seed.unwrap_or(0),
+        bins,
+        precision: args.computing.precision,
+        threads: args.computing.request().threads,
+    };
+    let space = args.colouring.space.into();
+    let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
+    let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
+    let mesh_scene = MeshScene::new(scene)?;
+    note_on_media(scene, wavelength_nm, args.computing.running.quiet);
+    let checkpoint = match output {
+        Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), cell.restart)?,
+        None => None,
+    };
+    let quiet = args.computing.running.quiet;
+    let progress = bar(&scene.name, layout.incident_count(), quiet);
+    // The first finished direction tells of the checkpoint: a request that is refused has nothing to resume.
+    let (message, told) = (checkpoint.as_ref().map(Checkpoint::says), Once::new());
+    let finished = || {
+        told.call_once(|| message.iter().for_each(|message| progress.suspend(|| note(quiet, message))));
+        progress.inc(1);
+    };
+    let mut table = estimate(&mesh_scene, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
+    progress.finish_and_clear();
+    if let Err(error) = table.check() {
+        checkpoint.map_or(Ok(()), Checkpoint::remove)?;
+        return Err(error);
+    }
+    let coherence = request.tracing.coherence;
+    let imbalance = table.worst_imbalance(|imbalance| unbalanced(coherence, imbalance).is_some());
+    let alone = table.energy.iter().map(|energy| energy.without_interference).fold(0.0, f64::max);
+    let few = too_few(&mesh_scene, coherence, wavelength_nm);
+    let warnings: Vec<String> =
+        [unbalanced(coherence, imbalance), without_sum(alone), few].into_iter().flatten().collect();
+    warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
+    let imbalance = table.worst_imbalance(|_| true).value;
+    table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, &warnings);
+    let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);
+    let summary = format!(
+        "{theta} × {phi} incident directions × {cos} × {around} bins × {} wavelengths; standard error of the albedo ≤ {:.1e}, \
+         truncated ≤ {truncated:.1e}, imbalance ≤ {:.1e}",
+        wavelength_nm.len(),
+        table.worst_error(),
+        imbalance.abs(),
+    );
+    Ok((table.into(), summary, checkpoint))
+}

@@ -1,0 +1,41 @@
+//! The table of a scene, as `estimate` makes it.
+
+mod metadata;
+mod planar;
+mod cell;
+
+use std::path::Path;
+
+use crate::commands::args::EstimateArgs;
+use crate::scene::{Scene, Shape};
+use crate::solve::checkpoint::Checkpoint;
+use crate::support::error::Result;
+use crate::table::Table;
+
+/// Starting rays for a cell's table that is only drawn: the presets then take seconds.
+const RAYS_IN_MEMORY: u32 = 512;
+
+/// Makes the table of a scene; also returns its summary, and the checkpoint with its finished parts if it has an output.
+pub(super) fn make_table(
+    args: &EstimateArgs,
+    scene: &Scene,
+    output: Option<&Path>,
+) -> Result<(Table, String, Option<Checkpoint>)> {
+    match &scene.shape {
+        Shape::Mesh(_) => cell::scatter_table(args, scene, output),
+        Shape::Stack { .. } | Shape::Planes(_) => {
+            planar::mirror_table(args, scene).map(|(table, summary)| (table, summary, None))
+        }
+    }
+}
+
+/// Makes the table of a scene by the defaults of `estimate`, for cells with fewer rays; also returns its summary. Nothing
+/// is written.
+pub(super) fn make_table_in_memory(scene: &Scene, quiet: bool) -> Result<(Table, String)> {
+    let mut args = EstimateArgs::defaults();
+    args.computing.running.quiet = quiet;
+    if matches!(scene.shape, Shape::Mesh(_)) {
+        args.cell.rays = Some(RAYS_IN_MEMORY);
+    }
+    make_table(&args, scene, None).map(|(table, summary, _)| (table, summary))
+}
