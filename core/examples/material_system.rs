@@ -1,7 +1,7 @@
-//! A table behind the material trait of a game engine: loaded once, no allocation in a frame.
+//! Table blob behind the material trait of a game engine: it is loaded once, and a frame allocates nothing.
 //!
-//! `cargo run --release -p goniochrome --example material_system [TABLE.gonio]` shades a frame's worth of points and prints
-//! their mean colour; `goniochrome export --to blob` makes a table.
+//! `cargo run --release -p goniochrome --example material_system [TABLE.gonio]` shades a frame's worth of points and
+//! prints their mean colour; `goniochrome export --to blob` makes a table.
 
 use std::error::Error;
 
@@ -11,23 +11,23 @@ use goniochrome::table::MirrorTable;
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::trace::sobol::sobol;
 
-/// What the engine draws from a material; radiance is not its business.
+/// Direction that the engine samples from a material. The engine finds the radiance from there itself.
 struct Bounce {
-    /// Where the path goes on.
+    /// Direction in which the path continues.
     direction: Vec3,
-    /// What it is worth: BRDF times cosine over density.
+    /// Weight of the path: BRDF times cosine divided by density.
     throughput: Vec3,
 }
 
-/// The engine's interface: directions are in the surface's frame, z its normal.
+/// Interface of the engine's materials. Directions are in the surface's frame, whose z is the normal.
 trait Material {
     /// BRDF times cosine, for lights of known direction.
     fn evaluate(&self, eye: Vec3, light: Vec3) -> Vec3;
-    /// A direction for a path, from two random numbers.
+    /// Samples a direction for a path, by two random numbers.
     fn bounce(&self, eye: Vec3, random: Vec2) -> Option<Bounce>;
 }
 
-/// A structural colour. Borrows the asset's bytes, wherever the engine has mapped them.
+/// Structural colour that borrows the asset's bytes, wherever the engine has mapped them.
 struct StructuralColour<'asset> {
     table: Contents<'asset>,
 }
@@ -41,7 +41,7 @@ impl<'asset> StructuralColour<'asset> {
 impl Material for StructuralColour<'_> {
     fn evaluate(&self, eye: Vec3, light: Vec3) -> Vec3 {
         match &self.table {
-            // A mirror sends no light of a lamp that is a point; reflection probes come by `bounce`.
+            // A mirror reflects no light of a point lamp. `bounce` serves reflection probes.
             Contents::Mirror(_) => Vec3::ZERO,
             Contents::Scatter(table, _) => Vec3::from(table.rgb(eye, light)) * light.z.max(0.0),
         }
@@ -62,7 +62,7 @@ impl Material for StructuralColour<'_> {
     }
 }
 
-/// The asset that is drawn when none is named: a film whose red fades with the angle.
+/// Asset that is used if none is named: a film whose red fades with the angle.
 fn built_in() -> Result<Vec<u8>, Box<dyn Error>> {
     let ramp: Vec<f32> = (0..32).flat_map(|i| [1.0 - i as f32 / 32.0, 0.4, 0.2 + i as f32 / 64.0]).collect();
     let table = MirrorTable::new(&ramp, 3, core::f64::consts::FRAC_PI_2)?;
@@ -72,7 +72,7 @@ fn built_in() -> Result<Vec<u8>, Box<dyn Error>> {
     Ok(bytes)
 }
 
-/// A frame: every point of a hemisphere seen under a white sky and one lamp.
+/// Mean colour of a frame: points of a hemisphere under a white sky and one lamp.
 fn frame(material: &dyn Material, points: u32) -> Vec3 {
     let lamp = Vec3::new(0.6, 0.0, 0.8);
     let mut sum = Vec3::ZERO;

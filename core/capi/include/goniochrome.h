@@ -1,9 +1,9 @@
-/* C interface of goniochrome. cbindgen generates this file from core/capi; tests/run there checks that it is up to date.
+/* C interface of goniochrome. cbindgen generates this file from core/capi.
  *
  * Objects live in memory of the caller and need no destruction. Every call is re-entrant: it keeps no state, allocates
- * nothing, and uses the caller's stack. Results are written only if the status is GONIO_STATUS_OK. Pointers may be NULL or
- * misaligned: calls return a status for those. Lengths are in nanometres; z is the surface's normal; directions leave the
- * surface.
+ * nothing, and uses the caller's stack. Results are written only if the status is GONIO_STATUS_OK. Pointers may be NULL
+ * or misaligned: calls return a status for those. Lengths are in nanometres; z is the surface's normal; directions
+ * leave the surface.
  */
 
 #ifndef GONIOCHROME_H
@@ -147,8 +147,8 @@ enum gonio_status
      */
     GONIO_STATUS_WAVELENGTH = 8,
     /*
-     A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0
-     to 1e6).
+     A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from
+     0 to 1e6).
      */
     GONIO_STATUS_MEDIUM = 9,
     /*
@@ -239,8 +239,8 @@ typedef struct {
 } gonio_stack;
 
 /*
- Complex refractive index n + ik of a medium by vacuum wavelength. The arrays must outlive the objects that are made from
- it.
+ Complex refractive index n + ik of a medium by vacuum wavelength. The arrays must outlive the objects that are made
+ from it.
  */
 typedef struct {
     /*
@@ -335,9 +335,9 @@ typedef struct {
 } gonio_interface;
 
 /*
- Mesh over one period, [0, period_x] × [0, period_y], z up, which repeats. It must be closed: light that falls through a
- hole is lost and counts as truncated. Vertices that lie beside the border of the period by the rounding of single
- precision are moved onto it.
+ Mesh over one period, [0, period_x] × [0, period_y], z up, which repeats. It must be closed: light that falls
+ through a hole is lost and counts as truncated. Vertices that lie beside the border of the period by the rounding of
+ single precision are moved onto it.
  */
 typedef struct {
     /*
@@ -480,12 +480,12 @@ const char *gonio_status_text(int32_t status);
 gonio_status gonio_colour_make(gonio_colour *colour, uint32_t illuminant, uint32_t space);
 
 /*
- Makes a stack of `layer_count` layers, listed from the top. Light comes from medium `ambient`; below the last layer lies
- medium `substrate`, or GONIO_MIRROR. The layers are copied; the media's arrays are not.
+ Makes a stack of `layer_count` layers, listed from the top. Light comes from medium `ambient`; below the last layer
+ lies medium `substrate`, or GONIO_MIRROR. The layers are copied; the media's arrays are not.
 
  # Safety
- Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say. The media's
- arrays outlive the stack.
+ Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say. The
+ media's arrays outlive the stack.
  */
 gonio_status gonio_stack_make(gonio_stack *stack,
                               const gonio_medium *media,
@@ -499,8 +499,8 @@ gonio_status gonio_stack_make(gonio_stack *stack,
  Computes the reflectance for s and p polarised light that arrives at `cos_theta`, at each of `count` wavelengths.
 
  cos_theta is in [0, 1]; at 0 the result is the limit: everything is reflected. Any other value, and NaN, give
- GONIO_STATUS_ANGLE. Results differ from exact arithmetic by less than 1e-6: computation is in double precision and is
- rounded once. It uses 20 KiB of stack, 35 KiB with AVX-512.
+ GONIO_STATUS_ANGLE. Results differ from exact arithmetic by less than 1e-6: computation is in double precision and
+ is rounded once. It uses 20 KiB of stack, 35 KiB with AVX-512.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
@@ -513,11 +513,12 @@ gonio_status gonio_stack_reflectance(const gonio_stack *stack,
                                      float *reflectance_p);
 
 /*
- Computes the linear RGB of unpolarised light that is reflected at `cos_theta`, in [0, 1]. Components may be negative.
+ Computes the linear RGB of unpolarised light that is reflected at `cos_theta`, in [0, 1]. Components may be
+ negative.
 
  It sums over 81 wavelengths, 5 nm apart. For films in air up to n d = 6 micrometres the result is within 5e-4 of the
- integral. Thicker stacks and narrow filters have fringes between those wavelengths, and would be tinted: compute their
- reflectance at finer wavelengths by gonio_stack_reflectance and sum that.
+ integral. Thicker stacks and narrow filters have fringes between those wavelengths, and would be tinted: compute
+ their reflectance at finer wavelengths by gonio_stack_reflectance and sum that.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
@@ -525,14 +526,14 @@ gonio_status gonio_stack_reflectance(const gonio_stack *stack,
 gonio_status gonio_stack_rgb(const gonio_stack *stack, const gonio_colour *colour, double cos_theta, float *rgb);
 
 /*
- Computes the size in bytes of the memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if
- there are too many.
+ Computes the size in bytes of the memory, at any alignment, that a cell of so many triangles and interfaces needs; 0
+ if there are too many.
  */
 size_t gonio_cell_memory_size(size_t triangle_count, size_t interface_count);
 
 /*
- Computes the size in bytes of the memory, at any alignment, that gonio_cell_trace needs for such light; 0 if there are
- too many wavelengths or bins.
+ Computes the size in bytes of the memory, at any alignment, that gonio_cell_trace needs for such light; 0 if there
+ are too many wavelengths or bins.
 
  # Safety
  A pointer that is neither NULL nor misaligned points to an object of its type.
@@ -540,23 +541,21 @@ size_t gonio_cell_memory_size(size_t triangle_count, size_t interface_count);
 size_t gonio_trace_memory_size(const gonio_light *light);
 
 /*
- Makes a cell in `memory`, which has `memory_size` bytes, at least as many as gonio_cell_memory_size says. The cell keeps
- pointers into `memory` and to the media's arrays: all must outlive the cell and must not change. Triangles of one
- interface in one plane form one facet; they are found by comparing each with each, which suits cells of up to some
- thousand triangles.
+ Makes a cell in `memory`, which has `memory_size` bytes, at least as many as gonio_cell_memory_size says. The cell
+ keeps pointers into `memory` and to the media's arrays: all must outlive the cell and must not change. Triangles of
+ one interface in one plane form one facet; they are found by comparing each with each, which suits cells of up to
+ some thousand triangles.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
  */
-gonio_status gonio_cell_make(gonio_cell *cell,
-                             const gonio_mesh *mesh,
-                             uint8_t *memory,
-                             size_t memory_size);
+gonio_status gonio_cell_make(gonio_cell *cell, const gonio_mesh *mesh, uint8_t *memory, size_t memory_size);
 
 /*
- Traces light through a cell. `power` receives one element for each wavelength. Unless it is NULL, `bins` receives, for
- each wavelength, the reflected power of each bin, row by row in cos theta. `memory` has `memory_size` bytes, at least as
- many as gonio_trace_memory_size says, and is used by this call alone. It uses 29 KiB of stack, 51 KiB with AVX-512.
+ Traces light through a cell. `power` receives one element for each wavelength. Unless it is NULL, `bins` receives,
+ for each wavelength, the reflected power of each bin, row by row in cos theta. `memory` has `memory_size` bytes, at
+ least as many as gonio_trace_memory_size says, and is used by this call alone. It uses 29 KiB of stack, 51 KiB with
+ AVX-512.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
@@ -586,8 +585,8 @@ gonio_status gonio_table_view(gonio_table *table, const uint8_t *bytes, size_t s
 gonio_status gonio_table_describe(const gonio_table *table, gonio_table_description *description);
 
 /*
- Looks up the RGB reflectance of a mirror-like surface at `cos_theta`. It is constant beyond the table's largest angle.
- NaN and cosines outside [0, 1] give GONIO_STATUS_ANGLE.
+ Looks up the RGB reflectance of a mirror-like surface at `cos_theta`. It is constant beyond the table's largest
+ angle. NaN and cosines outside [0, 1] give GONIO_STATUS_ANGLE.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
@@ -595,8 +594,9 @@ gonio_status gonio_table_describe(const gonio_table *table, gonio_table_descript
 gonio_status gonio_table_reflectance(const gonio_table *table, float cos_theta, float *rgb);
 
 /*
- Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are unit
- vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is below it.
+ Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are
+ unit vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is
+ below it.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.

@@ -45,9 +45,9 @@ pub struct Interface {
     pub below: u16,
 }
 
-/// Mesh over one period, [0, period_x] × [0, period_y], z up, which repeats. It must be closed: light that falls through a
-/// hole is lost and counts as truncated. Vertices that lie beside the border of the period by the rounding of single
-/// precision are moved onto it.
+/// Mesh over one period, [0, period_x] × [0, period_y], z up, which repeats. It must be closed: light that falls
+/// through a hole is lost and counts as truncated. Vertices that lie beside the border of the period by the rounding of
+/// single precision are moved onto it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh {
@@ -133,8 +133,8 @@ const MAX_SIDE: u32 = 1024;
 type WaveSlot = Slot<WaveState<F32>, WaveField<F32>>;
 type PathSlot = Slot<Path<F32>, Coherency<F32>>;
 
-/// Computes the size in bytes of the memory, at any alignment, that a cell of so many triangles and interfaces needs; 0 if
-/// there are too many.
+/// Computes the size in bytes of the memory, at any alignment, that a cell of so many triangles and interfaces needs; 0
+/// if there are too many.
 #[unsafe(no_mangle)]
 pub extern "C" fn gonio_cell_memory_size(triangle_count: usize, interface_count: usize) -> usize {
     let corner_count = triangle_count.checked_mul(3);
@@ -151,8 +151,8 @@ pub extern "C" fn gonio_cell_memory_size(triangle_count: usize, interface_count:
     sum(sizes)
 }
 
-/// Computes the size in bytes of the memory, at any alignment, that gonio_cell_trace needs for such light; 0 if there are
-/// too many wavelengths or bins.
+/// Computes the size in bytes of the memory, at any alignment, that gonio_cell_trace needs for such light; 0 if there
+/// are too many wavelengths or bins.
 ///
 /// # Safety
 /// A pointer that is neither NULL nor misaligned points to an object of its type.
@@ -182,10 +182,10 @@ fn bin_count(light: &Light) -> Option<usize> {
     (valid(light.bins_cos) && valid(light.bins_phi)).then_some(light.bins_cos as usize * light.bins_phi as usize)
 }
 
-/// Makes a cell in `memory`, which has `memory_size` bytes, at least as many as gonio_cell_memory_size says. The cell keeps
-/// pointers into `memory` and to the media's arrays: all must outlive the cell and must not change. Triangles of one
-/// interface in one plane form one facet; they are found by comparing each with each, which suits cells of up to some
-/// thousand triangles.
+/// Makes a cell in `memory`, which has `memory_size` bytes, at least as many as gonio_cell_memory_size says. The cell
+/// keeps pointers into `memory` and to the media's arrays: all must outlive the cell and must not change. Triangles of
+/// one interface in one plane form one facet; they are found by comparing each with each, which suits cells of up to
+/// some thousand triangles.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
@@ -207,8 +207,8 @@ pub unsafe extern "C" fn gonio_cell_make(
 /// Builds the cell in a block of memory.
 ///
 /// # Safety
-/// The mesh's pointers that are neither NULL nor misaligned point to as many elements as its counts say, which outlive the
-/// cell.
+/// The mesh's pointers that are neither NULL nor misaligned point to as many elements as its counts say, which outlive
+/// the cell.
 unsafe fn build(mesh: &Mesh, mut block: Block) -> Result<CellObject, Status> {
     // SAFETY: the caller's promises; glam's vectors are three numbers in a row.
     let (vertices, triangles, kinds, interfaces, media) = unsafe {
@@ -265,8 +265,8 @@ fn group_into_facets(
     facet_of: &mut [u32],
     facets: &mut [Facet],
 ) -> Result<usize, Status> {
-    /// Largest difference of normals, and largest distance from a plane relative to the largest coordinate: the rounding
-    /// of single-precision files.
+    /// Largest difference of normals, and largest distance from a plane relative to the largest coordinate: the
+    /// rounding of single-precision files.
     const MAX_DEVIATION: f64 = 1e-6;
     let corner = |vertex: u32| vertices.get(vertex as usize).copied().ok_or(Status::Index);
     let extent = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
@@ -289,9 +289,10 @@ fn group_into_facets(
     Ok(count)
 }
 
-/// Traces light through a cell. `power` receives one element for each wavelength. Unless it is NULL, `bins` receives, for
-/// each wavelength, the reflected power of each bin, row by row in cos theta. `memory` has `memory_size` bytes, at least as
-/// many as gonio_trace_memory_size says, and is used by this call alone. It uses 29 KiB of stack, 51 KiB with AVX-512.
+/// Traces light through a cell. `power` receives one element for each wavelength. Unless it is NULL, `bins` receives,
+/// for each wavelength, the reflected power of each bin, row by row in cos theta. `memory` has `memory_size` bytes, at
+/// least as many as gonio_trace_memory_size says, and is used by this call alone. It uses 29 KiB of stack, 51 KiB with
+/// AVX-512.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.

@@ -7,16 +7,16 @@ use goniochrome::optics::medium::{Dispersion, Extrapolate, Medium as CoreMedium}
 /// Largest number of media of a stack or a cell.
 pub const GONIO_MAX_MEDIA: usize = 16;
 
-/// Largest n and k; its inverse is the smallest n. The command line has the same bounds. Fourth powers stay within single
-/// precision.
+/// Largest n and k; its inverse is the smallest n. The command line has the same bounds. Fourth powers stay within
+/// single precision.
 const MAX_INDEX: f64 = 1e6;
 /// Largest length and wavelength in nanometres: a metre.
 pub(crate) const MAX_NM: f64 = 1e9;
 /// Smallest wavelength in nanometres.
 const MIN_NM: f64 = 1e-3;
 
-/// Complex refractive index n + ik of a medium by vacuum wavelength. The arrays must outlive the objects that are made from
-/// it.
+/// Complex refractive index n + ik of a medium by vacuum wavelength. The arrays must outlive the objects that are made
+/// from it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Medium {
@@ -64,8 +64,8 @@ impl Media {
         if usize::from(medium) < self.count { Ok(medium) } else { Err(Status::Index) }
     }
 
-    /// Refuses wavelengths that are out of range, at which a medium has no data, or at which the ambient medium absorbs too
-    /// much.
+    /// Refuses wavelengths that are out of range, at which a medium has no data, or at which the ambient medium absorbs
+    /// too much.
     pub fn check(&self, wavelengths_nm: &[f64], ambient: u16) -> Result<(), Status> {
         if wavelengths_nm.is_empty() || !wavelengths_nm.iter().all(|nm| (MIN_NM..=MAX_NM).contains(nm)) {
             return Err(Status::Wavelength);

@@ -50,12 +50,12 @@ struct StackObject {
     substrate: Below,
 }
 
-/// Makes a stack of `layer_count` layers, listed from the top. Light comes from medium `ambient`; below the last layer lies
-/// medium `substrate`, or GONIO_MIRROR. The layers are copied; the media's arrays are not.
+/// Makes a stack of `layer_count` layers, listed from the top. Light comes from medium `ambient`; below the last layer
+/// lies medium `substrate`, or GONIO_MIRROR. The layers are copied; the media's arrays are not.
 ///
 /// # Safety
-/// Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say. The media's
-/// arrays outlive the stack.
+/// Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say. The
+/// media's arrays outlive the stack.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gonio_stack_make(
     stack: *mut Stack,
@@ -92,8 +92,8 @@ pub unsafe extern "C" fn gonio_stack_make(
 /// Computes the reflectance for s and p polarised light that arrives at `cos_theta`, at each of `count` wavelengths.
 ///
 /// cos_theta is in [0, 1]; at 0 the result is the limit: everything is reflected. Any other value, and NaN, give
-/// GONIO_STATUS_ANGLE. Results differ from exact arithmetic by less than 1e-6: computation is in double precision and is
-/// rounded once. It uses 20 KiB of stack, 35 KiB with AVX-512.
+/// GONIO_STATUS_ANGLE. Results differ from exact arithmetic by less than 1e-6: computation is in double precision and
+/// is rounded once. It uses 20 KiB of stack, 35 KiB with AVX-512.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
@@ -122,11 +122,12 @@ pub unsafe extern "C" fn gonio_stack_reflectance(
     })
 }
 
-/// Computes the linear RGB of unpolarised light that is reflected at `cos_theta`, in [0, 1]. Components may be negative.
+/// Computes the linear RGB of unpolarised light that is reflected at `cos_theta`, in [0, 1]. Components may be
+/// negative.
 ///
 /// It sums over 81 wavelengths, 5 nm apart. For films in air up to n d = 6 micrometres the result is within 5e-4 of the
-/// integral. Thicker stacks and narrow filters have fringes between those wavelengths, and would be tinted: compute their
-/// reflectance at finer wavelengths by gonio_stack_reflectance and sum that.
+/// integral. Thicker stacks and narrow filters have fringes between those wavelengths, and would be tinted: compute
+/// their reflectance at finer wavelengths by gonio_stack_reflectance and sum that.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.

@@ -29,8 +29,8 @@ pub enum Status {
     Direction = 7,
     /// There are no wavelengths, or one is not from 1e-3 to 1e9 nm.
     Wavelength = 8,
-    /// A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from 0
-    /// to 1e6).
+    /// A medium's data are empty, not finite, not increasing in wavelength, or out of range (n from 1e-6 to 1e6, k from
+    /// 0 to 1e6).
     Medium = 9,
     /// A medium has no data at a wavelength.
     NoData = 10,

@@ -86,8 +86,8 @@ pub unsafe extern "C" fn gonio_table_describe(table: *const Table, description: 
     })
 }
 
-/// Looks up the RGB reflectance of a mirror-like surface at `cos_theta`. It is constant beyond the table's largest angle.
-/// NaN and cosines outside [0, 1] give GONIO_STATUS_ANGLE.
+/// Looks up the RGB reflectance of a mirror-like surface at `cos_theta`. It is constant beyond the table's largest
+/// angle. NaN and cosines outside [0, 1] give GONIO_STATUS_ANGLE.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
@@ -105,8 +105,9 @@ pub unsafe extern "C" fn gonio_table_reflectance(table: *const Table, cos_theta:
     })
 }
 
-/// Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are unit
-/// vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is below it.
+/// Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are
+/// unit vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is
+/// below it.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.

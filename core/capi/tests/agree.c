@@ -1,5 +1,5 @@
-/* Prints what the library computes, to the last bit, for comparison with the Rust interface (examples/agree.rs). It compiles
- * as C and as C++. */
+/* Prints what the library computes, to the last bit, for comparison with the Rust interface (examples/agree.rs). It
+ * compiles as C and as C++. */
 #include <goniochrome.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -7,8 +7,8 @@ const MIN_NEIGHBOUR_DISTANCE: f64 = 0.25;
 
 /// Cubic interpolant of a spectrum between two adjacent samples.
 ///
-/// It is the Lagrange polynomial through both samples and one neighbour on each side, or two neighbours on one side at an
-/// end of the samples. If fewer than four samples are far enough apart, the degree is lower; a single sample gives a
+/// It is the Lagrange polynomial through both samples and one neighbour on each side, or two neighbours on one side at
+/// an end of the samples. If fewer than four samples are far enough apart, the degree is lower; a single sample gives a
 /// constant.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectrumCubic {
@@ -109,8 +109,8 @@ mod tests {
 
     #[test]
     fn crowded_neighbours_are_not_magnified() {
-        // One of four samples 10⁻³ nm apart stands out by 1. The wide intervals beside them must not continue its slope of
-        // 1000 per nm.
+        // One of four samples 10⁻³ nm apart stands out by 1. The wide intervals beside them must not continue its slope
+        // of 1000 per nm.
         let samples = [400.0, 410.0, 420.0, 420.001, 420.002, 420.003, 430.0, 440.0];
         let f = |x: f64| if (x - 420.001).abs() < 1e-9 { 1.0 } else { 0.0 };
         for (interval, x) in [(0, 405.0), (1, 415.0), (5, 425.0), (6, 435.0)] {

@@ -69,9 +69,9 @@ fn response_between(illuminant: Illuminant, nm: f64) -> [f64; 3] {
 /// `wavelengths_nm` are positive and increase strictly; `weights` has as many elements.
 ///
 /// # Errors
-/// [`ColourError::Shape`] if there are no wavelengths or the lengths differ, [`ColourError::NotIncreasing`] at the first
-/// wavelength that is not positive, finite and larger than the one before, and [`ColourError::Invisible`] if none lies in
-/// [`VISIBLE_NM`].
+/// [`ColourError::Shape`] if there are no wavelengths or the lengths differ, [`ColourError::NotIncreasing`] at the
+/// first wavelength that is not positive, finite and larger than the one before, and [`ColourError::Invisible`] if none
+/// lies in [`VISIBLE_NM`].
 pub fn xyz_weights(
     wavelengths_nm: &[f64],
     illuminant: Illuminant,

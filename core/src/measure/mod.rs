@@ -1,4 +1,4 @@
-//! What leaves a cell of polygons, by direction: bins over the hemisphere and diffraction orders.
+//! Sinks for the rays that leave a polygon mesh, by direction: bins over the hemisphere, and diffraction orders.
 
 pub mod bins;
 pub mod orders;

@@ -25,9 +25,9 @@
 //! | | 0 to 3 | zeros, up to a multiple of 4 |
 //! | | 4·T·P·(1 + N + N·M) | scatter only: binary32 for each incident direction: Σ over bins of \|f\| cos θ_o times the bin's solid angle, \|f\| the mean over channels; N cumulative probabilities of the rows of bins; in each row, M cumulative probabilities of its columns |
 //!
-//! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and bins are those of [`ScatterLayout`], columns
-//! running fastest. Scatter sides are at most 1024. Values are finite and their magnitudes at most 10³⁰, so that
-//! interpolated values are finite too. The first number of an incident direction is in [0, 4·10³⁰]. Cumulative
+//! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and bins are those of [`ScatterLayout`],
+//! columns running fastest. Scatter sides are at most 1024. Values are finite and their magnitudes at most 10³⁰, so
+//! that interpolated values are finite too. The first number of an incident direction is in [0, 4·10³⁰]. Cumulative
 //! probabilities do not decrease and end in exactly 1. Nothing follows the last section. A reader refuses bytes that
 //! break any of these rules.
 
@@ -210,9 +210,9 @@ impl<'a> Blob<'a> {
     /// Checks all bytes of a blob and borrows them. Nothing that is looked up afterwards can fail or panic.
     ///
     /// # Errors
-    /// [`BlobError::Magic`], [`BlobError::Version`], [`BlobError::Length`] and [`BlobError::Checksum`] if the bytes are not a
-    /// whole, undamaged blob of this version; [`BlobError::Field`], [`BlobError::Dimensions`], [`BlobError::Table`] and
-    /// [`BlobError::Range`] if what they describe breaks a rule of the format.
+    /// [`BlobError::Magic`], [`BlobError::Version`], [`BlobError::Length`] and [`BlobError::Checksum`] if the bytes are
+    /// not a whole, undamaged blob of this version; [`BlobError::Field`], [`BlobError::Dimensions`],
+    /// [`BlobError::Table`] and [`BlobError::Range`] if what they describe breaks a rule of the format.
     pub fn read(bytes: &'a [u8]) -> Result<Self, BlobError> {
         let Some((header, payload)) = bytes.split_first_chunk::<HEADER>() else {
             let begins = bytes.iter().zip(MAGIC).all(|(&byte, magic)| byte == magic);

@@ -7,16 +7,16 @@ use glam::Vec3;
 
 /// Grid of incident directions × outgoing bins.
 ///
-/// - Incident polar angles are uniform in θ: θ_i = (row + ½) (π/2)/rows. Colours of films and Fresnel coefficients vary with
-///   θ at a similar rate everywhere; with eight rows uniform in cos θ the first 20° would have no direction. The middles of
-///   the rows avoid 0°, where φ is undefined, and 90°, where no light arrives.
-/// - Incident azimuths are φ_i = 2π column/columns + π/M for M outgoing azimuths: middles of outgoing bins. An isotropic
-///   surface has one column.
-/// - Outgoing bins are uniform in cos θ_o from the horizon, all of equal solid angle, and in the azimuth **relative to the
-///   incident one**, φ_o − φ_i; bin k lies around 2πk/M. Lobes keep their bins as the light moves around the normal, so
-///   interpolation between columns moves a lobe instead of blending two. Retro-reflection is in the middle of bin 0, the
-///   mirror direction in that of bin M/2. M is a multiple of the columns, so relative bins are the absolute ones,
-///   renumbered.
+/// - Incident polar angles are uniform in θ: θ_i = (row + ½) (π/2)/rows. Colours of films and Fresnel coefficients vary
+///   with θ at a similar rate everywhere; with eight rows uniform in cos θ the first 20° would have no direction. The
+///   middles of the rows avoid 0°, where φ is undefined, and 90°, where no light arrives.
+/// - Incident azimuths are φ_i = 2π column/columns + π/M for M outgoing azimuths: middles of outgoing bins. An
+///   isotropic surface has one column.
+/// - Outgoing bins are uniform in cos θ_o from the horizon, all of equal solid angle, and in the azimuth **relative to
+///   the incident one**, φ_o − φ_i; bin k lies around 2πk/M. Lobes keep their bins as the light moves around the
+///   normal, so interpolation between columns moves a lobe instead of blending two. Retro-reflection is in the middle
+///   of bin 0, the mirror direction in that of bin M/2. M is a multiple of the columns, so relative bins are the
+///   absolute ones, renumbered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScatterLayout {
     theta: u32,
@@ -33,8 +33,8 @@ pub struct GridNode {
     pub weight: f32,
 }
 
-/// Largest number of rows or columns. With it, indices of a whole table fit in 64 bits and single precision distinguishes
-/// bins.
+/// Largest number of rows or columns. With it, indices of a whole table fit in 64 bits and single precision
+/// distinguishes bins.
 const MAX_SIDE: u32 = 1024;
 
 impl ScatterLayout {
@@ -101,8 +101,8 @@ impl ScatterLayout {
         [cos, core::f64::consts::TAU * column as f64 / f64::from(self.bins.phi)]
     }
 
-    /// Interpolation nodes for an incident direction (θ, φ) in radians: linear in θ, constant beyond the first and the last
-    /// row; linear and periodic in φ.
+    /// Interpolation nodes for an incident direction (θ, φ) in radians: linear in θ, constant beyond the first and the
+    /// last row; linear and periodic in φ.
     #[must_use]
     pub fn incident_nodes(&self, theta: f32, phi: f32) -> [GridNode; 4] {
         let rows = clamped(theta / FRAC_PI_2 * self.theta as f32 - 0.5, self.theta);
@@ -132,7 +132,8 @@ impl ScatterLayout {
     pub(super) fn projected_share(&self, bin: usize) -> f32 {
         let rows = self.bins.cos as f32;
         let row = bin / self.bins.phi.max(1) as usize;
-        // A tent around the middle of a row has its moment there. The first and the last are constant in their outer half.
+        // A tent around the middle of a row has its moment there. The first and the last are constant in their outer
+        // half.
         let mut moment = (row as f32 + 0.5) / (rows * rows);
         if rows > 1.0 {
             let cut = 1.0 / (24.0 * rows * rows);

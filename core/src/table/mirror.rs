@@ -20,8 +20,8 @@ impl<'a> MirrorTable<'a> {
     ///
     /// # Errors
     /// [`TableError::Shape`] for fewer than two rows, no channels or a last row that is not whole,
-    /// [`TableError::ThetaMax`] unless `theta_max` is in (0, π/2], and [`TableError::NotFinite`] for a value that is NaN or
-    /// beyond [`MAX_MAGNITUDE`].
+    /// [`TableError::ThetaMax`] unless `theta_max` is in (0, π/2], and [`TableError::NotFinite`] for a value that is
+    /// NaN or beyond [`MAX_MAGNITUDE`].
     pub fn new(values: &'a [f32], channels: usize, theta_max: f64) -> Result<Self, TableError> {
         Self::of(Values::Numbers(values), channels, theta_max)
     }
@@ -58,8 +58,8 @@ impl<'a> MirrorTable<'a> {
         self.channels
     }
 
-    /// Row before θ, and the position of θ between it and the next row, in [0, 1]. θ is clamped to the table; NaN counts
-    /// as 0.
+    /// Row before θ, and the position of θ between it and the next row, in [0, 1]. θ is clamped to the table; NaN
+    /// counts as 0.
     #[inline]
     fn locate(&self, theta: f32) -> (usize, f32) {
         let last = self.rows.saturating_sub(2);
@@ -91,7 +91,8 @@ impl<'a> MirrorTable<'a> {
         self.values
     }
 
-    /// First three channels at θ in radians, which is clamped to the table. A table with fewer channels repeats its last.
+    /// First three channels at θ in radians, which is clamped to the table. A table with fewer channels repeats its
+    /// last.
     #[must_use]
     #[inline]
     pub fn rgb(&self, theta: f32) -> [f32; 3] {

@@ -10,11 +10,11 @@ use glam::Vec3;
 /// Importance sampler of a [`ScatterTable`].
 ///
 /// It first draws a bin, with a probability proportional to the mean of |f| over the channels times cos θ_o, and then a
-/// direction from the bin's tent, which is the bin's interpolation weight in [`ScatterTable::eval`]. The density is therefore
-/// the bilinear interpolation of the bins' probabilities divided by their solid angle: it integrates to 1, and is positive
-/// wherever any channel of f is not 0 and wherever a direction is drawn. Between incident directions the density is the
-/// mixture of theirs, with their interpolation weights times what each reflects. A surface that reflects nothing is sampled
-/// by the cosine.
+/// direction from the bin's tent, which is the bin's interpolation weight in [`ScatterTable::eval`]. The density is
+/// therefore the bilinear interpolation of the bins' probabilities divided by their solid angle: it integrates to 1,
+/// and is positive wherever any channel of f is not 0 and wherever a direction is drawn. Between incident directions
+/// the density is the mixture of theirs, with their interpolation weights times what each reflects. A surface that
+/// reflects nothing is sampled by the cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterSampler<'a> {
     layout: ScatterLayout,
@@ -30,7 +30,8 @@ impl<'a> ScatterSampler<'a> {
         layout.incident_count() * stride(layout)
     }
 
-    /// Computes the cumulative probabilities of a table in `memory`, which has [`ScatterSampler::required_len`] elements.
+    /// Computes the cumulative probabilities of a table in `memory`, which has [`ScatterSampler::required_len`]
+    /// elements.
     ///
     /// # Errors
     /// [`TableError::Length`] if `memory` has another length.
@@ -49,8 +50,8 @@ impl<'a> ScatterSampler<'a> {
     /// Checks cumulative probabilities that were computed earlier.
     ///
     /// # Errors
-    /// [`TableError::Length`] unless there are [`ScatterSampler::required_len`] numbers, and [`TableError::NotFinite`] at the
-    /// first incident direction whose numbers are not sound.
+    /// [`TableError::Length`] unless there are [`ScatterSampler::required_len`] numbers, and [`TableError::NotFinite`]
+    /// at the first incident direction whose numbers are not sound.
     pub(super) fn of(cumulative: Values<'a>, layout: ScatterLayout) -> Result<Self, TableError> {
         let required = Self::required_len(&layout);
         if cumulative.len() != required {
@@ -90,8 +91,8 @@ impl<'a> ScatterSampler<'a> {
         [bins.cos as usize, bins.phi as usize]
     }
 
-    /// Draws an outgoing direction for light from `wi`, by `u` uniform in [0, 1)²; returns the direction and its density per
-    /// solid angle. `None` if `wi` is below the horizon.
+    /// Draws an outgoing direction for light from `wi`, by `u` uniform in [0, 1)²; returns the direction and its
+    /// density per solid angle. `None` if `wi` is below the horizon.
     #[must_use]
     pub fn sample(&self, wi: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
         let above = wi.z > 0.0;
@@ -100,8 +101,8 @@ impl<'a> ScatterSampler<'a> {
         }
         let [mut u0, mut u1] = u.map(inside_unit);
         let nodes = self.mixture(wi);
-        // The first number chooses the incident direction, then the row, then the position in the row's tent: each choice
-        // leaves a uniform number for the next.
+        // The first number chooses the incident direction, then the row, then the position in the row's tent: each
+        // choice leaves a uniform number for the next.
         let [GridNode { index: mut chosen, .. }, ..] = nodes;
         let mut from = 0.0;
         for node in nodes.iter().filter(|node| node.weight > 0.0) {
@@ -125,7 +126,8 @@ impl<'a> ScatterSampler<'a> {
         Some((wo, self.pdf(wi, wo)))
     }
 
-    /// Density per solid angle with which [`ScatterSampler::sample`] draws `wo` for `wi`; 0 if either is below the horizon.
+    /// Density per solid angle with which [`ScatterSampler::sample`] draws `wo` for `wi`; 0 if either is below the
+    /// horizon.
     #[must_use]
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
         let Some((_, outgoing)) = self.layout.nodes(wi, wo) else { return 0.0 };
@@ -162,8 +164,8 @@ impl<'a> ScatterSampler<'a> {
 /// Largest single-precision number below 1.
 const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
 
-/// Clamps a uniform number to [2⁻⁴⁶, 1 − 2⁻²⁴]. An exact 0 could draw what is less probable than 2⁻⁴⁶, whose density would
-/// be 0 in single precision.
+/// Clamps a uniform number to [2⁻⁴⁶, 1 − 2⁻²⁴]. An exact 0 could draw what is less probable than 2⁻⁴⁶, whose density
+/// would be 0 in single precision.
 fn inside_unit(u: f32) -> f32 {
     const MIN: f32 = f32::EPSILON * f32::EPSILON;
     if u > MIN { u.min(BELOW_ONE) } else { MIN }
@@ -238,13 +240,13 @@ fn invert_cdf(cumulative: Values<'_>, u: &mut f32) -> usize {
     index
 }
 
-/// Half width of a bin's tent, in bins, among `count` bins. It ends just before the middle of the next bin, where the tent
-/// is 0: rounding could move a direction drawn there beyond it.
+/// Half width of a bin's tent, in bins, among `count` bins. It ends just before the middle of the next bin, where the
+/// tent is 0: rounding could move a direction drawn there beyond it.
 ///
-/// An azimuth passes through a sine, a cosine and an arc tangent, and another azimuth is added to it and subtracted. These
-/// are seven roundings of numbers below 4π, each by at most 2⁻²⁴ of the number: together less than 8 · 2⁻²³ of a full
-/// circle. A cosine is rounded less. The fraction of directions that are moved is the square of the width that is cut off:
-/// 10⁻⁶ for 1024 bins, 4 · 10⁻⁹ for 64.
+/// An azimuth passes through a sine, a cosine and an arc tangent, and another azimuth is added to it and subtracted.
+/// These are seven roundings of numbers below 4π, each by at most 2⁻²⁴ of the number: together less than 8 · 2⁻²³ of a
+/// full circle. A cosine is rounded less. The fraction of directions that are moved is the square of the width that is
+/// cut off: 10⁻⁶ for 1024 bins, 4 · 10⁻⁹ for 64.
 fn tent_end(count: usize) -> f32 {
     1.0 - 8.0 * f32::EPSILON * count as f32
 }

@@ -7,8 +7,8 @@ use glam::Vec3;
 
 /// BRDF on a grid of directions, in 1/sr, for each channel.
 ///
-/// Channels are RGB, whose components are negative out of gamut, or wavelengths. Directions are unit vectors in the surface
-/// frame; both leave the surface.
+/// Channels are RGB, whose components are negative out of gamut, or wavelengths. Directions are unit vectors in the
+/// surface frame; both leave the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterTable<'a> {
     layout: ScatterLayout,
@@ -20,9 +20,9 @@ impl<'a> ScatterTable<'a> {
     /// Checks a table of `values[(incident * bins + bin) * channels + channel]`, each the mean of f over a bin.
     ///
     /// # Errors
-    /// [`TableError::Shape`] if there are no channels, [`TableError::Length`] unless `values` has as many elements as the
-    /// layout has pairs of directions, times channels, and [`TableError::NotFinite`] for a value that is NaN or beyond
-    /// [`MAX_MAGNITUDE`].
+    /// [`TableError::Shape`] if there are no channels, [`TableError::Length`] unless `values` has as many elements as
+    /// the layout has pairs of directions, times channels, and [`TableError::NotFinite`] for a value that is NaN or
+    /// beyond [`MAX_MAGNITUDE`].
     pub fn new(values: &'a [f32], layout: ScatterLayout, channels: usize) -> Result<Self, TableError> {
         Self::of(Values::Numbers(values), layout, channels)
     }
@@ -79,8 +79,8 @@ impl<'a> ScatterTable<'a> {
 
     /// Writes f(wi, wo) to `out`, in 1/sr, without the cosine; 0 if either direction is below the horizon.
     ///
-    /// f is linear between the grid's directions ([`ScatterLayout`]). `out` receives as many channels as it has elements;
-    /// elements beyond the table's channels become 0.
+    /// f is linear between the grid's directions ([`ScatterLayout`]). `out` receives as many channels as it has
+    /// elements; elements beyond the table's channels become 0.
     #[inline]
     pub fn eval(&self, wi: Vec3, wo: Vec3, out: &mut [f32]) {
         out.fill(0.0);
@@ -107,8 +107,8 @@ impl<'a> ScatterTable<'a> {
         }
     }
 
-    /// Writes the albedo ∫ f(wi, wo) cos θ_o dω_o to `out`: the fraction of the light from `wi` that is reflected, for each
-    /// channel. It is the exact integral of [`ScatterTable::eval`]; 0 for `wi` below the horizon.
+    /// Writes the albedo ∫ f(wi, wo) cos θ_o dω_o to `out`: the fraction of the light from `wi` that is reflected, for
+    /// each channel. It is the exact integral of [`ScatterTable::eval`]; 0 for `wi` below the horizon.
     ///
     /// It differs from the power that was counted in the bins by (f_first − f_last) 2π/(24 rows²), since f is constant
     /// beyond the middles of the first and the last row. Each call sums over all bins: keep the result.

@@ -1,14 +1,15 @@
-//! Geometric optics of a polygon cell: paths that do not interfere, for light that arrives unpolarised.
+//! Geometric optics in a polygon mesh: paths that do not interfere, for unpolarised incident light.
 //!
-//! A path has a direction in each lane and carries power and polarisation but no phase: the coherency matrix of its light (Born &
-//! Wolf, "Principles of Optics", section 10.9.1). All directions are real, so one path costs a fraction of a wave of
-//! [`crate::trace::coherent_mesh`]; one hero lane decides which facet it meets.
+//! A path has a direction in each lane and carries power and polarisation but no phase: the coherency matrix of its
+//! light (Born & Wolf, "Principles of Optics", section 10.9.1). All directions are real, so a path costs a fraction of
+//! a wave of [`crate::trace::coherent_mesh`]. One hero lane decides which facet it meets.
 //!
-//! Power is handed on whole. Exact amplitudes do not do that in absorbing media: there the incident and the reflected wave
-//! exchange power, so that R + T ≠ 1, and a refracted wave decays across its direction. A path followed by itself would gain or
-//! lose by that; here it reflects no more than it brings, passes on the rest, and decays along its way. Snell's law takes
-//! the real part of its tangential wavevector, as for planes of equal phase and amplitude that are parallel to the facet: by the complex
-//! one no wave beyond could travel in a lossless medium, and the faintest absorption would keep all light inside.
+//! Power is conserved at facets. With exact amplitudes it is not, in absorbing media: there the incident and the
+//! reflected wave exchange power, so that R + T ≠ 1, and a refracted wave decays across its direction. A path that is
+//! followed alone would gain or lose power by this. Here it reflects no more than its power, transmits the remainder,
+//! and decays along its direction. Snell's law takes the real part of the tangential wavevector, as if planes of equal
+//! phase and of equal amplitude were parallel to the facet. With the complex one no wave beyond a facet could travel in
+//! a lossless medium, and the faintest absorption would keep all light inside.
 
 use crate::geometry::mesh_cell::{FacetHit, MeshCell, NextEvent, Sides};
 use crate::geometry::side::Side;
@@ -22,49 +23,53 @@ use crate::simd::phase::attenuation;
 use crate::simd::vector::{RealLanes, VectorLanes};
 use crate::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, hero, is_evanescent};
 use crate::trace::paths::{AsPath, Paths};
+use crate::trace::plane_of_incidence::s_axis_of_path;
 use crate::trace::waves::{Propagated, Slot, Target};
 use glam::DVec3;
 use num_complex::Complex64;
 
-/// The light of a path: ⟨|E_s|²⟩, ⟨|E_p|²⟩ and ⟨E_s E_p*⟩ along a ŝ of the path and p̂ = ŝ × d, in units of the incident power.
+/// Coherency matrix of a path's light: ⟨|E_s|²⟩, ⟨|E_p|²⟩ and ⟨E_s E_p*⟩ along the path's ŝ and p̂ = ŝ × d, in units of
+/// the incident power.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coherency<V> {
-    /// Power along ŝ.
+    /// Power along ŝ, ⟨|E_s|²⟩.
     pub s: V,
-    /// Power along p̂.
+    /// Power along p̂, ⟨|E_p|²⟩.
     pub p: V,
-    /// What s and p have in common.
+    /// Correlation of s and p, ⟨E_s E_p*⟩.
     pub cross: ComplexLanes<V>,
 }
 
 impl<V: Lanes> Coherency<V> {
-    /// Power.
+    /// Total power.
     #[inline]
     pub fn power(&self) -> V {
         self.s + self.p
     }
 
+    /// Light with its power multiplied by `factor`.
     #[inline]
-    fn scale(self, by: V) -> Self {
-        Self { s: self.s * by, p: self.p * by, cross: self.cross.scale(by) }
+    fn scale(self, factor: V) -> Self {
+        Self { s: self.s * factor, p: self.p * factor, cross: self.cross.scale(factor) }
     }
 
-    /// The same light at another power, or none if it had none.
+    /// Light of this polarisation and the given power; dark if this light is dark.
     #[inline]
     fn with_power(self, power: V) -> Self {
-        let had = self.power();
-        self.scale(V::zero().select_lt(had, power / had, V::zero()))
+        let present = self.power();
+        self.scale(V::zero().select_lt(present, power / present, V::zero()))
     }
 
-    /// The light where it leaves a facet that multiplies its amplitudes.
+    /// Light after a facet that multiplies the amplitudes by `s` and `p`.
     #[inline]
     fn after(self, s: ComplexLanes<V>, p: ComplexLanes<V>) -> Self {
         Self { s: self.s * s.norm_sqr(), p: self.p * p.norm_sqr(), cross: self.cross * (s * p.conj()) }
     }
 
-    /// The same light along ŝ' = cos·ŝ + sin·p̂ and its p̂'. What rounding has left of cos² + sin² = 1 changes no power.
+    /// Light in the frame rotated to ŝ' = cos·ŝ + sin·p̂. The power is kept, even if cos² + sin² is not exactly 1 due
+    /// to rounding.
     #[inline]
-    fn turned(self, cos: V, sin: V) -> Self {
+    fn rotated(self, cos: V, sin: V) -> Self {
         let (zero, power) = (V::zero(), self.power());
         let (cos2, sin2) = (cos * cos, sin * sin);
         let unit = V::one() / (cos2 + sin2).max(V::splat(f64::from(f32::MIN_POSITIVE)));
@@ -77,33 +82,33 @@ impl<V: Lanes> Coherency<V> {
     }
 }
 
-/// A path about to be split at a facet.
+/// Path that is about to be split at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path<V> {
     at: FacetHit,
-    /// d, unit.
+    /// Unit direction d.
     direction: RealLanes<V>,
-    /// ŝ, unit and across d.
-    across: RealLanes<V>,
+    /// Unit vector ŝ, perpendicular to d.
+    s_axis: RealLanes<V>,
 }
 
 impl<V> Path<V> {
-    /// The facet that it meets, and where.
+    /// Facet that it meets, with the side and the point.
     pub fn at(&self) -> FacetHit {
         self.at
     }
 }
 
-/// How a path leaves the cell.
+/// Path that leaves the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExitPath<V> {
-    /// Upwards or downwards.
+    /// Side on which it leaves.
     pub side: Side,
-    /// Unit.
+    /// Unit direction.
     pub direction: RealLanes<V>,
 }
 
-/// A polygon cell at one group of wavelengths, as light that does not interfere sees it.
+/// Polygon mesh in which paths do not interfere, at one group of wavelengths and one direction of the light.
 #[derive(Clone, Copy, Debug)]
 pub struct IncoherentMesh<'a, V: Lanes> {
     cell: MeshCell<'a>,
@@ -113,37 +118,37 @@ pub struct IncoherentMesh<'a, V: Lanes> {
     absorbed: V,
 }
 
-/// Below this sine of the angle of incidence, in unit roundoffs, s and p are alike and the plane of incidence is arbitrary.
-const NORMAL_INCIDENCE: f64 = 64.0;
-/// A wave beyond a facet travels unless its normal part, relative to its length, is below this.
-const GRAZING: f64 = 1e-9;
+/// Largest normal component of a wavevector beyond a facet, relative to its length, of a wave that only decays.
+const MAX_EVANESCENT_COSINE: f64 = 1e-9;
 
 impl<'a, V: Lanes> IncoherentMesh<'a, V> {
-    /// A cell, its media and the light.
+    /// Cell with its media, and the light.
     pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         Self { cell, media, incident, lost: V::zero(), absorbed: V::zero() }
     }
 
-    /// Starts a path over a point of the period, (u, v) in [0, 1)². `None` if it meets nothing.
+    /// Path that starts over the point (u, v) of the period, in [0, 1)², and its light. `None` if it meets no facet.
     pub fn start(&self, u: f64, v: f64) -> Option<(Path<V>, Coherency<V>)> {
-        let IncidentWave { wi, across, .. } = self.incident;
+        let IncidentWave { wi, s_axis, .. } = self.incident;
         let at = self.cell.first_hit(u, v, -wi)?;
         let half = V::splat(0.5);
-        let path = Path { at, direction: RealLanes::<V>::splat(-wi), across: RealLanes::<V>::splat(across) };
+        let path = Path { at, direction: RealLanes::<V>::splat(-wi), s_axis: RealLanes::<V>::splat(s_axis) };
         Some((path, Coherency { s: half, p: half, cross: ComplexLanes::zero() }))
     }
 
-    /// Power of paths that were lost: in holes of the mesh, or after too many periods. Adds up over calls of `split`.
+    /// Power of paths that were lost in holes of the mesh or after too many periods. It adds up over calls of
+    /// `propagate`.
     pub fn lost(&self) -> V {
         self.lost
     }
 
-    /// Power that media absorbed between facets, and films on them. Adds up over calls of `split`.
+    /// Power that media between facets, and films on facets, have absorbed. It adds up over calls of `split` and
+    /// `propagate`.
     pub fn absorbed(&self) -> V {
         self.absorbed
     }
 
-    /// Response of a facet with films.
+    /// Fresnel coefficients of a facet with films.
     fn coated(&self, path: &Path<V>, near: MediumIndex, far: Option<&Far<V>>, tangential_squared: V) -> Response<V> {
         let films = self.cell.films(&path.at);
         let tangential_squared = ComplexLanes::real(tangential_squared.widen());
@@ -152,63 +157,51 @@ impl<'a, V: Lanes> IncoherentMesh<'a, V> {
         coated(&near, films, far.as_ref(), &self.media, tangential_squared)
     }
 
-    /// What is left of light after a way through a medium.
+    /// Light after a path of this length through a medium.
     fn absorb(&mut self, medium: MediumIndex, length_nm: f64, light: Coherency<V>) -> Coherency<V> {
         let k = self.media.eta_of(medium).im;
         if !k.any_above(0.0) {
             return light;
         }
-        let turns = k * V::Precise::splat(length_nm) / self.media.wavelength_nm();
-        let amplitude = attenuation::<V>(ComplexLanes::new(V::Precise::zero(), turns));
-        let left = light.scale(amplitude * amplitude);
-        self.absorbed += light.power() - left.power();
-        left
+        let attenuation_turns = k * V::Precise::splat(length_nm) / self.media.wavelength_nm();
+        let amplitude = attenuation::<V>(ComplexLanes::new(V::Precise::zero(), attenuation_turns));
+        let remaining = light.scale(amplitude * amplitude);
+        self.absorbed += light.power() - remaining.power();
+        remaining
     }
 }
 
-/// The unit vector across the plane of incidence, N × d, and the square of the sine of the angle of incidence.
-#[inline]
-fn s_axis<V: Lanes>(normal: DVec3, direction: RealLanes<V>) -> (RealLanes<V>, V) {
-    let s = RealLanes::<V>::splat(normal).cross(direction);
-    let sin_squared = s.dot(s);
-    let small = NORMAL_INCIDENCE * V::UNIT_ROUNDOFF;
-    let small = V::splat(small * small);
-    let unit = s.scale(V::one() / sin_squared.max(small).sqrt());
-    let tangent = RealLanes::<V>::splat(normal.any_orthonormal_vector());
-    (unit.zip(tangent, |unit, tangent| sin_squared.select_lt(small, tangent, unit)), sin_squared)
-}
-
-/// A medium beyond a facet as a path sees it.
+/// Medium beyond a facet, and the wave there.
 struct Far<V: Lanes> {
     medium: MediumIndex,
     eta: ComplexLanes<V>,
-    /// q_n, as [`Wave::normal`].
+    /// q_n, the normal component of the wavevector, as in [`Wave::normal`].
     normal: ComplexLanes<V>,
 }
 
 impl<V: Lanes> Far<V> {
-    /// Whether the hero lane's wave decays beyond the facet instead of travelling.
+    /// Whether the hero lane's wave is evanescent beyond the facet.
     #[inline]
     fn is_evanescent(&self) -> bool {
         if !self.normal.im.any_above(0.0) {
             return false;
         }
         let Complex64 { re, im } = self.normal.lane(hero::<V>());
-        im > 0.0 && re.abs() <= GRAZING * self.eta.lane(hero::<V>()).norm()
+        im > 0.0 && re.abs() <= MAX_EVANESCENT_COSINE * self.eta.lane(hero::<V>()).norm()
     }
 }
 
-/// κ of s and p for a wave of normal wavevector q_n: q_n, and q_n/η².
+/// Admittances κ of s and p of a wave whose wavevector has the normal component q_n: q_n and q_n/η².
 #[inline]
 fn admittance<V: Lanes>(normal: ComplexLanes<V>, eta: ComplexLanes<V>) -> Polarised<ComplexLanes<V>> {
     Polarised { s: normal, p: normal.div_or_zero(eta).div_or_zero(eta) }
 }
 
-/// Which way light leaves a facet.
+/// Direction, ŝ and medium of light that leaves a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch<V> {
     direction: RealLanes<V>,
-    across: RealLanes<V>,
+    s_axis: RealLanes<V>,
     medium: MediumIndex,
 }
 
@@ -222,21 +215,21 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
         light.power()
     }
 
-    fn scale_power(light: &Coherency<V>, by: f64) -> Coherency<V> {
-        light.scale(V::splat(by))
+    fn scale_power(light: &Coherency<V>, factor: f64) -> Coherency<V> {
+        light.scale(V::splat(factor))
     }
 
     fn propagate(
         &mut self,
         from: &Path<V>,
-        &Branch { direction, across, medium }: &Branch<V>,
+        &Branch { direction, s_axis, medium }: &Branch<V>,
         &light: &Coherency<V>,
     ) -> Propagated<Path<V>, ExitPath<V>, Coherency<V>> {
         let leave = |side| Some((Target::Exit(ExitPath { side, direction }), light));
         match self.cell.next_event(from.at.point_nm, direction.lane(hero::<V>()), medium, Some(from.at.facet)) {
             NextEvent::Facet(at) => {
                 let light = self.absorb(medium, at.point_nm.distance(from.at.point_nm), light);
-                Some((Target::State(Path { at, direction, across }), light))
+                Some((Target::State(Path { at, direction, s_axis }), light))
             }
             NextEvent::Above => leave(Side::Above),
             NextEvent::Below => leave(Side::Below),
@@ -254,8 +247,8 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
 
         let n = RealLanes::<V>::splat(normal);
         let cos = (-path.direction.dot(n)).max(zero);
-        let (s, sin_squared) = s_axis(normal, path.direction);
-        let light = light.turned(path.across.dot(s), path.across.cross(path.direction).dot(s));
+        let (s, sin_squared) = s_axis_of_path(normal, path.direction);
+        let light = light.rotated(path.s_axis.dot(s), path.s_axis.cross(path.direction).dot(s));
 
         let near_eta = ComplexLanes::<V>::narrow(self.media.eta_of(near));
         let tangential_squared = near_eta.re * near_eta.re * sin_squared;
@@ -283,35 +276,35 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
         let arrived = light.power();
         let reflected = light.after(r.s, r.p);
         let passes = far.as_ref().filter(|far| !far.is_evanescent());
-        // What cannot pass is reflected whole: from an absorbing medium |r| may differ from 1 then.
-        let whole = films.is_empty() && passes.is_none();
-        let back = if whole { arrived } else { reflected.power().min(arrived) };
-        let rest = (arrived - back).max(zero);
+        // Total reflection reflects all power, although |r| may differ from 1 in an absorbing medium.
+        let total = films.is_empty() && passes.is_none();
+        let reflected_power = if total { arrived } else { reflected.power().min(arrived) };
+        let remainder = (arrived - reflected_power).max(zero);
         let refracted = passes.map(|far| {
             let through = if films.is_empty() {
-                rest
+                remainder
             } else {
-                // |t|² Re κ of each part, over that of the light that arrives.
+                // |t|² Re κ of each part, divided by the κ of the light that arrives.
                 let there = admittance(far.normal, far.eta).map(|k| k.re);
                 let s = t.s.norm_sqr() * there.s * light.s;
                 let p = t.p.norm_sqr() * there.p * light.p * near_eta.norm_sqr();
                 let here = near_eta.re * (near_normal.norm_sqr() / near_eta.norm_sqr()).sqrt();
-                zero.select_lt(here, (s + p) / here, zero).max(zero).min(rest)
+                zero.select_lt(here, (s + p) / here, zero).max(zero).min(remainder)
             };
-            // t_p is of magnetic fields; electric ones change by η_near/η_far besides.
+            // t_p relates magnetic fields; for electric ones it has the further factor η_near/η_far.
             let light = light.after(t.s, t.p * near_eta.div_or_zero(far.eta));
             let tangential = path.direction.add_scaled(n, cos).scale(near_eta.re);
             let direction = tangential.add_scaled(n, -far.normal.re).normalize_or_zero();
-            let branch = Branch { direction, across: s, medium: far.medium };
+            let branch = Branch { direction, s_axis: s, medium: far.medium };
             (branch, light.with_power(through))
         });
         if !films.is_empty() {
             let through = refracted.as_ref().map_or(zero, |(_, light)| light.power());
-            self.absorbed += rest - through;
+            self.absorbed += remainder - through;
         }
         let mirrored = path.direction.add_scaled(n, cos + cos);
-        let branch = Branch { direction: mirrored, across: s, medium: near };
-        [Some((branch, reflected.with_power(back))), refracted]
+        let branch = Branch { direction: mirrored, s_axis: s, medium: near };
+        [Some((branch, reflected.with_power(reflected_power))), refracted]
     }
 }
 
@@ -322,7 +315,7 @@ impl<V: Lanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
             return None;
         }
         let direction = state.wavevector.map(|q| V::narrow(q.re)).normalize_or_zero();
-        let (s, _) = s_axis(normal, direction);
+        let (s, _) = s_axis_of_path(normal, direction);
         let p = s.cross(direction);
         let light = |e: VectorLanes<V>| {
             let (along_s, along_p) = (e.dot_lanes(s), e.dot_lanes(p));
@@ -330,19 +323,20 @@ impl<V: Lanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
         };
         let (of_s, of_p) = (light(field.s), light(field.p));
         let both = Coherency { s: of_s.s + of_p.s, p: of_s.p + of_p.p, cross: of_s.cross + of_p.cross };
-        // A field in an absorbing medium has a part along its way, which neither s nor p holds: power is that of the whole.
+        // In an absorbing medium a field has a component along its direction, outside s and p: the power is that of all
+        // three components.
         let whole = self.incident.tube_power(field, state.tube_area, self.media.eta_of(near));
         let power = (whole.s + whole.p) * V::splat(0.5);
-        let path = Path { at: state.at, direction, across: s };
+        let path = Path { at: state.at, direction, s_axis: s };
         Some((path, both.with_power(power)))
     }
 }
 
-/// A slot in which no path waits.
+/// Slot in which no path waits.
 #[must_use]
 pub fn free_slot<V: Lanes>() -> Slot<Path<V>, Coherency<V>> {
-    let nothing = RealLanes::<V>::splat(DVec3::ZERO);
-    let path = Path { at: FacetHit::NONE, direction: nothing, across: nothing };
+    let zero = RealLanes::<V>::splat(DVec3::ZERO);
+    let path = Path { at: FacetHit::NONE, direction: zero, s_axis: zero };
     Slot::free(path, Coherency { s: V::zero(), p: V::zero(), cross: ComplexLanes::zero() })
 }
 
@@ -356,7 +350,7 @@ mod tests {
     use crate::simd::lanes::F64;
     use crate::trace::waves::Waves;
 
-    /// Some ten roundings of numbers near 1.
+    /// Error of some ten roundings of numbers near 1.
     const ROUNDING: f64 = 1e-14;
 
     #[test]
@@ -364,20 +358,20 @@ mod tests {
         let one = <F64 as Lanes>::splat;
         let light = Coherency { s: one(0.7), p: one(0.2), cross: ComplexLanes::new(one(0.1), one(-0.25)) };
         for angle in [0.0, 0.3, 1.0, 2.5, 4.0] {
-            let turned = light.turned(one(libm::cos(angle)), one(libm::sin(angle)));
-            // Trace and determinant.
+            let rotated = light.rotated(one(libm::cos(angle)), one(libm::sin(angle)));
+            // Trace and determinant of the coherency matrix.
             let of = |light: Coherency<F64>| (light.power(), light.s * light.p - light.cross.norm_sqr());
-            let ((power, area), (power_before, area_before)) = (of(turned), of(light));
+            let ((power, area), (power_before, area_before)) = (of(rotated), of(light));
             assert!(Lanes::lane(power - power_before, 0).abs() < ROUNDING);
             assert!(Lanes::lane(area - area_before, 0).abs() < ROUNDING);
         }
-        let crossed = light.turned(one(0.0), one(1.0));
+        let crossed = light.rotated(one(0.0), one(1.0));
         assert_eq!((crossed.s, crossed.p), (light.p, light.s));
     }
 
     #[test]
     fn a_path_is_its_wave_without_the_phase() {
-        // A film of two planes over a square.
+        // The mesh is a film: two horizontal squares.
         let square =
             |z: f64| [[0.0, 0.0], [900.0, 0.0], [900.0, 700.0], [0.0, 700.0]].map(|[x, y]| DVec3::new(x, y, z));
         let vertices: [DVec3; 8] = core::array::from_fn(|i| square(if i < 4 { 0.0 } else { -300.0 })[i % 4]);
@@ -407,13 +401,13 @@ mod tests {
         near(reflected.power() + light.power(), F64::one());
         let (as_wave, from_wave) = paths.path(&state, &field).unwrap();
         assert!((as_wave.at.point_nm - path.at.point_nm).length() < 1e-9 && as_wave.at.facet == path.at.facet);
-        let turned =
-            from_wave.turned(as_wave.across.dot(path.across), as_wave.across.cross(as_wave.direction).dot(path.across));
+        let rotated = from_wave
+            .rotated(as_wave.s_axis.dot(path.s_axis), as_wave.s_axis.cross(as_wave.direction).dot(path.s_axis));
         for (a, b) in [
-            (turned.s, light.s),
-            (turned.p, light.p),
-            (turned.cross.re, light.cross.re),
-            (turned.cross.im, light.cross.im),
+            (rotated.s, light.s),
+            (rotated.p, light.p),
+            (rotated.cross.re, light.cross.re),
+            (rotated.cross.im, light.cross.im),
         ] {
             near(a, b);
         }

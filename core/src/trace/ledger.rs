@@ -1,4 +1,4 @@
-//! Sinks: how rays that leave a cell add up, and the ledger of their power.
+//! Sum of the rays that leave a planar cell, and the ledger of power.
 
 use crate::geometry::side::Side;
 use crate::optics::stack::Response;
@@ -6,7 +6,7 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::trace::waves::Sink;
 
-/// The sink of a planar cell: all rays that leave on one side have one direction, so they add as amplitudes.
+/// Sink for a planar cell. All rays that leave on one side have the same direction, so they add as amplitudes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specular<V> {
     above: Polarised<ComplexLanes<V>>,
@@ -14,14 +14,14 @@ pub struct Specular<V> {
 }
 
 impl<V: Lanes> Specular<V> {
-    /// Nothing has left yet.
+    /// Empty sums.
     #[must_use]
     pub fn new() -> Self {
-        let nothing = Polarised::both(ComplexLanes::zero());
-        Self { above: nothing, below: nothing }
+        let zero = Polarised::both(ComplexLanes::zero());
+        Self { above: zero, below: zero }
     }
 
-    /// The sums.
+    /// Sums of the amplitudes that have left.
     #[must_use]
     pub fn response(&self) -> Response<V> {
         Response { reflection: self.above, transmission: self.below }
@@ -45,31 +45,31 @@ impl<V: Lanes> Sink<Side, Polarised<ComplexLanes<V>>> for Specular<V> {
     }
 }
 
-/// Where the power of a trace went: reflected + transmitted + absorbed + imbalance = 1 per polarisation.
+/// Power balance of a trace: reflected + transmitted + absorbed + imbalance = 1 for each polarisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ledger<V> {
-    /// Left on the side of the light.
+    /// Power that leaves on the side of the light.
     pub reflected: Polarised<V>,
-    /// Entered the substrate.
+    /// Power that enters the substrate.
     pub transmitted: Polarised<V>,
-    /// Lost inside the cell, from the fields there.
+    /// Power that is absorbed inside the cell, computed from the fields there.
     pub absorbed: Polarised<V>,
-    /// The error bar of rays that were not followed: the largest difference of `reflected` and `transmitted`, of s and
-    /// p, from their values with all loops closed in the same precision. It includes what a long sum lost by rounding.
-    /// 0 where loops are closed.
+    /// Error due to rays that were not followed: the largest difference of `reflected` and `transmitted`, over s and p,
+    /// from their values with all loops closed in the same precision. It includes the rounding errors of a long sum. It
+    /// is 0 if loops are closed.
     pub truncated: V,
-    /// What is missing: rounding, and what rays that were not followed would change. The paper's model does not
-    /// conserve power.
+    /// Difference of 1 and the other terms: rounding errors, and the power of rays that were not followed. In the
+    /// paper's model, which does not conserve power, it is large.
     pub imbalance: Polarised<V>,
 }
 
 impl<V: Lanes> Ledger<V> {
-    /// Closes the ledger.
+    /// Ledger of these terms, with the imbalance that makes their sum 1.
     pub fn new(reflected: Polarised<V>, transmitted: Polarised<V>, absorbed: Polarised<V>, truncated: V) -> Self {
-        let remainder = |r: V, t: V, a: V| V::one() - r - t - a;
+        let imbalance_of = |r: V, t: V, a: V| V::one() - r - t - a;
         let imbalance = Polarised {
-            s: remainder(reflected.s, transmitted.s, absorbed.s),
-            p: remainder(reflected.p, transmitted.p, absorbed.p),
+            s: imbalance_of(reflected.s, transmitted.s, absorbed.s),
+            p: imbalance_of(reflected.p, transmitted.p, absorbed.p),
         };
         Self { reflected, transmitted, absorbed, truncated, imbalance }
     }

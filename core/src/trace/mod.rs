@@ -1,7 +1,8 @@
-//! Ray tracing with interference: waves that merge, paths that do not, and the cells in which they run.
+//! Ray tracing with and without interference.
 //!
-//! [`waves`] and [`paths`] hold the two algorithms. [`planar`], [`coherent_mesh`] and [`incoherent_mesh`] say what a
-//! state, a field and a split are in each kind of cell.
+//! [`waves`] traces waves, which merge where they coincide; [`paths`] traces paths one by one, which add as powers.
+//! [`planar`], [`coherent_mesh`] and [`incoherent_mesh`] implement these algorithms' traits for planar cells and for
+//! polygon meshes: they define state, field and split.
 
 pub mod sobol;
 pub mod random;
@@ -9,5 +10,6 @@ pub mod waves;
 pub mod paths;
 pub mod ledger;
 pub mod planar;
+mod plane_of_incidence;
 pub mod coherent_mesh;
 pub mod incoherent_mesh;

@@ -1,21 +1,21 @@
-//! The tracer's view of a planar cell, and the exact sum of its rays.
+//! Tracer for planar cells, and the exact sum of their rays.
 //!
-//! Two ways to add the same rays:
+//! There are two ways to add the same rays:
 //!
-//! - [`Summation::Generations`] follows them hit by hit ([`crate::trace::waves`]). It converges where light travels without
-//!   loss in every film, but a resonance rings for as long as light does: visits grow like layers^3.7 (measured,
+//! - [`Summation::Generations`] follows them hit by hit ([`crate::trace::waves`]). The sum converges if light travels
+//!   without loss in every film, but it takes as long as resonances ring: visits grow like layers^3.7 (measured,
 //!   contrast 1.56/1.0). With absorbing or evanescent waves a passive stack may have loops of gain above 1; then the
-//!   sum diverges (one in eleven of random stacks with a third of their media absorbing).
-//! - [`Summation::ClosedLoops`] (default) notes that a ray that comes back to a state it has passed is the same plane wave
-//!   times the loop's gain g, and adds all its rounds at once, 1 + g + g² + … = 1/(1 − g). From the bottom upwards
-//!   every loop is closed before the next is met, so each state is visited once: visits grow like layers.
+//!   sum diverges (for one in eleven of random stacks with a third of their media absorbing).
+//! - [`Summation::ClosedLoops`] uses that a ray which returns to a state is the same plane wave times the loop's gain
+//!   g, and adds all its rounds at once: 1 + g + g² + … = 1/(1 − g). Loops are closed from the bottom upwards, each
+//!   before the next is met, so each state is visited once: visits grow like tracer.
 //!
-//! The second is the limit of the first where that has one. So the error of a sum of generations is known: its distance
-//! from the closed loops, [`Ledger::truncated`].
+//! The second is the limit of the first, where that converges. So the error of a sum of generations is known: it is the
+//! difference from the closed loops, [`Ledger::truncated`].
 //!
-//! Adding ray by ray in another order than that of generations is not safe. Sweeping down and up through the layers, so
-//! that an amplitude merged now is used in the same sweep, orders the rays by their number of reversals; that is the
-//! Bremmer series, which diverges for strong mirrors (it overflows on a 20-layer quarter-wave mirror).
+//! Adding rays in another order than that of generations is not safe. Sweeping down and up through the layers, so that
+//! an amplitude merged now is used in the same sweep, orders the rays by their number of reversals. That is the Bremmer
+//! series, which diverges for strong mirrors (it overflows on a 20-layer quarter-wave mirror).
 
 use crate::geometry::side::Side;
 use crate::optics::interface::{Below, Model, flux, transmission};
@@ -23,22 +23,22 @@ use crate::optics::stack::{PreparedStack, Response};
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::trace::ledger::{Ledger, Specular};
-use crate::trace::waves::{Limits, OnFull, Sink, Slot, Split, Target, Trace, Waves, generations};
+use crate::trace::waves::{Limits, OnFull, Sink, Slot, Split, Target, Trace, Waves, trace_generations};
 
-/// Amplitudes of s and p, which do not mix where all facets share the plane of incidence.
+/// Amplitudes of s and p. They do not mix, since all facets share the plane of incidence.
 pub type PlanarField<V> = Polarised<ComplexLanes<V>>;
 
-/// About to meet `facet` from `side`.
+/// State of a ray that is about to meet `facet` from `side`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanarState {
     facet: u32,
     side: Side,
 }
 
-/// A slot of the tracer's workspace for planar cells.
+/// Slot of the tracer's workspace for planar cells.
 pub type PlanarSlot<V> = Slot<PlanarState, PlanarField<V>>;
 
-/// All that has met one facet, from above (travelling down) and from below.
+/// Sums of the amplitudes that have met one facet: from above, travelling down, and from below, travelling up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Totals<V> {
     down: PlanarField<V>,
@@ -46,49 +46,49 @@ pub struct Totals<V> {
 }
 
 impl<V: Lanes> Totals<V> {
-    /// Nothing yet.
+    /// Empty sums.
     #[must_use]
     pub fn none() -> Self {
-        let nothing = Polarised::both(ComplexLanes::zero());
-        Self { down: nothing, up: nothing }
+        let zero = Polarised::both(ComplexLanes::zero());
+        Self { down: zero, up: zero }
     }
 }
 
-/// How rays are added: see the module.
+/// How rays are added: see [the module](self).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Summation {
-    /// Close every loop by its geometric series.
+    /// Every loop is closed by its geometric series.
     ClosedLoops,
-    /// Hit by hit. The sum of a lane ends when its power in flight is below the limit, when it diverges, or when its
-    /// decline shows that it would take more generations than the limit; the others go on. [`Ledger::truncated`] is its
-    /// error.
+    /// Rays are added hit by hit. The sum of a lane ends if its power in flight is below the limit, if it diverges, or
+    /// if its decline shows that it would take more generations than the limit; the other lanes continue.
+    /// [`Ledger::truncated`] is the error of the sum.
     Generations(Limits),
 }
 
-/// The tracer's memory for planar cells of up to `PLANES` planes.
+/// Memory of the tracer for planar cells of up to `PLANES` planes.
 #[derive(Clone, Debug)]
 pub struct Workspace<V: Lanes, const PLANES: usize = DEFAULT_PLANES> {
     totals: [Totals<V>; PLANES],
     slots: [[PlanarSlot<V>; 2]; PLANES],
 }
 
-/// Planes that the default workspace holds: 31 layers.
+/// Number of planes of the default workspace: 31 tracer.
 pub const DEFAULT_PLANES: usize = 32;
 
-/// Upper bound of the default workspace, which is meant to live on the stack.
+/// Largest size in bytes of the default workspace, which is meant to live on the stack.
 pub const DEFAULT_WORKSPACE_BYTES: usize = 64 * 1024;
 
 const _: () = assert!(size_of::<Workspace<crate::simd::lanes::F32>>() <= DEFAULT_WORKSPACE_BYTES);
 const _: () = assert!(size_of::<Workspace<crate::simd::lanes::F64>>() <= DEFAULT_WORKSPACE_BYTES);
 
 impl<V: Lanes, const PLANES: usize> Workspace<V, PLANES> {
-    /// Empty.
+    /// Empty workspace.
     #[must_use]
     pub fn new() -> Self {
         Self { totals: [Totals::none(); PLANES], slots: [[free_slot(); 2]; PLANES] }
     }
 
-    /// Lends the memory.
+    /// Borrows the memory for a trace.
     pub fn memory(&mut self) -> TraceMemory<'_, V> {
         TraceMemory { totals: &mut self.totals, slots: self.slots.as_flattened_mut() }
     }
@@ -100,25 +100,26 @@ impl<V: Lanes, const PLANES: usize> Default for Workspace<V, PLANES> {
     }
 }
 
-/// A slot in which no ray waits.
+/// Slot in which no ray waits.
 #[must_use]
 pub fn free_slot<V: Lanes>() -> PlanarSlot<V> {
     Slot::free(PlanarState { facet: 0, side: Side::Above }, Polarised::both(ComplexLanes::zero()))
 }
 
-/// Memory of a trace through a planar cell.
+/// Borrowed memory of a trace through a planar cell.
 #[derive(Debug)]
 pub struct TraceMemory<'m, V: Lanes> {
-    /// One for each plane.
+    /// Sums for each plane.
     pub totals: &'m mut [Totals<V>],
-    /// Two for each plane; needed by [`Summation::Generations`] alone. Fewer cost rays, which the ledger accounts for.
+    /// Two slots for each plane; only [`Summation::Generations`] uses them. If there are fewer, rays are dropped, which
+    /// the ledger accounts for.
     pub slots: &'m mut [PlanarSlot<V>],
 }
 
-/// Planes for which there is room are fewer than the stack has.
+/// Error: the workspace has room for fewer planes than the stack has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFewPlanes {
-    /// Planes of the stack.
+    /// Number of planes of the stack.
     pub needed: usize,
 }
 
@@ -130,142 +131,146 @@ impl core::fmt::Display for TooFewPlanes {
 
 impl core::error::Error for TooFewPlanes {}
 
-/// What a trace through a planar cell found.
+/// Result of a trace through a planar cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traced<V> {
-    /// Amplitudes that left, as the closed form gives them.
+    /// Amplitudes of the reflected and the transmitted wave, in the form of the closed form.
     pub response: Response<V>,
-    /// Where the power went.
+    /// Power balance.
     pub ledger: Ledger<V>,
-    /// What it cost.
+    /// Cost of the trace.
     pub trace: Trace<V>,
 }
 
 /// Traces a plane wave of unit amplitude in both polarisations through a planar cell.
 ///
 /// # Errors
-/// [`TooFewPlanes`] if `memory` is smaller than the stack.
+/// [`TooFewPlanes`] if `memory.totals` has fewer elements than the stack has planes.
 pub fn trace_planar<V: Lanes>(
-    optics: &PreparedStack<'_, V>,
+    prepared: &PreparedStack<'_, V>,
     summation: Summation,
     memory: TraceMemory<'_, V>,
 ) -> Result<Traced<V>, TooFewPlanes> {
-    let needed = optics.stack().planes();
+    let needed = prepared.stack().planes();
     let totals = memory.totals.get_mut(..needed).ok_or(TooFewPlanes { needed })?;
-    let mut layers = Layers { optics, totals, reversal: optics.reversal() };
+    let mut tracer = PlanarTracer { prepared, totals, reversal: prepared.reversal() };
     let unit = Polarised::both(ComplexLanes::one());
     let mut sink = Specular::new();
-    let closing = layers.close_loops(unit, &mut sink);
+    let closing = tracer.close_loops(unit, &mut sink);
     let closed = sink.response();
     let (response, trace, truncated) = match summation {
         Summation::ClosedLoops => (closed, closing, V::zero()),
         Summation::Generations(limits) => {
-            let (response, trace) = layers.generations(unit, memory.slots, limits);
-            (response, trace, distance(optics, &response, &closed))
+            let (response, trace) = tracer.sum_generations(unit, memory.slots, limits);
+            (response, trace, largest_difference(prepared, &response, &closed))
         }
     };
-    let absorbed = layers.absorbed();
+    let absorbed = tracer.absorbed();
     let (reflected, transmitted) =
-        (optics.reflectance(response.reflection), optics.transmittance(response.transmission));
+        (prepared.reflectance(response.reflection), prepared.transmittance(response.transmission));
     let ledger = Ledger::new(reflected, transmitted, absorbed, truncated);
     Ok(Traced { response, ledger, trace })
 }
 
-/// The largest difference of two reflectances or transmittances, of either polarisation.
-fn distance<V: Lanes>(optics: &PreparedStack<'_, V>, a: &Response<V>, b: &Response<V>) -> V {
-    let apart = |a: Polarised<V>, b: Polarised<V>| (a.s - b.s).abs().max((a.p - b.p).abs());
-    let reflected = apart(optics.reflectance(a.reflection), optics.reflectance(b.reflection));
-    reflected.max(apart(optics.transmittance(a.transmission), optics.transmittance(b.transmission)))
+/// Largest difference of two responses in reflectance or transmittance, over both polarisations.
+fn largest_difference<V: Lanes>(prepared: &PreparedStack<'_, V>, a: &Response<V>, b: &Response<V>) -> V {
+    let difference = |a: Polarised<V>, b: Polarised<V>| (a.s - b.s).abs().max((a.p - b.p).abs());
+    let reflected = difference(prepared.reflectance(a.reflection), prepared.reflectance(b.reflection));
+    reflected.max(difference(prepared.transmittance(a.transmission), prepared.transmittance(b.transmission)))
 }
 
-/// How far rounding may have moved R or T of the worse polarisation in each lane ([`crate::optics::rounding`]), from the totals
-/// that [`Summation::ClosedLoops`] has left in [`TraceMemory::totals`]. It costs a fifth of the trace.
+/// Bound of the rounding error of R and T in each lane, for the worse polarisation ([`crate::optics::rounding`]).
+///
+/// `totals` are those that [`Summation::ClosedLoops`] has left in [`TraceMemory::totals`]. The bound costs a fifth of
+/// the time of the trace.
 #[must_use]
-pub fn rounding<V: Lanes>(optics: &PreparedStack<'_, V>, totals: &[Totals<V>]) -> V {
-    let incident = optics.admittance(optics.stack().ambient()).map(ComplexLanes::norm_sqr);
+pub fn rounding<V: Lanes>(prepared: &PreparedStack<'_, V>, totals: &[Totals<V>]) -> V {
+    let incident = prepared.admittance(prepared.stack().ambient()).map(ComplexLanes::norm_sqr);
     let (mut above, mut sum) = (incident, Polarised::both(V::zero()));
-    for (met, below) in totals.iter().zip(optics.admittances_below()) {
+    for (met, below) in totals.iter().zip(prepared.admittances_below()) {
         let below = below.map(ComplexLanes::norm_sqr);
-        // What an error of r does, E H/(κ₀ |1 − r²|), is of the size of (κ₁ |down| + κ₂ |up|)(|down| + |up|)/κ₀.
+        // The effect of an error of r, E H/(κ₀ |1 − r²|), is about (κ₁ |down| + κ₂ |up|)(|down| + |up|)/κ₀.
         let add = |sum: V, above: V, down: V, below: V, up: V| above.mul_add(down, below * up).mul_add(down + up, sum);
         sum.s = add(sum.s, above.s, met.down.s.norm_sqr(), below.s, met.up.s.norm_sqr());
         sum.p = add(sum.p, above.p, met.down.p.norm_sqr(), below.p, met.up.p.norm_sqr());
         above = below;
     }
-    // Where κ₁ + κ₂ cancels, r loses digits as 1 + |r|².
+    // If κ₁ + κ₂ cancels, r loses digits as 1 + |r|².
     let relative = sum.zip(incident, |sum, incident| (sum / incident).sqrt());
-    let relative = relative.zip(optics.max_reflectance(), |sum, r_squared| r_squared.mul_add(sum, sum));
-    optics.rounding(relative.s.max(relative.p))
+    let relative = relative.zip(prepared.max_reflectance(), |sum, r_squared| r_squared.mul_add(sum, sum));
+    prepared.rounding(relative.s.max(relative.p))
 }
 
-struct Layers<'a, 'm, V: Lanes> {
-    optics: &'a PreparedStack<'m, V>,
+/// Tracer of a planar cell: the prepared stack, and the sum of each state.
+struct PlanarTracer<'a, 'm, V: Lanes> {
+    prepared: &'a PreparedStack<'m, V>,
     totals: &'a mut [Totals<V>],
-    /// σ: reflection from below is σ times that from above.
+    /// σ: reflection from below is σ times reflection from above.
     reversal: V,
 }
 
-impl<V: Lanes> Layers<'_, '_, V> {
+impl<V: Lanes> PlanarTracer<'_, '_, V> {
+    /// Index of the last plane.
     fn last(&self) -> usize {
         self.totals.len() - 1
     }
 
-    /// The wave that leaves facet `j` downwards, of what met it.
-    fn departing_down(&self, j: usize) -> PlanarField<V> {
+    /// Wave that leaves facet `j` downwards, due to all that has met the facet.
+    fn outgoing_down(&self, j: usize) -> PlanarField<V> {
         let Totals { down, up } = self.totals[j];
-        let r = self.optics.reflection_at(j);
+        let r = self.prepared.reflection_at(j);
         let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| {
             transmission(r, self.reversal) * down + r.scale(self.reversal) * up
         };
         Polarised { s: side(r.s, down.s, up.s), p: side(r.p, down.p, up.p) }
     }
 
-    /// The wave that leaves facet `j` upwards.
-    fn departing_up(&self, j: usize) -> PlanarField<V> {
+    /// Wave that leaves facet `j` upwards, due to all that has met the facet.
+    fn outgoing_up(&self, j: usize) -> PlanarField<V> {
         let Totals { down, up } = self.totals[j];
-        let r = self.optics.reflection_at(j);
+        let r = self.prepared.reflection_at(j);
         let side = |r: ComplexLanes<V>, down, up: ComplexLanes<V>| r * down + transmission(r, V::one()) * up;
         Polarised { s: side(r.s, down.s, up.s), p: side(r.p, down.p, up.p) }
     }
 
-    /// Adds all rays by closing loops from the bottom upwards; leaves the totals of every state.
+    /// Adds all rays by closing loops from the bottom upwards; leaves the sum of each state in `totals`.
     fn close_loops(&mut self, incident: PlanarField<V>, sink: &mut impl Sink<Side, PlanarField<V>>) -> Trace<V> {
         let (last, sigma, one) = (self.last(), self.reversal, ComplexLanes::one());
-        // Upwards. `rho_below` is all that a facet, with everything below it, returns of a unit wave from above. Totals hold
-        // meanwhile: in `up`, what comes back to the facet of a unit wave that leaves it downwards; in `down`, what
-        // leaves it downwards of a unit wave from above, after all rounds of the film below.
-        let mut rho_below = self.optics.reflection_at(last);
+        // Upwards. `rho_below` is the reflection of a facet with everything below it, for a unit wave from above.
+        // Meanwhile `totals` contains: in `up`, what returns to the facet of a unit wave that leaves it downwards; in
+        // `down`, what leaves it downwards of a unit wave from above, after all rounds in the film below.
+        let mut rho_below = self.prepared.reflection_at(last);
         for j in (0..last).rev() {
-            let r = self.optics.reflection_at(j);
-            let e = self.optics.propagator_below(j);
+            let r = self.prepared.reflection_at(j);
+            let e = self.prepared.propagator_below(j);
             let round_trip = e.square();
             let returned = rho_below.map(|rho_below| rho_below * round_trip);
-            let departing = r.zip(returned, |r, returned| {
+            let outgoing = r.zip(returned, |r, returned| {
                 let gain = r.scale(sigma) * returned;
                 transmission(r, sigma).div_or_zero(one - gain)
             });
-            rho_below.s = transmission(r.s, V::one()).mul_add(returned.s * departing.s, r.s);
-            rho_below.p = transmission(r.p, V::one()).mul_add(returned.p * departing.p, r.p);
-            self.totals[j] = Totals { down: departing, up: returned };
+            rho_below.s = transmission(r.s, V::one()).mul_add(returned.s * outgoing.s, r.s);
+            rho_below.p = transmission(r.p, V::one()).mul_add(returned.p * outgoing.p, r.p);
+            self.totals[j] = Totals { down: outgoing, up: returned };
         }
         sink.exit(Side::Above, rho_below.zip(incident, |rho_below, incident| rho_below * incident));
-        // Downwards: every state's total follows from that of the one above.
+        // Downwards: the sum of each state follows from that of the state above.
         let mut down = incident;
         for j in 0..last {
-            let e = self.optics.propagator_below(j);
-            let departing = self.totals[j].down.zip(down, |departing, down| departing * down);
-            let up = self.totals[j].up.zip(departing, |returned, departing| returned * departing);
+            let e = self.prepared.propagator_below(j);
+            let outgoing = self.totals[j].down.zip(down, |outgoing, down| outgoing * down);
+            let up = self.totals[j].up.zip(outgoing, |returned, outgoing| returned * outgoing);
             self.totals[j] = Totals { down, up };
-            down = departing.map(|departing| departing * e);
+            down = outgoing.map(|outgoing| outgoing * e);
         }
         self.totals[last] = Totals { down, up: Polarised::both(ComplexLanes::zero()) };
-        sink.exit(Side::Below, self.departing_down(last));
+        sink.exit(Side::Below, self.outgoing_down(last));
         let states = 2 * last + 1;
         Trace { truncated: V::zero(), visits: states as u64, generations: 0 }
     }
 
-    /// Adds rays hit by hit; leaves what met every state.
-    fn generations(
+    /// Adds rays hit by hit; leaves the sum of each state in `totals`.
+    fn sum_generations(
         &mut self,
         incident: PlanarField<V>,
         slots: &mut [PlanarSlot<V>],
@@ -274,25 +279,26 @@ impl<V: Lanes> Layers<'_, '_, V> {
         self.totals.fill(Totals::none());
         let mut forecast = Forecast::new(self.totals.len(), limits);
         let (start, mut sink) = (PlanarState { facet: 0, side: Side::Above }, Specular::new());
-        let trace = generations(self, start, incident, slots, limits, &mut forecast, &mut sink);
+        let trace = trace_generations(self, start, incident, slots, limits, &mut forecast, &mut sink);
         (sink.response(), trace)
     }
 
-    /// Power lost in absorbing films: the flux into each less the flux out of it, from the fields just inside its faces.
+    /// Power absorbed in films: the flux into each film minus the flux out of it, from the fields just inside its
+    /// faces.
     fn absorbed(&self) -> Polarised<V> {
         let zero = Polarised::both(V::zero());
-        let stack = self.optics.stack();
-        if self.optics.model() == Model::Paper {
-            return zero; // the paper's weights are not fields; absorption shows as imbalance
+        let stack = self.prepared.stack();
+        if self.prepared.model() == Model::Paper {
+            return zero; // The paper's weights are not fields; absorption appears as imbalance.
         }
-        let incident = self.optics.admittance(stack.ambient());
+        let incident = self.prepared.admittance(stack.ambient());
         (0..self.last()).fold(zero, |sum, j| {
-            let admittance = self.optics.admittance(stack.film(j).medium);
+            let admittance = self.prepared.admittance(stack.film(j).medium);
             if !admittance.s.im.any_above(0.0) {
                 return sum;
             }
-            let (top_down, top_up) = (self.departing_down(j), self.totals[j].up);
-            let (bottom_down, bottom_up) = (self.totals[j + 1].down, self.departing_up(j + 1));
+            let (top_down, top_up) = (self.outgoing_down(j), self.totals[j].up);
+            let (bottom_down, bottom_up) = (self.totals[j + 1].down, self.outgoing_up(j + 1));
             let lost = |k, incident: ComplexLanes<V>, td, tu, bd, bu| (flux(k, td, tu) - flux(k, bd, bu)) / incident.re;
             Polarised {
                 s: sum.s + lost(admittance.s, incident.s, top_down.s, top_up.s, bottom_down.s, bottom_up.s),
@@ -302,7 +308,7 @@ impl<V: Lanes> Layers<'_, '_, V> {
     }
 }
 
-impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
+impl<V: Lanes> Waves<V> for PlanarTracer<'_, '_, V> {
     type State = PlanarState;
     type Field = PlanarField<V>;
     type Exit = Side;
@@ -321,14 +327,14 @@ impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
     }
 
     fn power(&self, state: &PlanarState, field: &PlanarField<V>) -> V {
-        let stack = self.optics.stack();
+        let stack = self.prepared.stack();
         let interface = stack.interface(state.facet as usize);
         let medium = match (state.side, interface.below) {
             (Side::Above, _) => interface.above,
             (Side::Below, Below::Medium(below)) => below,
             (Side::Below, Below::Mirror) => return V::zero(),
         };
-        let (here, incident) = (self.optics.admittance(medium), self.optics.admittance(stack.ambient()));
+        let (here, incident) = (self.prepared.admittance(medium), self.prepared.admittance(stack.ambient()));
         let of =
             |k: ComplexLanes<V>, incident: ComplexLanes<V>, a: ComplexLanes<V>| a.norm_sqr() * k.norm() / incident.re;
         of(here.s, incident.s, field.s).max(of(here.p, incident.p, field.p))
@@ -341,7 +347,7 @@ impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
             *total = total.zip(field, |a, b| a + b);
         }
 
-        let r = self.optics.reflection_at(j);
+        let r = self.prepared.reflection_at(j);
         let (reflected, refracted) = match state.side {
             Side::Above => (field.zip(r, |a, r| a * r), field.zip(r, |a, r| a * transmission(r, self.reversal))),
             Side::Below => {
@@ -355,44 +361,46 @@ impl<V: Lanes> Waves<V> for Layers<'_, '_, V> {
         let upwards = match state.facet.checked_sub(1) {
             None => (Target::Exit(Side::Above), up),
             Some(facet) => {
-                let e = self.optics.propagator_below(j - 1);
+                let e = self.prepared.propagator_below(j - 1);
                 (Target::State(PlanarState { facet, side: Side::Below }), up.map(|a| a * e))
             }
         };
         let downwards = if j == self.last() {
             (Target::Exit(Side::Below), down)
         } else {
-            let e = self.optics.propagator_below(j);
+            let e = self.prepared.propagator_below(j);
             (Target::State(PlanarState { facet: state.facet + 1, side: Side::Above }), down.map(|a| a * e))
         };
         [Some(upwards), Some(downwards)]
     }
 }
 
-/// Says which lanes to follow no longer: those whose power in flight is below the limit, diverges, or declines too
-/// slowly to come below the limit in time.
+/// Test that ends lanes: those whose power in flight is below the limit, diverges, or declines too slowly to fall below
+/// the limit in time.
 ///
-/// Generations are parted into windows, each twice as long as the one before. Power in flight declines at last like
-/// that of the mode that rings longest, so its maxima in the last two windows tell how much will be left.
+/// Generations are divided into windows, each twice as long as the one before. In the long run the power in flight
+/// declines like that of the mode that rings longest, so its maxima in the last two windows predict how much will be
+/// left.
 struct Forecast<V> {
     limits: Limits,
-    /// The generation at which the present window ends.
+    /// Generation at which the present window ends.
     end: u32,
-    /// The largest power in flight in the present window.
+    /// Largest power in flight in the present window.
     present: V,
-    /// The same in the window before.
+    /// Largest power in flight in the window before.
     before: V,
 }
 
 impl<V: Lanes> Forecast<V> {
-    /// Light crosses a stack twice before the first window ends.
+    /// Forecast whose first window is long enough for light to cross the stack twice.
     fn new(planes: usize, limits: Limits) -> Self {
-        const SHORTEST: u32 = 32;
-        let end = u32::try_from(planes).map_or(u32::MAX, |planes| planes.saturating_mul(4).max(SHORTEST));
+        const MIN_WINDOW: u32 = 32;
+        let end = u32::try_from(planes).map_or(u32::MAX, |planes| planes.saturating_mul(4).max(MIN_WINDOW));
         Self { limits, end, present: V::zero(), before: V::splat(f64::INFINITY) }
     }
 
-    /// 1 in lanes that will have more than the limit in flight after the last generation.
+    /// 1 in lanes that are predicted to have more power than the limit in flight after the last generation, 0 in
+    /// others.
     fn late(&self) -> V {
         // The last two windows begin at a half and a quarter of `end`.
         let steps = (4 * u64::from(self.limits.generations)).checked_div(self.end.into()).unwrap_or(0);
@@ -401,7 +409,7 @@ impl<V: Lanes> Forecast<V> {
     }
 }
 
-/// base^exponent.
+/// Power base^exponent by repeated squaring.
 fn power<V: Lanes>(mut base: V, mut exponent: u64) -> V {
     let mut product = V::one();
     while exponent > 0 {
@@ -414,13 +422,14 @@ fn power<V: Lanes>(mut base: V, mut exponent: u64) -> V {
     product
 }
 
-impl<V: Lanes, K> OnFull<V, Layers<'_, '_, V>, K> for Forecast<V> {
+impl<V: Lanes, K> OnFull<V, PlanarTracer<'_, '_, V>, K> for Forecast<V> {
     fn review(&mut self, slots: &mut [PlanarSlot<V>], generation: u32, in_flight: V) -> V {
         let (zero, one) = (V::zero(), V::one());
         self.present = self.present.max(in_flight);
-        // 1 in lanes that end here; where nothing is in flight they have ended.
+        // 1 in lanes that end here; lanes with no power in flight have ended before.
         let faint = V::splat(self.limits.in_flight).select_lt(in_flight, zero, zero.select_lt(in_flight, one, zero));
-        let mut ends = V::splat(<Self as OnFull<V, Layers<'_, '_, V>, K>>::DIVERGED).select_lt(in_flight, one, faint);
+        let mut ends =
+            V::splat(<Self as OnFull<V, PlanarTracer<'_, '_, V>, K>>::MAX_IN_FLIGHT).select_lt(in_flight, one, faint);
         if generation >= self.end {
             ends = ends.max(self.late());
             (self.before, self.present, self.end) = (self.present, zero, self.end.saturating_mul(2));

@@ -1,18 +1,18 @@
-//! A generator of uniform random numbers.
+//! Generator of uniform random numbers.
 
-/// Uniform random numbers: splitmix64 (Steele, Lea & Flood, OOPSLA 2014).
+/// Generator of uniform random numbers: SplitMix64 (Steele, Lea & Flood, OOPSLA 2014).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Random(u64);
 
 impl Random {
-    /// The sequence of a starting ray; equal arguments give equal sequences.
+    /// Generator for a starting ray. Equal arguments give equal sequences.
     #[must_use]
     pub fn new(ray: u32, seed: u32) -> Self {
         Self(u64::from(ray) << 32 | u64::from(seed))
     }
 
-    /// The next number, in [0, 1).
-    #[allow(clippy::should_implement_trait)]
+    /// Next number, in [0, 1).
+    #[allow(clippy::should_implement_trait, reason = "the sequence never ends")]
     pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

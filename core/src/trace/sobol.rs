@@ -1,8 +1,8 @@
-//! Where starting rays begin: a scrambled low-discrepancy sequence over the unit square.
+//! Starting points of rays: a scrambled low-discrepancy sequence over the unit square.
 //!
-//! The first two dimensions of Sobol's sequence with Owen scrambling by hashing (L. Burley, "Practical Hash-based Owen
-//! Scrambling", JCGT 9(4), 2020). Each seed gives an independent, unbiased estimate, so the spread over seeds is an honest
-//! standard error; any power of two of points is evenly spread.
+//! These are the first two dimensions of Sobol's sequence with Owen scrambling by hashing (L. Burley, "Practical
+//! Hash-based Owen Scrambling", JCGT 9(4), 2020). Each seed gives an independent, unbiased estimate, so the standard
+//! deviation over seeds is the true standard error. The first 2^k points are evenly spread for every k.
 
 /// Point `index` of the sequence `seed`, in [0, 1)².
 #[must_use]
@@ -13,7 +13,7 @@ pub fn sobol(index: u32, seed: u32) -> [f64; 2] {
     [x, y].map(|bits| f64::from(bits) / 4_294_967_296.0)
 }
 
-/// The second dimension of Sobol's sequence: direction numbers of Pascal's triangle modulo 2.
+/// Second dimension of Sobol's sequence: its direction numbers are Pascal's triangle modulo 2.
 fn second_dimension(mut index: u32) -> u32 {
     let mut direction = 1u32 << 31;
     let mut bits = 0;
@@ -27,7 +27,7 @@ fn second_dimension(mut index: u32) -> u32 {
     bits
 }
 
-/// Nested uniform scrambling: each bit flips by a hash of those above it.
+/// Nested uniform scrambling: a hash of the bits above a bit decides whether it flips.
 fn owen(bits: u32, seed: u32) -> u32 {
     let mut x = bits.reverse_bits();
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -38,6 +38,7 @@ fn owen(bits: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
+/// Integer hash of 32 bits.
 fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);
@@ -53,16 +54,16 @@ mod tests {
 
     #[test]
     fn every_elementary_interval_holds_one_point() {
-        // A (0, 2)-sequence: 256 points, one in each box of area 1/256 whatever its shape.
+        // In a (0, 2)-sequence each box of area 1/256 contains one of 256 points, whatever its shape.
         for seed in [0, 1, 77] {
             for log_columns in 0..=8u32 {
                 let (columns, rows) = (1usize << log_columns, 256usize >> log_columns);
                 let mut seen = [false; 256];
                 for index in 0..256 {
                     let [x, y] = sobol(index, seed);
-                    let place = (x * columns as f64) as usize * rows + (y * rows as f64) as usize;
-                    assert!(!seen[place], "seed {seed}, {columns} columns");
-                    seen[place] = true;
+                    let index_of_box = (x * columns as f64) as usize * rows + (y * rows as f64) as usize;
+                    assert!(!seen[index_of_box], "seed {seed}, {columns} columns");
+                    seen[index_of_box] = true;
                 }
             }
         }
@@ -79,7 +80,7 @@ mod tests {
             sum += x;
             squares += x * x;
         }
-        // Standard errors of the mean and of the second moment are 1e-3.
+        // The standard errors of the mean and of the second moment are 1e-3.
         assert!((sum / f64::from(count) - 0.5).abs() < 5e-3);
         assert!((squares / f64::from(count) - 1.0 / 3.0).abs() < 5e-3);
     }

@@ -1,139 +1,146 @@
 //! Ray splitting with coherent merging.
 //!
-//! A ray is a plane wave; at each facet it becomes a reflected and a refracted one. Followed literally the number of paths
-//! doubles at every hit. But two rays about to meet the same facet from the same side with the same wavevector are the
-//! same plane wave: their amplitudes, referred to the facet's anchor, are **added and continue as one** (the paper's "rays
-//! which have the same direction are coherent", applied inside the tracer). Rays are processed generation by
-//! generation and merged as they are produced, so a planar stack of N planes has 2N states whatever the number of bounces.
+//! A ray is a plane wave; each facet splits it into a reflected and a refracted one, so the number of paths doubles at
+//! every hit. But two rays about to meet the same facet from the same side with the same wavevector are the same plane
+//! wave. Their amplitudes, referred to one point, are **added and continue as one** (the paper's "rays which have the
+//! same direction are coherent", applied inside the tracer). Rays are processed generation by generation and merged as
+//! they are produced, so a planar stack of N planes has 2N states whatever the number of bounces.
 //!
-//! What a state is and where its amplitude goes is the cell's to say ([`Waves`]); where rays that leave end up is the
-//! sink's ([`Sink`]). Planar cells have an accelerated sum of the same series in [`crate::trace::planar`]; rays that do not interfere
-//! are followed by [`crate::trace::paths`].
+//! The waiting rays lie in an open-addressing hash table in the caller's memory, an array of [`Slot`]s. The cell
+//! computes the bucket of a state ([`Waves::bucket`]); linear probing over at most [`Waves::MAX_PROBES`] slots finds
+//! either a ray of the same wave, with which the new one merges, or a free slot. One table contains two generations: a
+//! slot belongs to the generation whose number it bears, and is freed when its ray is split.
+//!
+//! The cell defines states and the split of a ray ([`Waves`]); the sink receives the rays that leave ([`Sink`]). For
+//! planar cells [`crate::trace::planar`] has an accelerated sum of the same series. [`crate::trace::paths`] traces rays
+//! that do not interfere.
 
 use crate::simd::lanes::Lanes;
 
-/// Where a ray goes after a hit.
+/// Destination of a ray after a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target<S, X> {
-    /// On to another facet.
+    /// The ray arrives at another facet, in this state.
     State(S),
-    /// Out of the cell.
+    /// The ray leaves the cell.
     Exit(X),
 }
 
-/// A cell as the tracer of waves that interfere sees it.
+/// Cell in which waves interfere, as [`trace`] needs it.
 pub trait Waves<V: Lanes> {
-    /// What tells two plane waves apart: the facet about to be met, the side, and where needed wavevector and point.
+    /// Identity of a plane wave: the facet that it is about to meet, the side, and where needed wavevector and point.
     type State: Copy;
-    /// The complex amplitudes that a ray carries, referred to the facet's anchor.
+    /// Complex amplitudes of a ray at the point to which its state refers them.
     type Field: Copy;
-    /// How a ray leaves: a side of the stack, or a direction.
+    /// Way in which a ray leaves: a side of the stack, or a direction.
     type Exit: Copy;
 
-    /// A state waits at most this many slots behind its bucket; 1 where every state has a bucket of its own.
+    /// Number of slots, from its bucket on, in which a state may wait; 1 if every state has a bucket of its own.
     const MAX_PROBES: usize;
 
-    /// The first slot in which a state may wait, taken modulo the number of slots.
+    /// First slot in which a state may wait. The tracer takes it modulo the number of slots.
     fn bucket(&self, state: &Self::State) -> usize;
-    /// Whether two rays are the same plane wave about to meet the same facet from the same side.
+    /// Whether two rays are one plane wave about to meet the same facet from the same side.
     fn is_same_wave(&self, a: &Self::State, b: &Self::State) -> bool;
-    /// The field of both of two rays that are the [`Waves::is_same_wave`], in the state `into`.
+    /// Sum of the fields of two rays that are one plane wave ([`Waves::is_same_wave`]), referred to the state `into`.
     fn merge(&self, into: &Self::State, field: Self::Field, from: &Self::State, more: Self::Field) -> Self::Field;
-    /// Power of a ray in units of the incident one, per lane; an upper bound where the wave is evanescent.
+    /// Power of a ray in each lane, in units of the incident power; an upper bound if the wave is evanescent.
     fn power(&self, state: &Self::State, field: &Self::Field) -> V;
-    /// Splits a ray at its facet: the reflected and the refracted ray.
+    /// Splits a ray at its facet into the reflected and the refracted ray, and propagates both.
     fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
 }
 
-/// Where a ray goes from a facet, and its field or light there; `None` if it is lost or fades away.
+/// Destination of a ray that leaves a facet, and its field or light there; `None` if it is lost or fades away.
 pub type Propagated<S, X, F> = Option<(Target<S, X>, F)>;
 
-/// The reflected and the refracted ray of a hit.
+/// Reflected and refracted ray of a hit.
 pub type Split<S, X, F> = [Propagated<S, X, F>; 2];
 
-/// Receives the rays that leave a cell. How they add is the sink's business: see [`crate::trace::ledger`].
+/// Receiver of the rays that leave a cell. It decides how they add: see [`crate::trace::ledger`] and
+/// [`crate::measure`].
 pub trait Sink<X, F> {
-    /// One ray leaves.
+    /// Receives one ray that leaves.
     fn exit(&mut self, exit: X, field: F);
 }
 
-/// A place for one state of the present or the next generation.
+/// Slot of the hash table for one ray of the present or the next generation.
 #[derive(Clone, Copy, Debug)]
 pub struct Slot<S, F> {
-    /// Generation of the ray that waits here; 0 if none does.
+    /// Generation of the ray that waits here; 0 if the slot is free.
     pub(crate) generation: u32,
     pub(crate) state: S,
     pub(crate) field: F,
 }
 
 impl<S, F> Slot<S, F> {
-    /// A free slot; the values are never read.
+    /// Free slot. The state and the field are never read.
     pub const fn free(state: S, field: F) -> Self {
         Self { generation: 0, state, field }
     }
 }
 
-/// When to stop following rays.
+/// Limits beyond which rays are not followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Power in flight, relative to the incident, below which rays are dropped. It bounds no error: waves caught in a
+    /// Power in flight, relative to the incident power, below which rays are dropped. It is no error bound: waves in a
     /// loop of gain g would still add up to √`in_flight`/|1 − g| to the amplitude that leaves.
     pub in_flight: f64,
-    /// Generations after which to give up.
+    /// Largest number of generations.
     pub generations: u32,
 }
 
 impl Limits {
-    /// For single precision: drops amplitudes of 1e-7, which is of the order of its rounding.
+    /// Limits in single precision: amplitudes below 1e-7, about its rounding error, are dropped.
     pub const SINGLE: Self = Self { in_flight: 1e-14, generations: 1_000_000 };
-    /// For double precision: drops amplitudes of 3e-12.
+    /// Limits in double precision: amplitudes below 3e-12 are dropped.
     pub const DOUBLE: Self = Self { in_flight: 1e-23, generations: 4_000_000 };
 }
 
-/// What a trace cost and what it left undone.
+/// Cost of a trace, and the power that it did not follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<V> {
-    /// Power in flight at the end plus power of rays dropped on the way, per lane. It is no error bar: see
-    /// [`Limits::in_flight`]. A sum that is given up because it grows leaves more than 1.
+    /// Power in flight at the end plus power of rays dropped on the way, per lane. It is no error bound: see
+    /// [`Limits::in_flight`]. It exceeds 1 if the sum is given up because it grows.
     pub truncated: V,
-    /// States visited: one for each splitting of a merged ray.
+    /// Number of states visited: one for each split of a merged ray.
     pub visits: u64,
-    /// Hits of the longest path.
+    /// Number of hits of the longest path.
     pub generations: u32,
 }
 
-/// Takes the waves for which there is no slot, and those that are not worth following. By default the former are
-/// dropped and the latter are none.
+/// Handler of waves that find no free slot, and of waves that are not worth following. By default it drops the former,
+/// and there are none of the latter.
 pub(crate) trait OnFull<V: Lanes, W: Waves<V>, K> {
-    /// Power in flight, relative to the incident, at which a sum of rays is given up. Where absorbing or evanescent
-    /// waves make a loop's gain |g| > 1 although the cell is passive, the sum by generations diverges. Amplitudes of
-    /// 10⁶ leave no digit of single precision and ten of double.
-    const DIVERGED: f64 = 1e12;
+    /// Power in flight, relative to the incident power, at which a sum of rays is given up. Absorbing or evanescent
+    /// waves can make a loop's gain |g| > 1 although the cell is passive; then the sum by generations diverges.
+    /// Amplitudes of 10⁶ leave no correct digit of single precision and ten of double.
+    const MAX_IN_FLIGHT: f64 = 1e12;
 
-    /// Whether a wave of this mean power over lanes is taken although there may be a slot.
+    /// Whether a wave of this power, averaged over lanes, is handled here even if there is a free slot.
     fn prefers(&self, _mean: f64) -> bool {
         false
     }
 
-    /// Takes a wave of this power after so many hits; returns what it dropped and the hits it made.
-    fn take(&mut self, _: &W::State, _: &W::Field, power: V, _visits: u64, _: &mut K) -> (V, u64) {
+    /// Handles a wave of this power after `visits` hits; returns the power that is dropped and the number of further
+    /// hits.
+    fn handle(&mut self, _: &W::State, _: &W::Field, power: V, _visits: u64, _: &mut K) -> (V, u64) {
         (power, 0)
     }
 
-    /// Looks at the waves that wait for `generation`, of the power `in_flight` in all: clears the lanes that are not
-    /// worth following and returns their power.
+    /// Clears the lanes that are not worth following of the waves that wait for `generation`, and returns the power of
+    /// these lanes. `in_flight` is the power of all these waves.
     fn review(&mut self, _: &mut [Slot<W::State, W::Field>], _generation: u32, _in_flight: V) -> V {
         V::zero()
     }
 }
 
-/// Where nothing spills.
+/// Handler that drops waves for which there is no slot.
 struct DropOnFull;
 
 impl<V: Lanes, W: Waves<V>, K> OnFull<V, W, K> for DropOnFull {}
 
-/// Follows `field` from `start` until [`Limits`] are met. `slots` is the workspace. Waves for which it has no room are dropped into
-/// [`Trace::truncated`].
+/// Traces a wave of amplitudes `field` from the state `start` until the [`Limits`] are reached. `slots` is the
+/// workspace; waves that find no free slot are dropped and counted in [`Trace::truncated`].
 pub fn trace<V: Lanes, W: Waves<V>>(
     cell: &mut W,
     start: W::State,
@@ -142,16 +149,17 @@ pub fn trace<V: Lanes, W: Waves<V>>(
     limits: Limits,
     sink: &mut impl Sink<W::Exit, W::Field>,
 ) -> Trace<V> {
-    generations(cell, start, field, slots, limits, &mut DropOnFull, sink)
+    trace_generations(cell, start, field, slots, limits, &mut DropOnFull, sink)
 }
 
-pub(crate) fn generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: OnFull<V, W, K>>(
+/// Traces a wave generation by generation, with a handler of waves that find no free slot.
+pub(crate) fn trace_generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: OnFull<V, W, K>>(
     cell: &mut W,
     start: W::State,
     field: W::Field,
     slots: &mut [Slot<W::State, W::Field>],
     limits: Limits,
-    overflow: &mut O,
+    on_full: &mut O,
     sink: &mut K,
 ) -> Trace<V> {
     for slot in slots.iter_mut() {
@@ -164,8 +172,8 @@ pub(crate) fn generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: 
         return Trace { truncated: cell.power(&start, &field), visits, generations: 0 };
     }
     loop {
-        for place in 0..slots.len() {
-            let Some(slot) = slots.get_mut(place).filter(|slot| slot.generation == generation) else { continue };
+        for index in 0..slots.len() {
+            let Some(slot) = slots.get_mut(index).filter(|slot| slot.generation == generation) else { continue };
             slot.generation = 0;
             let Slot { state, field, .. } = *slot;
             visits += 1;
@@ -174,9 +182,9 @@ pub(crate) fn generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: 
                     Target::Exit(exit) => sink.exit(exit, field),
                     Target::State(state) => {
                         let power = cell.power(&state, &field);
-                        let stays = !overflow.prefers(power.sum() / V::WIDTH as f64);
-                        if !(stays && insert_or_merge(cell, slots, generation + 1, state, field)) {
-                            let (lost, hits) = overflow.take(&state, &field, power, visits, sink);
+                        let may_wait = !on_full.prefers(power.sum() / V::WIDTH as f64);
+                        if !(may_wait && insert_or_merge(cell, slots, generation + 1, state, field)) {
+                            let (lost, hits) = on_full.handle(&state, &field, power, visits, sink);
                             dropped += lost;
                             visits += hits;
                         }
@@ -189,10 +197,10 @@ pub(crate) fn generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: 
             .iter()
             .filter(|slot| slot.generation == next)
             .fold(V::zero(), |sum, slot| sum + cell.power(&slot.state, &slot.field));
-        let cleared = overflow.review(slots, next, in_flight);
+        let cleared = on_full.review(slots, next, in_flight);
         let in_flight = in_flight - cleared;
         dropped += cleared;
-        let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(O::DIVERGED);
+        let done = !in_flight.any_above(limits.in_flight) || in_flight.any_above(O::MAX_IN_FLIGHT);
         if done || generation >= limits.generations {
             return Trace { truncated: in_flight + dropped, visits, generations: generation };
         }
@@ -200,7 +208,8 @@ pub(crate) fn generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field>, O: 
     }
 }
 
-/// Merges a ray of the coming generation with its equal, or gives it a free slot; false if there is none.
+/// Merges a ray of the next generation with a ray of the same wave, or inserts it into a free slot; false if there is
+/// none within reach of its bucket.
 fn insert_or_merge<V: Lanes, W: Waves<V>>(
     cell: &W,
     slots: &mut [Slot<W::State, W::Field>],
@@ -215,17 +224,17 @@ fn insert_or_merge<V: Lanes, W: Waves<V>>(
     let mut vacant = None;
     let len = slots.len();
     for probe in 0..W::MAX_PROBES.min(len) {
-        let place = (bucket + probe) % len;
-        let Some(slot) = slots.get_mut(place) else { break };
+        let index = (bucket + probe) % len;
+        let Some(slot) = slots.get_mut(index) else { break };
         if slot.generation == generation && cell.is_same_wave(&slot.state, &state) {
             slot.field = cell.merge(&slot.state, slot.field, &state, field);
             return true;
         }
         if slot.generation == 0 && vacant.is_none() {
-            vacant = Some(place);
+            vacant = Some(index);
         }
     }
-    match vacant.and_then(|place| slots.get_mut(place)) {
+    match vacant.and_then(|index| slots.get_mut(index)) {
         Some(slot) => *slot = Slot { generation, state, field },
         None => return false,
     }
