@@ -44,9 +44,9 @@
 //! | | [`incoherent_mesh`](trace::incoherent_mesh) | paths in mesh cells: the coherency matrix | ⟨E_s E_p*⟩ |
 //! | [`measure`] | [`bins`](measure::bins) | directions in which rays leave | |
 //! | | [`orders`](measure::orders) | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
+//! | [`colour`] | | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
 //! | [`table`] | | BRDF tables | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
 //! | | [`blob`](table::blob) | tables in bytes | |
-//! | [`colour`] | | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
 //!
 //! # Requirements
 //!

@@ -207,7 +207,7 @@ fn checksum(header: &[u8; HEADER], payload: &[u8]) -> u32 {
 }
 
 impl<'a> Blob<'a> {
-    /// Checks all bytes of a blob and borrows them. Nothing that is looked up afterwards can fail or panic.
+    /// Checks all bytes of a blob and borrows them. Nothing that they contain can make a later look-up fail or panic.
     ///
     /// # Errors
     /// [`BlobError::Magic`], [`BlobError::Version`], [`BlobError::Length`] and [`BlobError::Checksum`] if the bytes are

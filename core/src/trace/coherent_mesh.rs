@@ -123,9 +123,9 @@ pub(crate) const fn hero<V: Lanes>() -> usize {
     V::WIDTH / 2
 }
 
-/// Largest difference, in the hero lane, of the directions of two rays that are one wave: far above the rounding of a
+/// Largest difference, in the hero lane, of the wavevectors of two rays that are one wave: far above the rounding of a
 /// hundred hits (1e-14), far below a difference that would show over a path of a millimetre (1e-3 turns of phase).
-const MAX_DIRECTION_DIFFERENCE: f64 = 1e-9;
+const MAX_WAVEVECTOR_DIFFERENCE: f64 = 1e-9;
 /// Largest distance in nanometres, along the normal, of two points in one plane: the rounding of positions up to a
 /// millimetre.
 const MAX_PLANE_DISTANCE_NM: f64 = 1e-6;
@@ -247,7 +247,7 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
         let distance = self.cell.facet(a.at.facet).normal.dot(a.at.point_nm - b.at.point_nm);
         a.at.facet == b.at.facet
             && a.at.front == b.at.front
-            && difference.length_squared() < MAX_DIRECTION_DIFFERENCE * MAX_DIRECTION_DIFFERENCE
+            && difference.length_squared() < MAX_WAVEVECTOR_DIFFERENCE * MAX_WAVEVECTOR_DIFFERENCE
             && distance.abs() < MAX_PLANE_DISTANCE_NM
     }
 

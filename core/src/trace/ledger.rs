@@ -58,8 +58,8 @@ pub struct Ledger<V> {
     /// from their values with all loops closed in the same precision. It includes the rounding errors of a long sum. It
     /// is 0 if loops are closed.
     pub truncated: V,
-    /// Difference of 1 and the other terms: rounding errors, and the power of rays that were not followed. In the
-    /// paper's model, which does not conserve power, it is large.
+    /// Difference of 1 and the other terms, due to rounding and to rays that were not followed. The paper's model does
+    /// not conserve power.
     pub imbalance: Polarised<V>,
 }
 

@@ -24,7 +24,7 @@ pub trait Paths<V: Lanes> {
     fn scale_power(light: &Self::Light, factor: f64) -> Self::Light;
     /// Splits a path at its facet into the reflected and the refracted branch.
     fn split(&mut self, state: &Self::State, light: &Self::Light) -> [Option<(Self::Branch, Self::Light)>; 2];
-    /// Sends a branch on its way; nothing if it is lost.
+    /// Propagates a branch to the next facet, or out of the cell; `None` if it is lost.
     fn propagate(
         &mut self,
         from: &Self::State,

@@ -8,7 +8,7 @@
 //!   sum diverges (for one in eleven of random stacks with a third of their media absorbing).
 //! - [`Summation::ClosedLoops`] uses that a ray which returns to a state is the same plane wave times the loop's gain
 //!   g, and adds all its rounds at once: 1 + g + g² + … = 1/(1 − g). Loops are closed from the bottom upwards, each
-//!   before the next is met, so each state is visited once: visits grow like tracer.
+//!   before the next is met, so each state is visited once: visits grow like layers.
 //!
 //! The second is the limit of the first, where that converges. So the error of a sum of generations is known: it is the
 //! difference from the closed loops, [`Ledger::truncated`].
@@ -54,7 +54,7 @@ impl<V: Lanes> Totals<V> {
     }
 }
 
-/// How rays are added: see [the module](self).
+/// Method by which rays are added; [the module](self) compares the two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Summation {
     /// Every loop is closed by its geometric series.
@@ -72,7 +72,7 @@ pub struct Workspace<V: Lanes, const PLANES: usize = DEFAULT_PLANES> {
     slots: [[PlanarSlot<V>; 2]; PLANES],
 }
 
-/// Number of planes of the default workspace: 31 tracer.
+/// Number of planes of the default workspace: 31 layers.
 pub const DEFAULT_PLANES: usize = 32;
 
 /// Largest size in bytes of the default workspace, which is meant to live on the stack.
@@ -134,7 +134,7 @@ impl core::error::Error for TooFewPlanes {}
 /// Result of a trace through a planar cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traced<V> {
-    /// Amplitudes of the reflected and the transmitted wave, in the form of the closed form.
+    /// Amplitudes of the reflected and the transmitted wave, as those of the closed form.
     pub response: Response<V>,
     /// Power balance.
     pub ledger: Ledger<V>,
