@@ -77,7 +77,7 @@ pub(crate) fn read_file(path: &Path, remedy: &str) -> Result<String> {
 
 /// A corner of a face: indices from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Corner {
+pub(crate) struct FaceCorner {
     pub vertex: u32,
     /// `None` where the face names none, and in [`Detail::Places`].
     pub texture: Option<u32>,
@@ -126,7 +126,7 @@ pub(crate) enum Statement<'r> {
     /// The name in `usemtl`, which may contain spaces.
     Material(Cow<'r, str>),
     /// The corners of a polygon, at least one. Neighbours differ in their vertices.
-    Face(&'r [Corner]),
+    Face(&'r [FaceCorner]),
 }
 
 /// Goes through the statements of a text.
@@ -141,7 +141,7 @@ pub(crate) struct Reader<'a> {
     vertices: usize,
     textures: usize,
     normals: usize,
-    corners: Vec<Corner>,
+    corners: Vec<FaceCorner>,
 }
 
 impl<'a> Reader<'a> {
@@ -252,7 +252,7 @@ impl<'a> Reader<'a> {
         for word in words {
             let corner = self.corner(word)?;
             count += 1;
-            if corners.last().is_none_or(|last: &Corner| last.vertex != corner.vertex) {
+            if corners.last().is_none_or(|last: &FaceCorner| last.vertex != corner.vertex) {
                 corners.push(corner);
             }
         }
@@ -267,7 +267,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&self, word: &str) -> Result<Corner> {
+    fn corner(&self, word: &str) -> Result<FaceCorner> {
         let mut numbers = word.split('/');
         let first = numbers.next().unwrap_or_default();
         let read = |number: &str, count: usize, what: &str| -> Result<u32> {
@@ -283,14 +283,14 @@ impl<'a> Reader<'a> {
         };
         let vertex = read(first, self.vertices, "vertex")?;
         if self.detail == Detail::Places {
-            return Ok(Corner { vertex, texture: None, normal: None });
+            return Ok(FaceCorner { vertex, texture: None, normal: None });
         }
         let mut optional = |count: usize, what: &str| {
             let number = numbers.next().filter(|number| !number.is_empty());
             number.map(|number| read(number, count, what)).transpose()
         };
         let texture = optional(self.textures, "texture coordinate")?;
-        Ok(Corner { vertex, texture, normal: optional(self.normals, "normal")? })
+        Ok(FaceCorner { vertex, texture, normal: optional(self.normals, "normal")? })
     }
 }
 
@@ -327,7 +327,7 @@ fn shown(word: &str) -> &str {
 mod tests {
     use super::*;
 
-    fn faces(text: &str) -> Vec<Vec<Corner>> {
+    fn faces(text: &str) -> Vec<Vec<FaceCorner>> {
         let mut reader = Reader::new("m.obj", text, Detail::Full);
         let mut faces = Vec::new();
         while let Some(statement) = reader.next().unwrap() {
@@ -349,8 +349,8 @@ mod tests {
         }
     }
 
-    fn at(vertices: [u32; 3]) -> Vec<Corner> {
-        vertices.map(|vertex| Corner { vertex, texture: None, normal: None }).to_vec()
+    fn at(vertices: [u32; 3]) -> Vec<FaceCorner> {
+        vertices.map(|vertex| FaceCorner { vertex, texture: None, normal: None }).to_vec()
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0 1\nv 1 1 0 0.5 0.5 1\nv 0 1 0\n";
@@ -380,7 +380,7 @@ mod tests {
     fn corners_name_textures_and_normals() {
         let text =
             format!("\u{feff}{SQUARE}vt 0.5 0.25\nvn 0 0 1\nvn 0 nan(ind) 1\nf 1/1 2//2 -2/1/-2\nf 1/ 2// 3//\n");
-        let corner = |vertex, texture, normal| Corner { vertex, texture, normal };
+        let corner = |vertex, texture, normal| FaceCorner { vertex, texture, normal };
         let named = vec![corner(0, Some(0), None), corner(1, None, Some(1)), corner(2, Some(0), Some(0))];
         assert_eq!(faces(&text), [named, at([0, 1, 2])]);
         assert!(refusal(&format!("{SQUARE}f 1/1 2 3")).contains("texture coordinate 1 does not exist; 0 are defined"));

@@ -127,7 +127,7 @@ fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Res
             }
             Statement::Texture(texture) => memory::push(&mut textures, texture, "the texture coordinates of a mesh")?,
             Statement::Face(face) => {
-                let corner = |corner: &obj::Corner| MeshCorner {
+                let corner = |corner: &obj::FaceCorner| MeshCorner {
                     position: positions[corner.vertex as usize],
                     normal: corner.normal.and_then(|normal| normals[normal as usize]),
                     texture: corner.texture.map(|texture| textures[texture as usize]).filter(|t: &f64| t.is_finite()),

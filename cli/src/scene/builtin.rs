@@ -2,8 +2,9 @@
 
 use goniochrome::optics::medium::Extrapolate;
 
-use super::diagnostics::Source;
-use super::{NamedMedium, refractive_index_info};
+use super::diagnostics::SourceText;
+use super::parts::NamedMedium;
+use super::refractive_index_info;
 use crate::support::error::Result;
 
 /// A material: its name, its data file and, in short, where these come from.
@@ -67,7 +68,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 pub fn get(name: &str, extrapolate: Extrapolate) -> Option<Result<NamedMedium>> {
     let &(name, text, _) = MATERIALS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name))?;
     let label = format!("built-in material {name}");
-    let medium = refractive_index_info::parse(&Source { label: &label, text }, extrapolate);
+    let medium = refractive_index_info::parse(&SourceText { label: &label, text }, extrapolate);
     Some(medium.map(|medium| NamedMedium { name: name.to_owned(), medium }))
 }
 
@@ -81,7 +82,7 @@ pub fn list() -> Result<String> {
     for &(name, text, source) in MATERIALS {
         let label = format!("built-in material {name}");
         let [from, to] =
-            refractive_index_info::parse(&Source { label: &label, text }, Extrapolate::Refuse)?.borrow().range_nm();
+            refractive_index_info::parse(&SourceText { label: &label, text }, Extrapolate::Refuse)?.borrow().range_nm();
         let range = if name == "vacuum" { "any wavelength".to_owned() } else { format!("{from:.0} to {to:.0} nm") };
         lines.push_str(&format!("{name:width$}  {range:17}  {source}\n"));
     }

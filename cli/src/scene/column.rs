@@ -7,8 +7,8 @@
 
 use goniochrome::optics::medium::IndexPart;
 
-use super::diagnostics::Source;
-use super::medium::OwnedDispersion;
+use super::diagnostics::SourceText;
+use super::dispersion::OwnedDispersion;
 use crate::support::error::Result;
 
 /// Metals in the far infrared reach n and k of some thousand; beyond this a number is a slip, and its square a danger.
@@ -42,7 +42,7 @@ pub(super) struct Notes {
 }
 
 /// The column of rows in the order of their file: increasing wavelengths, or decreasing ones.
-pub(super) fn column(source: &Source<'_>, part: IndexPart, mut rows: Vec<Row>) -> Result<Column> {
+pub(super) fn column(source: &SourceText<'_>, part: IndexPart, mut rows: Vec<Row>) -> Result<Column> {
     if rows.first().map(|row| row.wavelength_nm) > rows.last().map(|row| row.wavelength_nm) {
         rows.reverse();
     }
@@ -100,7 +100,7 @@ fn in_place(rows: &[Row]) -> Vec<bool> {
 }
 
 /// The value of a row, NaN if no passive medium has it.
-fn known(source: &Source<'_>, part: IndexPart, row: &Row, notes: &mut Notes) -> f64 {
+fn known(source: &SourceText<'_>, part: IndexPart, row: &Row, notes: &mut Notes) -> f64 {
     let value = row.value;
     let fault = match part {
         _ if !value.is_finite() => format!("{part} is no finite number"),
@@ -120,7 +120,7 @@ fn known(source: &Source<'_>, part: IndexPart, row: &Row, notes: &mut Notes) -> 
 }
 
 /// What is wrong with the first rows among `run` that do not follow one another.
-fn disorder(source: &Source<'_>, part: IndexPart, rows: &[Row], run: std::ops::Range<usize>) -> String {
+fn disorder(source: &SourceText<'_>, part: IndexPart, rows: &[Row], run: std::ops::Range<usize>) -> String {
     let first = run.start.max(1);
     let pair = rows[first - 1..run.end].windows(2).find(|pair| pair[0].wavelength_nm >= pair[1].wavelength_nm);
     let Some(&[a, b]) = pair else { return format!("{}: rows are out of order", source.label) };
@@ -142,7 +142,7 @@ mod tests {
 
     fn read(part: IndexPart, rows: &[(f64, f64)]) -> Result<Column> {
         let row = |(i, &(wavelength_nm, value)): (usize, &(f64, f64))| Row { line: i + 1, wavelength_nm, value };
-        column(&Source { label: "f", text: "" }, part, rows.iter().enumerate().map(row).collect())
+        column(&SourceText { label: "f", text: "" }, part, rows.iter().enumerate().map(row).collect())
     }
 
     fn table(rows: &[(f64, f64)]) -> (Vec<f64>, Vec<f64>, Vec<String>) {

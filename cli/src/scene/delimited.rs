@@ -9,7 +9,7 @@
 use goniochrome::optics::medium::{Extrapolate, IndexPart};
 
 use super::column::{Row, column};
-use super::diagnostics::Source;
+use super::diagnostics::SourceText;
 use super::medium::OwnedMedium;
 use super::refractive_index_info::{medium, nanometres};
 use crate::support::error::Result;
@@ -69,8 +69,8 @@ enum Role {
 const UNNAMED: [Role; 3] = [Role::Wavelength, Role::Part(IndexPart::N), Role::Part(IndexPart::K)];
 
 /// Rows of text read so far.
-struct Reader<'s> {
-    source: &'s Source<'s>,
+struct ColumnReader<'s> {
+    source: &'s SourceText<'s>,
     roles: Option<Vec<Role>>,
     unit: Option<Unit>,
     n: Vec<Row>,
@@ -78,8 +78,8 @@ struct Reader<'s> {
 }
 
 /// The medium in columns of text. `unit` is that of the scene file, if it names one.
-pub(super) fn parse(source: &Source<'_>, unit: Option<Unit>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
-    let mut reader = Reader { source, roles: None, unit: None, n: Vec::new(), k: Vec::new() };
+pub(super) fn parse(source: &SourceText<'_>, unit: Option<Unit>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
+    let mut reader = ColumnReader { source, roles: None, unit: None, n: Vec::new(), k: Vec::new() };
     let lines = lines(source)?;
     refuse_decimal_commas(source, &lines)?;
     for (line, fields) in &lines {
@@ -88,7 +88,7 @@ pub(super) fn parse(source: &Source<'_>, unit: Option<Unit>, extrapolate: Extrap
             None => reader.header(*line, fields)?,
         }
     }
-    let Reader { unit: named, mut n, mut k, .. } = reader;
+    let ColumnReader { unit: named, mut n, mut k, .. } = reader;
     if n.is_empty() {
         let message = "no rows of wavelength and n; write one row a line: wavelength, n and, if it absorbs, k";
         return Err(source.refuse_line(lines.first().map_or(1, |(line, _)| *line), message));
@@ -114,12 +114,16 @@ pub(super) fn parse(source: &Source<'_>, unit: Option<Unit>, extrapolate: Extrap
 }
 
 /// The medium in rows of an inline table: wavelengths in nanometres.
-pub(super) fn inline(source: &Source<'_>, rows: &[(usize, Vec<f64>)], extrapolate: Extrapolate) -> Result<OwnedMedium> {
-    let mut reader = Reader { source, roles: None, unit: Some(Unit::Nanometres), n: Vec::new(), k: Vec::new() };
+pub(super) fn inline(
+    source: &SourceText<'_>,
+    rows: &[(usize, Vec<f64>)],
+    extrapolate: Extrapolate,
+) -> Result<OwnedMedium> {
+    let mut reader = ColumnReader { source, roles: None, unit: Some(Unit::Nanometres), n: Vec::new(), k: Vec::new() };
     for (line, row) in rows {
         reader.put(*line, row, &UNNAMED)?;
     }
-    let Reader { n, k, .. } = reader;
+    let ColumnReader { n, k, .. } = reader;
     let first = rows.first().map_or(1, |(line, _)| *line);
     if n.is_empty() {
         return Err(source.refuse_line(first, "the table has no rows"));
@@ -128,7 +132,7 @@ pub(super) fn inline(source: &Source<'_>, rows: &[(usize, Vec<f64>)], extrapolat
     medium(source, first, column(source, IndexPart::N, n)?, k, extrapolate)
 }
 
-impl Reader<'_> {
+impl ColumnReader<'_> {
     fn row(&mut self, line: usize, fields: &[String]) -> Result<()> {
         let roles = self.roles.clone().unwrap_or_else(|| UNNAMED.to_vec());
         let mut numbers = Vec::with_capacity(fields.len());
@@ -267,7 +271,7 @@ fn delimiter(text: &str) -> Option<u8> {
 }
 
 /// The fields of every line that is not passed over, and its number.
-fn lines(source: &Source<'_>) -> Result<Vec<(usize, Vec<String>)>> {
+fn lines(source: &SourceText<'_>) -> Result<Vec<(usize, Vec<String>)>> {
     let passed = |line: &str| line.is_empty() || ["#", "%", "!", "//"].iter().any(|mark| line.starts_with(mark));
     let numbered = source.text.lines().map(str::trim).zip(1..).filter(|(line, _)| !passed(line));
     let Some(delimiter) = delimiter(source.text) else {
@@ -292,7 +296,7 @@ fn lines(source: &Source<'_>) -> Result<Vec<(usize, Vec<String>)>> {
 }
 
 /// "400,1,5" may be two numbers with decimal commas or three without.
-fn refuse_decimal_commas(source: &Source<'_>, lines: &[(usize, Vec<String>)]) -> Result<()> {
+fn refuse_decimal_commas(source: &SourceText<'_>, lines: &[(usize, Vec<String>)]) -> Result<()> {
     if delimiter(source.text) != Some(b',') {
         return Ok(());
     }

@@ -1,7 +1,7 @@
 use super::*;
 
 fn read(text: &str) -> Result<OwnedMedium> {
-    parse(&Source { label: "f.csv", text }, None, Extrapolate::Refuse)
+    parse(&SourceText { label: "f.csv", text }, None, Extrapolate::Refuse)
 }
 
 fn eta(text: &str, nm: f64) -> (f64, f64) {
@@ -49,7 +49,7 @@ fn the_unit_is_said_or_guessed_with_a_remark() {
     assert!(said("wl,n\n0.4,1.5\n0.6,1.5\n").unwrap().contains("taken as micrometres"));
     assert!(said("400 1.5\n600 1.5\n").unwrap().contains("taken as nanometres"));
     assert!(refusal("13 0.9 0.1\n40 0.9 0.1\n").contains("add unit = \"nm\" or \"um\""));
-    let source = Source { label: "f", text: "13 0.9 0.1\n40 0.9 0.1\n" };
+    let source = SourceText { label: "f", text: "13 0.9 0.1\n40 0.9 0.1\n" };
     let nm = parse(&source, Some(Unit::Nanometres), Extrapolate::Refuse).unwrap();
     assert_eq!(nm.borrow().range_nm(), [13.0, 40.0]);
     let um = parse(&source, Some(Unit::Micrometres), Extrapolate::Refuse).unwrap();

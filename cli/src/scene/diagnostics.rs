@@ -9,12 +9,12 @@ use crate::support::error::{Error, Result};
 
 /// A text and the name by which messages call it.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
+pub(super) struct SourceText<'a> {
     pub label: &'a str,
     pub text: &'a str,
 }
 
-impl Source<'_> {
+impl SourceText<'_> {
     /// An error at a byte offset: `label:line:column: message`, counted from 1.
     pub fn refuse(&self, offset: usize, message: impl Display) -> Error {
         let before = self.text.get(..offset).unwrap_or(self.text);
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn places_count_lines_and_characters_from_one() {
-        let source = Source { label: "a.toml", text: "é = 1\nöö = x" };
+        let source = SourceText { label: "a.toml", text: "é = 1\nöö = x" };
         assert_eq!(source.refuse(0, "no").to_string(), "a.toml:1:1: no");
         let x = source.text.find('x').unwrap();
         assert_eq!(source.refuse(x, "no").to_string(), "a.toml:2:6: no");

@@ -42,13 +42,15 @@ use goniochrome::optics::medium::{Extrapolate, MediumIndex};
 use toml::de::DeTable;
 
 use super::delimited::{self, Unit};
-use super::diagnostics::{Source, canonical, read_text};
+use super::diagnostics::{SourceText, canonical, read_text};
 use super::media::{self, Media};
 use super::medium::OwnedMedium;
 use super::mesh::Mesh;
-use super::placement::{self, Frame};
-use super::toml_value::{Item, Table};
-use super::{Layer, MAX_LENGTH_NM, NamedInterface, Scene, Shape, refractive_index_info, surface};
+use super::mesh_frame::MeshFrame;
+use super::model::{Scene, Shape};
+use super::parts::{Layer, MAX_LENGTH_NM, NamedInterface};
+use super::toml_value::{TomlItem, TomlTable};
+use super::{placement, refractive_index_info, surface};
 use crate::support::error::Result;
 use crate::support::text::{one_line, toml_key};
 
@@ -61,7 +63,7 @@ const MAX_REPEAT_DEPTH: u32 = 16;
 /// Refractive index files.
 const MAX_NK_BYTES: u64 = 16 << 20;
 
-struct Reader<'a> {
+struct SceneReader<'a> {
     /// How messages call the scene.
     label: &'a str,
     /// Where relative paths start; without it the scene can name no files.
@@ -78,18 +80,18 @@ enum Described {
 
 /// Where a cell's facets come from.
 enum Facets<'a> {
-    Mesh(Item<'a>),
-    Surface(Item<'a>),
+    Mesh(TomlItem<'a>),
+    Surface(TomlItem<'a>),
 }
 
 /// The scene in a text. `name` is used unless the text has one.
 pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) -> Result<Scene> {
-    let source = Source { label, text };
+    let source = SourceText { label, text };
     let document = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
         source.refuse(offset, format_args!("not valid TOML: {}", error.message()))
     })?;
-    let root = Table::root(source, document.get_ref());
+    let root = TomlTable::root(source, document.get_ref());
     root.allow(&["name", "description", "source", "extrapolate", "stack", "cell", "materials", "interface"])?;
     for key in ["description", "source"] {
         root.get(key).map(|item| item.text()).transpose()?;
@@ -97,7 +99,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     let name = root.get("name").map(|item| item.text()).transpose()?.unwrap_or(name);
     let name = one_line(name);
     let extrapolate = extrapolate(&root, Extrapolate::Refuse)?;
-    let mut reader = Reader { label, folder, media: Media::new(extrapolate), files: Vec::new() };
+    let mut reader = SceneReader { label, folder, media: Media::new(extrapolate), files: Vec::new() };
     if let Some(materials) = root.get("materials") {
         for item in materials.table("[materials]")?.entries() {
             let medium = reader.material(&item, extrapolate)?;
@@ -115,7 +117,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
         (Some(_), Some(cell)) => return Err(cell.refuse("a scene has either [stack] or [cell]; remove one")),
         (None, None) => return Err(root.refuse("neither [stack] nor [cell]; add one")),
     };
-    let Reader { media, files, .. } = reader;
+    let SceneReader { media, files, .. } = reader;
     let media = media.finish();
     let shape = match described {
         Described::Stack(shape) => shape,
@@ -124,7 +126,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     Ok(Scene { name, toml: text.to_owned(), media, shape, files })
 }
 
-fn extrapolate(table: &Table<'_>, default: Extrapolate) -> Result<Extrapolate> {
+fn extrapolate(table: &TomlTable<'_>, default: Extrapolate) -> Result<Extrapolate> {
     match table.get("extrapolate") {
         None => Ok(default),
         Some(item) => match item.text()? {
@@ -142,13 +144,13 @@ fn is_yaml(path: &Path, content: &str) -> bool {
     named || content.lines().any(|line| line.trim_end() == "DATA:")
 }
 
-fn unit(item: &Item<'_>) -> Result<Unit> {
+fn unit(item: &TomlItem<'_>) -> Result<Unit> {
     let named = item.text()?;
     Unit::parse(named).ok_or_else(|| item.refuse(format_args!("{named:?} is unknown; write \"nm\" or \"um\"")))
 }
 
 /// A length of at least 0 nm and at most a metre.
-fn length(item: &Item<'_>) -> Result<f64> {
+fn length(item: &TomlItem<'_>) -> Result<f64> {
     match item.number()? {
         x if x < 0.0 => Err(item.refuse(format_args!("{x} is negative; lengths are 0 nm or more"))),
         x if x > MAX_LENGTH_NM => Err(item.refuse(format_args!("{x} is more than {MAX_LENGTH_NM} nm, a metre"))),
@@ -156,8 +158,8 @@ fn length(item: &Item<'_>) -> Result<f64> {
     }
 }
 
-impl Reader<'_> {
-    fn path(&mut self, item: &Item<'_>) -> Result<PathBuf> {
+impl SceneReader<'_> {
+    fn path(&mut self, item: &TomlItem<'_>) -> Result<PathBuf> {
         let name = item.text()?;
         let folder = self.folder.ok_or_else(|| item.refuse("only a scene in a file can name files"))?;
         let path = folder.join(name);
@@ -169,7 +171,7 @@ impl Reader<'_> {
     }
 
     /// `[materials.NAME]`: n and k, a table, or a file.
-    fn material(&mut self, item: &Item<'_>, default: Extrapolate) -> Result<OwnedMedium> {
+    fn material(&mut self, item: &TomlItem<'_>, default: Extrapolate) -> Result<OwnedMedium> {
         let table = item.table(format!("[materials.{}]", toml_key(item.key())))?;
         table.allow(&["n", "k", "table", "file", "unit", "extrapolate", "description", "source"])?;
         let extrapolate = extrapolate(&table, default)?;
@@ -185,13 +187,13 @@ impl Reader<'_> {
         }
         match (table.get("n"), table.get("k"), table.get("file")) {
             (Some(n), k, None) => {
-                let k_value = k.as_ref().map_or(Ok(0.0), Item::number)?;
+                let k_value = k.as_ref().map_or(Ok(0.0), TomlItem::number)?;
                 media::constant(k.as_ref().unwrap_or(&n), n.number()?, k_value)
             }
             (None, None, Some(file)) => {
                 let path = self.path(&file)?;
                 let content = read_text(&path, MAX_NK_BYTES)?;
-                let source = Source { label: &path.to_string_lossy(), text: &content };
+                let source = SourceText { label: &path.to_string_lossy(), text: &content };
                 match (is_yaml(&path, &content), table.get("unit")) {
                     (false, _) => delimited::parse(&source, unit, extrapolate),
                     (true, None) => refractive_index_info::parse(&source, extrapolate),
@@ -209,10 +211,10 @@ impl Reader<'_> {
     }
 
     /// `table = [[nm, n, k], …]`.
-    fn inline(&self, item: &Item<'_>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
+    fn inline(&self, item: &TomlItem<'_>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
         let mut rows = Vec::new();
         for row in item.array()? {
-            let numbers = row.array()?.iter().map(Item::number).collect::<Result<Vec<_>>>()?;
+            let numbers = row.array()?.iter().map(TomlItem::number).collect::<Result<Vec<_>>>()?;
             if !(2..=3).contains(&numbers.len()) {
                 return Err(row.refuse(format_args!("a row of {} numbers; write [nm, n] or [nm, n, k]", numbers.len())));
             }
@@ -221,10 +223,10 @@ impl Reader<'_> {
         if rows.is_empty() {
             return Err(item.refuse("no rows; write table = [[400, 1.5, 0.0], [700, 1.48, 0.0]]"));
         }
-        delimited::inline(&Source { label: self.label, text: "" }, &rows, extrapolate)
+        delimited::inline(&SourceText { label: self.label, text: "" }, &rows, extrapolate)
     }
 
-    fn stack(&mut self, table: &Table<'_>) -> Result<Shape> {
+    fn stack(&mut self, table: &TomlTable<'_>) -> Result<Shape> {
         table.allow(&["ambient", "layers", "substrate"])?;
         let ambient = self.media.resolve_ambient(&table.require("ambient", "ambient = 1.0, for air \"air\"")?)?;
         let layers = table.get("layers").map_or(Ok(Vec::new()), |item| self.layers(&item))?;
@@ -234,7 +236,7 @@ impl Reader<'_> {
     }
 
     /// A list of layers with its repetitions written out; counted first, so that nothing large is ever made.
-    fn layers(&mut self, item: &Item<'_>) -> Result<Vec<Layer>> {
+    fn layers(&mut self, item: &TomlItem<'_>) -> Result<Vec<Layer>> {
         let count = count_layers(item, 0)?;
         if count > u64::from(MAX_LAYERS) {
             return Err(item.refuse(format_args!("{count} layers after writing out repeat; at most {MAX_LAYERS}")));
@@ -242,7 +244,7 @@ impl Reader<'_> {
         self.expand(item)
     }
 
-    fn expand(&mut self, item: &Item<'_>) -> Result<Vec<Layer>> {
+    fn expand(&mut self, item: &TomlItem<'_>) -> Result<Vec<Layer>> {
         let mut layers = Vec::new();
         for entry in item.array()? {
             let table = layer_table(&entry)?;
@@ -258,11 +260,11 @@ impl Reader<'_> {
         Ok(layers)
     }
 
-    fn medium(&mut self, item: &Item<'_>) -> Result<MediumIndex> {
+    fn medium(&mut self, item: &TomlItem<'_>) -> Result<MediumIndex> {
         self.media.resolve(item)
     }
 
-    fn cell(&mut self, table: &Table<'_>, interfaces: Option<Item<'_>>) -> Result<Described> {
+    fn cell(&mut self, table: &TomlTable<'_>, interfaces: Option<TomlItem<'_>>) -> Result<Described> {
         table.allow(&["mesh", "surface", "period_nm", "axes", "unit_nm"])?;
         let facets = match (table.get("mesh"), table.get("surface")) {
             (Some(mesh), None) => Facets::Mesh(mesh),
@@ -290,7 +292,7 @@ impl Reader<'_> {
             return Err(table.refuse(format_args!("{} interfaces; at most {}", interfaces.len(), u16::MAX)));
         }
         let names: Vec<&str> = interfaces.iter().map(|interface| interface.name.as_str()).collect();
-        let frame = Frame::read(table)?;
+        let frame = MeshFrame::read(table)?;
         let mut mesh = match facets {
             Facets::Mesh(item) => Mesh::read(&self.path(&item)?, &names, frame)?,
             Facets::Surface(item) => surface::build(&item, self.label, period_nm, &names)?,
@@ -300,7 +302,7 @@ impl Reader<'_> {
         Ok(Described::Cell { mesh, period_nm, interfaces })
     }
 
-    fn interface(&mut self, item: &Item<'_>) -> Result<NamedInterface> {
+    fn interface(&mut self, item: &TomlItem<'_>) -> Result<NamedInterface> {
         let table = item.table(format!("[interface.{}]", toml_key(item.key())))?;
         table.allow(&["above", "below", "coating"])?;
         let above = table.require("above", "the medium on the side of the facet's normal")?;
@@ -313,7 +315,7 @@ impl Reader<'_> {
 }
 
 /// A layer, or a repeated group of layers.
-fn layer_table<'a>(entry: &Item<'a>) -> Result<Table<'a>> {
+fn layer_table<'a>(entry: &TomlItem<'a>) -> Result<TomlTable<'a>> {
     let table = entry.table("layer")?;
     table.allow(&["material", "thickness_nm", "repeat", "layers"])?;
     let group = ["repeat", "layers"].iter().any(|key| table.get(key).is_some());
@@ -326,7 +328,7 @@ fn layer_table<'a>(entry: &Item<'a>) -> Result<Table<'a>> {
 }
 
 /// How many layers a list has when written out.
-fn count_layers(item: &Item<'_>, depth: u32) -> Result<u64> {
+fn count_layers(item: &TomlItem<'_>, depth: u32) -> Result<u64> {
     if depth > MAX_REPEAT_DEPTH {
         return Err(item.refuse(format_args!("repeat within repeat, more than {MAX_REPEAT_DEPTH} deep")));
     }

@@ -5,20 +5,23 @@ use std::collections::HashMap;
 use goniochrome::optics::interface::Below;
 use goniochrome::optics::medium::{Extrapolate, MediumIndex};
 
+use super::builtin;
 use super::column::MAX_INDEX;
 use super::diagnostics::nearest;
 use super::medium::OwnedMedium;
-use super::toml_value::Item;
-use super::{NamedMedium, builtin};
+use super::parts::NamedMedium;
+use super::toml_value::TomlItem;
 use crate::support::error::Result;
 use crate::support::text::toml_key;
 
-/// What to say of an ambient medium that absorbs at every wavelength more than [`goniochrome::optics::medium::MAX_AMBIENT_K`].
-pub(super) const AMBIENT_ABSORBS: &str =
+/// Refusal of an ambient medium that absorbs at every wavelength more than [`MAX_AMBIENT_K`].
+///
+/// [`MAX_AMBIENT_K`]: goniochrome::optics::medium::MAX_AMBIENT_K
+const AMBIENT_ABSORBS: &str =
     "light cannot arrive through a medium that absorbs; use k <= 0.001, or make it a layer under a clear ambient";
 
 /// Stands for a perfect mirror where something may lie below.
-pub(super) const MIRROR: &str = "mirror";
+const MIRROR: &str = "mirror";
 
 /// Collects the media that a scene uses.
 pub(super) struct Media {
@@ -43,7 +46,7 @@ impl Media {
     }
 
     /// Adds `[materials.NAME]`, which hides a built-in material of that name.
-    pub fn declare(&mut self, item: &Item<'_>, medium: OwnedMedium) -> Result<()> {
+    pub fn declare(&mut self, item: &TomlItem<'_>, medium: OwnedMedium) -> Result<()> {
         let name = item.key();
         if name.eq_ignore_ascii_case(MIRROR) {
             return Err(item.refuse("this name stands for a perfect mirror; choose another"));
@@ -59,7 +62,7 @@ impl Media {
     }
 
     /// The medium that a value names: a number n, a pair [n, k], or the name of a material.
-    pub fn resolve(&mut self, item: &Item<'_>) -> Result<MediumIndex> {
+    pub fn resolve(&mut self, item: &TomlItem<'_>) -> Result<MediumIndex> {
         let forms = "a number, a pair [n, k] or the name of a material";
         let (key, name, make): (Key, String, OwnedMedium);
         if let Some(text) = item.as_text() {
@@ -87,7 +90,7 @@ impl Media {
     }
 
     /// What lies below: a medium, or a perfect mirror.
-    pub fn resolve_below(&mut self, item: &Item<'_>) -> Result<Below> {
+    pub fn resolve_below(&mut self, item: &TomlItem<'_>) -> Result<Below> {
         match item.as_text() {
             Some(text) if text.eq_ignore_ascii_case(MIRROR) => Ok(Below::Mirror),
             _ => self.resolve(item).map(Below::Medium),
@@ -95,7 +98,7 @@ impl Media {
     }
 
     /// The medium in which light arrives; it must hardly absorb, for else a wave from far away never arrives.
-    pub fn resolve_ambient(&mut self, item: &Item<'_>) -> Result<MediumIndex> {
+    pub fn resolve_ambient(&mut self, item: &TomlItem<'_>) -> Result<MediumIndex> {
         let index = self.resolve(item)?;
         if self.list[usize::from(index)].medium.always_absorbs() {
             return Err(item.refuse(AMBIENT_ABSORBS));
@@ -107,7 +110,7 @@ impl Media {
         self.list
     }
 
-    fn find(&self, item: &Item<'_>, name: &str) -> Result<NamedMedium> {
+    fn find(&self, item: &TomlItem<'_>, name: &str) -> Result<NamedMedium> {
         if name.eq_ignore_ascii_case(MIRROR) {
             return Err(item.refuse("a perfect mirror can only be a substrate or lie below an interface"));
         }
@@ -133,7 +136,7 @@ impl Media {
     }
 
     /// The same η under two names (1.0 and "vacuum" apart) is one medium: facets compare media by number.
-    fn add(&mut self, item: &Item<'_>, name: String, medium: OwnedMedium) -> Result<MediumIndex> {
+    fn add(&mut self, item: &TomlItem<'_>, name: String, medium: OwnedMedium) -> Result<MediumIndex> {
         let index = self.list.iter().position(|known| known.medium == medium).unwrap_or_else(|| {
             self.list.push(NamedMedium { name, medium });
             self.list.len() - 1
@@ -143,7 +146,7 @@ impl Media {
 }
 
 /// A constant medium, refused at `item` unless n > 0 and k ≥ 0.
-pub(super) fn constant(item: &Item<'_>, n: f64, k: f64) -> Result<OwnedMedium> {
+pub(super) fn constant(item: &TomlItem<'_>, n: f64, k: f64) -> Result<OwnedMedium> {
     if n.max(k) > MAX_INDEX {
         return Err(item.refuse(format_args!("n = {n}, k = {k}: more than {MAX_INDEX}")));
     }

@@ -1,63 +1,9 @@
 //! A medium that owns its coefficients and tables, checked once.
 
-use goniochrome::optics::medium::{Dispersion, Extrapolate, Formula, IndexPart, MAX_AMBIENT_K, Medium, MediumError};
+use goniochrome::optics::medium::{Extrapolate, IndexPart, MAX_AMBIENT_K, Medium, MediumError};
 
 use super::column::Notes;
-
-/// A real function of wavelength; the owned twin of [`Dispersion`].
-#[derive(Clone, Debug)]
-pub enum OwnedDispersion {
-    /// The same at every wavelength.
-    Constant(f64),
-    /// A formula of the wavelength in micrometres.
-    Formula {
-        /// Which one.
-        formula: Formula,
-        /// c₁, c₂, …
-        coefficients: Vec<f64>,
-        /// The wavelengths for which the formula holds, ends included.
-        range_nm: [f64; 2],
-    },
-    /// Samples, linear in wavelength between them.
-    Table {
-        /// Strictly increasing.
-        wavelength_nm: Vec<f64>,
-        /// One value for each wavelength; NaN where it is not known.
-        value: Vec<f64>,
-    },
-}
-
-/// Values that are not known are equal to one another.
-impl PartialEq for OwnedDispersion {
-    fn eq(&self, other: &Self) -> bool {
-        let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-        match (self, other) {
-            (Self::Constant(a), Self::Constant(b)) => a == b,
-            (
-                Self::Formula { formula: f, coefficients: a, range_nm: x },
-                Self::Formula { formula: g, coefficients: b, range_nm: y },
-            ) => f == g && a == b && x == y,
-            (Self::Table { wavelength_nm: x, value: a }, Self::Table { wavelength_nm: y, value: b }) => {
-                x == y && bits(a) == bits(b)
-            }
-            _ => false,
-        }
-    }
-}
-
-impl OwnedDispersion {
-    /// The core's view of this function.
-    #[must_use]
-    pub fn borrow(&self) -> Dispersion<'_> {
-        match self {
-            Self::Constant(x) => Dispersion::Constant(*x),
-            Self::Formula { formula, coefficients, range_nm } => {
-                Dispersion::Formula { formula: *formula, coefficients, range_nm: *range_nm }
-            }
-            Self::Table { wavelength_nm, value } => Dispersion::Table { wavelength_nm, value },
-        }
-    }
-}
+use super::dispersion::OwnedDispersion;
 
 /// A passive medium: n(λ), k(λ), what to do beyond their data, and what is wrong with their tables.
 #[derive(Clone, Debug)]
@@ -193,6 +139,8 @@ impl OwnedMedium {
 
 #[cfg(test)]
 mod tests {
+    use goniochrome::optics::medium::Formula;
+
     use super::*;
 
     #[test]

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::MAX_LENGTH_NM;
 use super::diagnostics::nearest;
-use super::placement::Frame;
+use super::mesh_frame::MeshFrame;
+use super::parts::MAX_LENGTH_NM;
 use crate::obj::polygon::Cut;
 use crate::obj::{Detail, MAX_TRIANGLES, Reader, Statement, read_file};
 use crate::support::error::Result;
@@ -43,7 +43,7 @@ pub struct Triangle {
 
 impl Mesh {
     /// The mesh in a file; `interfaces` are the names that `usemtl` may use.
-    pub(super) fn read(path: &Path, interfaces: &[&str], frame: Frame) -> Result<Self> {
+    pub(super) fn read(path: &Path, interfaces: &[&str], frame: MeshFrame) -> Result<Self> {
         let text = read_file(path, "")?;
         let mesh = parse(&path.display().to_string(), &text, interfaces, frame, MAX_TRIANGLES)?;
         drop(text);
@@ -69,11 +69,11 @@ impl Mesh {
 
     /// The mesh in a text that messages call `label`.
     pub(super) fn parse(label: &str, text: &str, interfaces: &[&str]) -> Result<Self> {
-        parse(label, text, interfaces, Frame::default(), MAX_TRIANGLES)
+        parse(label, text, interfaces, MeshFrame::default(), MAX_TRIANGLES)
     }
 }
 
-fn parse(label: &str, text: &str, interfaces: &[&str], frame: Frame, max_triangles: usize) -> Result<Mesh> {
+fn parse(label: &str, text: &str, interfaces: &[&str], frame: MeshFrame, max_triangles: usize) -> Result<Mesh> {
     let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: PathBuf::from(label) };
     let mut interface = None;
     let mut face = Face::default();
@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Mesh> {
-        parse("m.obj", text, &["top", "two words"], Frame::default(), 3)
+        parse("m.obj", text, &["top", "two words"], MeshFrame::default(), 3)
     }
 
     fn refusal(text: &str) -> String {

@@ -4,9 +4,8 @@
 //! a mesh centred on 0. `axes` and `unit_nm` tell the first two. The third needs no key: a mesh that spans exactly one
 //! period is moved to start at 0, since a periodic surface is the same wherever its period starts.
 
-use super::MAX_LENGTH_NM;
 use super::mesh::Mesh;
-use super::toml_value::Table;
+use super::mesh_frame::MeshFrame;
 use crate::obj::Axes;
 use crate::support::error::{Error, Result};
 
@@ -17,62 +16,11 @@ const SINGLE: f64 = 4.0 * f32::EPSILON as f64;
 /// Spans agree with the period up to a factor if the factors of both axes differ by less: five digits in the file.
 const SAME_FACTOR: f64 = 1e-5;
 
-/// The axes and the unit of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
-    pub axes: Axes,
-    /// Length of a unit of the file.
-    pub unit_nm: f64,
-}
-
-impl Default for Frame {
-    fn default() -> Self {
-        Self { axes: Axes::ZUp, unit_nm: 1.0 }
-    }
-}
-
-impl Frame {
-    /// The keys `axes` and `unit_nm` of a `[cell]`.
-    pub fn read(cell: &Table<'_>) -> Result<Self> {
-        let mut frame = Self::default();
-        if let Some(item) = cell.get("axes") {
-            frame.axes = match item.text()? {
-                "z-up" => Axes::ZUp,
-                "y-up" => Axes::YUp,
-                other => return Err(item.refuse(format_args!("{other:?} is unknown; write \"z-up\" or \"y-up\""))),
-            };
-        }
-        if let Some(item) = cell.get("unit_nm") {
-            frame.unit_nm = item.number()?;
-            if frame.unit_nm <= 0.0 {
-                return Err(
-                    item.refuse("the unit of the mesh must be more than 0 nm; metres are 1e9, micrometres 1000")
-                );
-            }
-        }
-        Ok(frame)
-    }
-
-    /// A vertex of the file in nanometres, z up.
-    pub fn place(self, vertex: [f64; 3]) -> [f64; 3] {
-        self.axes.turned(vertex).map(|x| self.unit_nm * x)
-    }
-
-    /// What is wrong with a coordinate beyond [`MAX_LENGTH_NM`].
-    pub fn too_long(self, coordinate_nm: f64) -> String {
-        let unit = match self.unit_nm {
-            1.0 => "units are nanometres unless [cell] has unit_nm".to_owned(),
-            unit_nm => format!("unit_nm in [cell] is {unit_nm}"),
-        };
-        format!("coordinate {coordinate_nm} nm is more than {MAX_LENGTH_NM} nm, a metre; {unit}")
-    }
-}
-
 /// Moves a mesh that spans exactly one period to start at 0.
 ///
 /// # Errors
 /// If the mesh spans the period with other axes or in another unit.
-pub(super) fn fit(mesh: &mut Mesh, period_nm: [f64; 2], frame: Frame) -> Result<()> {
+pub(super) fn fit(mesh: &mut Mesh, period_nm: [f64; 2], frame: MeshFrame) -> Result<()> {
     let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
     for vertex in &mesh.vertices {
         for (&x, [low, high]) in vertex.iter().zip(&mut bounds) {
@@ -109,7 +57,7 @@ pub(super) fn fit(mesh: &mut Mesh, period_nm: [f64; 2], frame: Frame) -> Result<
 }
 
 /// What to write into the scene where the mesh spans the period in another frame.
-fn remedy(spans: [f64; 3], [width, depth]: [f64; 2], frame: Frame, resolution_nm: f64) -> Option<String> {
+fn remedy(spans: [f64; 3], [width, depth]: [f64; 2], frame: MeshFrame, resolution_nm: f64) -> Option<String> {
     let [x, y, z] = spans;
     let other_axes = match frame.axes {
         Axes::ZUp => "if the file has y up, write axes = \"y-up\" in [cell]",
@@ -148,41 +96,43 @@ mod tests {
     #[test]
     fn a_mesh_of_one_period_starts_at_zero() {
         let mut centred = mesh(&[[-50.0, -25.0, -3.0], [50.0, 25.0, 9.0], [10.0, 5.0, 0.0]]);
-        fit(&mut centred, [100.0, 50.0], Frame::default()).unwrap();
+        fit(&mut centred, [100.0, 50.0], MeshFrame::default()).unwrap();
         assert_eq!(centred.vertices, [[0.0, 0.0, -3.0], [100.0, 50.0, 9.0], [60.0, 30.0, 0.0]]);
         // Coordinates of single precision far away: the ends are still exactly the period's.
         let far = |x: f64| f64::from(x as f32 + 1000.1_f32);
         let mut moved = mesh(&[[far(0.0), 0.0, 0.0], [far(0.3), 50.0, 0.0], [far(0.1), 9.0, 0.0]]);
-        fit(&mut moved, [0.3, 50.0], Frame::default()).unwrap();
+        fit(&mut moved, [0.3, 50.0], MeshFrame::default()).unwrap();
         assert_eq!([moved.vertices[0][0], moved.vertices[1][0]], [0.0, 0.3]);
         // What lies in its place is not touched.
         let inside = mesh(&[[1e-9, 0.0, 5.0], [100.0, 50.0, 9.0], [10.0, 5.0, 0.0]]);
         let mut same = inside.clone();
-        fit(&mut same, [100.0, 50.0], Frame::default()).unwrap();
+        fit(&mut same, [100.0, 50.0], MeshFrame::default()).unwrap();
         assert_eq!(same, inside);
     }
 
     #[test]
     fn other_axes_and_units_are_told_with_their_remedy() {
-        let told = |high: [f64; 3], frame: Frame| {
+        let told = |high: [f64; 3], frame: MeshFrame| {
             let error = fit(&mut mesh(&[[0.0; 3], high, [0.0; 3]]), [2000.0, 1000.0], frame).unwrap_err();
             error.to_string()
         };
         assert_eq!(
-            told([2000.0, 30.0, 1000.0], Frame::default()),
+            told([2000.0, 30.0, 1000.0], MeshFrame::default()),
             "m.obj:7: the mesh spans 2000 by 30 by 1000 nm in x, y and z, but the period is 2000 by 1000 nm; if the file has y up, write axes = \"y-up\" in [cell]"
         );
-        let turned = Frame { axes: Axes::YUp, ..Frame::default() };
+        let turned = MeshFrame { axes: Axes::YUp, ..MeshFrame::default() };
         assert!(told([2000.0, 30.0, 1000.0], turned).ends_with("if the file has z up, remove axes from [cell]"));
         assert!(
-            told([2.0, 1.0, 0.1], Frame::default()).ends_with("make them equal, or write unit_nm = 1000 in [cell]")
+            told([2.0, 1.0, 0.1], MeshFrame::default()).ends_with("make them equal, or write unit_nm = 1000 in [cell]")
         );
         assert!(
-            told([2e-6, 0.0, 1e-6], Frame::default())
+            told([2e-6, 0.0, 1e-6], MeshFrame::default())
                 .ends_with("write axes = \"y-up\" in [cell], and unit_nm = 1000000000")
         );
         // What no frame explains is for the checks of planes and edges to tell.
-        assert!(fit(&mut mesh(&[[0.0; 3], [7.0, 9.0, 11.0], [0.0; 3]]), [2000.0, 1000.0], Frame::default()).is_ok());
-        assert!(fit(&mut mesh(&[[0.0; 3]]), [2000.0, 1000.0], Frame::default()).is_ok());
+        assert!(
+            fit(&mut mesh(&[[0.0; 3], [7.0, 9.0, 11.0], [0.0; 3]]), [2000.0, 1000.0], MeshFrame::default()).is_ok()
+        );
+        assert!(fit(&mut mesh(&[[0.0; 3]]), [2000.0, 1000.0], MeshFrame::default()).is_ok());
     }
 }

@@ -11,8 +11,8 @@ use std::fmt::Display;
 use goniochrome::optics::interface::{Below, Interface};
 
 use super::mesh::{Mesh, Triangle};
+use super::parts::{Layer, NamedInterface, NamedMedium};
 use super::watertight::ClosedCell;
-use super::{Layer, NamedInterface, NamedMedium};
 use crate::support::error::{Error, Result};
 
 /// A horizontal plane that covers the whole period.
@@ -43,7 +43,7 @@ impl FlatCell {
         interfaces: &[NamedInterface],
         media: &[NamedMedium],
     ) -> Result<Option<Self>> {
-        let check = Check { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh) };
+        let check = PlaneCheck { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh) };
         let Some(mut sheets) = check.sheets() else { return Ok(None) };
         for sheet in &mut sheets {
             check.orient(sheet)?;
@@ -114,7 +114,7 @@ struct Sheet {
     facets: Vec<Triangle>,
 }
 
-struct Check<'a> {
+struct PlaneCheck<'a> {
     mesh: &'a Mesh,
     period_nm: [f64; 2],
     interfaces: &'a [NamedInterface],
@@ -122,7 +122,7 @@ struct Check<'a> {
     resolution_nm: f64,
 }
 
-impl Check<'_> {
+impl PlaneCheck<'_> {
     fn refuse(&self, line: u32, message: impl Display) -> Error {
         Error::failed(format_args!("{}:{line}: {message}", self.mesh.path.display()))
     }

@@ -7,15 +7,16 @@
 use goniochrome::optics::medium::{Extrapolate, Formula, IndexPart};
 
 use super::column::{Column, Notes, Row, column};
-use super::diagnostics::Source;
-use super::medium::{OwnedDispersion, OwnedMedium};
+use super::diagnostics::SourceText;
+use super::dispersion::OwnedDispersion;
+use super::medium::OwnedMedium;
 use super::yaml::{self, Node, Value};
 use crate::support::error::Result;
 
 const TYPES: &str = "formula 1 to 9, tabulated nk, tabulated n, tabulated k, exponential k";
 
 /// The medium that a file describes.
-pub(super) fn parse(source: &Source<'_>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
+pub(super) fn parse(source: &SourceText<'_>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
     let root = yaml::parse(source)?;
     let data = root.get("DATA").ok_or_else(|| {
         source.refuse_line(root.line, "no DATA; expected a file in the format of refractiveindex.info")
@@ -33,12 +34,12 @@ pub(super) fn parse(source: &Source<'_>, extrapolate: Extrapolate) -> Result<Own
             }
         };
         match kind(source, entry)? {
-            Kind::Table(parts) => {
+            EntryKind::Table(parts) => {
                 for (&part, column) in parts.iter().zip(table(source, entry, parts)?) {
                     set(part, column)?;
                 }
             }
-            Kind::Formula(part, which) => {
+            EntryKind::Formula(part, which) => {
                 set(part, Column { dispersion: formula(source, entry, which)?, notes: Notes::default() })?;
             }
         }
@@ -49,7 +50,7 @@ pub(super) fn parse(source: &Source<'_>, extrapolate: Extrapolate) -> Result<Own
 
 /// The medium of a column of n and one of k; without k it does not absorb.
 pub(super) fn medium(
-    source: &Source<'_>,
+    source: &SourceText<'_>,
     line: usize,
     n: Column,
     k: Option<Column>,
@@ -68,24 +69,24 @@ pub(super) fn medium(
     Ok(medium.map_err(|error| source.refuse_line(line, error))?.with_notes(n.notes, k.notes))
 }
 
-enum Kind {
+enum EntryKind {
     Formula(IndexPart, Formula),
     /// The columns after the wavelength.
     Table(&'static [IndexPart]),
 }
 
-fn kind(source: &Source<'_>, entry: &Node) -> Result<Kind> {
+fn kind(source: &SourceText<'_>, entry: &Node) -> Result<EntryKind> {
     let node = field(source, entry, &["type"])?;
     let text = node.text().unwrap_or_default();
     let words: Vec<&str> = text.split_whitespace().collect();
     match words[..] {
-        ["tabulated", "nk"] => return Ok(Kind::Table(&[IndexPart::N, IndexPart::K])),
-        ["tabulated", "n"] => return Ok(Kind::Table(&[IndexPart::N])),
-        ["tabulated", "k"] => return Ok(Kind::Table(&[IndexPart::K])),
-        ["exponential", "k"] => return Ok(Kind::Formula(IndexPart::K, Formula::Exponential)),
+        ["tabulated", "nk"] => return Ok(EntryKind::Table(&[IndexPart::N, IndexPart::K])),
+        ["tabulated", "n"] => return Ok(EntryKind::Table(&[IndexPart::N])),
+        ["tabulated", "k"] => return Ok(EntryKind::Table(&[IndexPart::K])),
+        ["exponential", "k"] => return Ok(EntryKind::Formula(IndexPart::K, Formula::Exponential)),
         ["formula", number] => {
             if let Some(formula) = number.parse().ok().and_then(Formula::from_number) {
-                return Ok(Kind::Formula(IndexPart::N, formula));
+                return Ok(EntryKind::Formula(IndexPart::N, formula));
             }
         }
         _ => {}
@@ -94,7 +95,7 @@ fn kind(source: &Source<'_>, entry: &Node) -> Result<Kind> {
 }
 
 /// The value of an entry's first key among `names`.
-fn field<'a>(source: &Source<'_>, entry: &'a Node, names: &[&str]) -> Result<&'a Node> {
+fn field<'a>(source: &SourceText<'_>, entry: &'a Node, names: &[&str]) -> Result<&'a Node> {
     names
         .iter()
         .find_map(|name| entry.get(name))
@@ -102,14 +103,14 @@ fn field<'a>(source: &Source<'_>, entry: &'a Node, names: &[&str]) -> Result<&'a
 }
 
 /// Numbers, finite or not.
-fn numbers(source: &Source<'_>, line: usize, text: &str) -> Result<Vec<f64>> {
+fn numbers(source: &SourceText<'_>, line: usize, text: &str) -> Result<Vec<f64>> {
     let number = |word: &str| {
         word.parse::<f64>().map_err(|_| source.refuse_line(line, format_args!("{word:?} is not a number")))
     };
     text.split_whitespace().map(number).collect()
 }
 
-fn formula(source: &Source<'_>, entry: &Node, formula: Formula) -> Result<OwnedDispersion> {
+fn formula(source: &SourceText<'_>, entry: &Node, formula: Formula) -> Result<OwnedDispersion> {
     let list = |names: &[&str]| {
         let node = field(source, entry, names)?;
         let numbers = numbers(source, node.line, node.text().unwrap_or_default())?;
@@ -147,7 +148,7 @@ fn formula(source: &Source<'_>, entry: &Node, formula: Formula) -> Result<OwnedD
 }
 
 /// The columns of a table.
-fn table(source: &Source<'_>, entry: &Node, parts: &[IndexPart]) -> Result<Vec<Column>> {
+fn table(source: &SourceText<'_>, entry: &Node, parts: &[IndexPart]) -> Result<Vec<Column>> {
     let data = field(source, entry, &["data"])?;
     let Value::Scalar { text, block: true } = &data.value else {
         return Err(source.refuse_line(data.line, "data must be a literal block: `data: |`, then one row a line"));
@@ -189,7 +190,7 @@ mod tests {
     use crate::support::error::Error;
 
     fn read(text: &str) -> std::result::Result<OwnedMedium, Error> {
-        parse(&Source { label: "f.yml", text }, Extrapolate::Refuse)
+        parse(&SourceText { label: "f.yml", text }, Extrapolate::Refuse)
     }
 
     fn refusal(text: &str) -> String {
@@ -265,7 +266,7 @@ mod tests {
         let medium = read(text).unwrap();
         let refused = medium.describe(&medium.borrow().eta(780.0).unwrap_err());
         assert_eq!(refused, "no data for k at 780 nm (k covers 400 to 600 nm, n 400 to 800 nm)");
-        let clamped = parse(&Source { label: "f.yml", text }, Extrapolate::Clamp).unwrap();
+        let clamped = parse(&SourceText { label: "f.yml", text }, Extrapolate::Clamp).unwrap();
         assert!(clamped.borrow().eta(780.0).is_ok());
     }
 
@@ -312,7 +313,7 @@ mod tests {
         let apart = "DATA:\n  - type: tabulated n\n    data: |\n        0.4 1.5\n        0.5 1.5\n  - type: tabulated k\n    data: |\n        0.6 0\n        0.7 0\n";
         let refused = refusal(apart);
         assert!(refused.starts_with("f.yml:2: n covers 400 to 500 nm but k covers 600 to 700 nm, so"), "{refused}");
-        let clamped = parse(&Source { label: "f.yml", text: apart }, Extrapolate::Clamp).unwrap();
+        let clamped = parse(&SourceText { label: "f.yml", text: apart }, Extrapolate::Clamp).unwrap();
         assert_eq!(clamped.borrow().eta(550.0).unwrap(), 1.5.into());
     }
 }

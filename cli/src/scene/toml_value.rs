@@ -6,13 +6,13 @@ use std::fmt::Display;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use super::diagnostics::{Source, nearest};
+use super::diagnostics::{SourceText, nearest};
 use crate::support::error::{Error, Result};
 
 /// A value of a scene file.
 #[derive(Clone)]
-pub(super) struct Item<'a> {
-    source: Source<'a>,
+pub(super) struct TomlItem<'a> {
+    source: SourceText<'a>,
     /// How messages call it: its key.
     key: Cow<'a, str>,
     value: &'a Spanned<DeValue<'a>>,
@@ -20,15 +20,15 @@ pub(super) struct Item<'a> {
 
 /// A table of a scene file.
 #[derive(Clone)]
-pub(super) struct Table<'a> {
-    source: Source<'a>,
+pub(super) struct TomlTable<'a> {
+    source: SourceText<'a>,
     /// How messages call it: `[stack]`.
     name: String,
     offset: usize,
     table: &'a DeTable<'a>,
 }
 
-impl<'a> Item<'a> {
+impl<'a> TomlItem<'a> {
     /// An error at this value.
     pub fn refuse(&self, message: impl Display) -> Error {
         self.source.refuse(self.value.span().start, format_args!("{}: {message}", self.key))
@@ -110,10 +110,10 @@ impl<'a> Item<'a> {
     }
 
     /// A table, called `name` in messages.
-    pub fn table(&self, name: impl Into<String>) -> Result<Table<'a>> {
+    pub fn table(&self, name: impl Into<String>) -> Result<TomlTable<'a>> {
         match self.value.get_ref() {
             DeValue::Table(table) => {
-                Ok(Table { source: self.source, name: name.into(), offset: self.value.span().start, table })
+                Ok(TomlTable { source: self.source, name: name.into(), offset: self.value.span().start, table })
             }
             _ => Err(self.refuse(format_args!("expected a table, found {}", self.found()))),
         }
@@ -133,9 +133,9 @@ impl<'a> Item<'a> {
     }
 }
 
-impl<'a> Table<'a> {
+impl<'a> TomlTable<'a> {
     /// The whole file.
-    pub fn root(source: Source<'a>, table: &'a DeTable<'a>) -> Self {
+    pub fn root(source: SourceText<'a>, table: &'a DeTable<'a>) -> Self {
         Self { source, name: "the scene".to_owned(), offset: 0, table }
     }
 
@@ -157,19 +157,23 @@ impl<'a> Table<'a> {
         Err(self.source.refuse(key.span().start, message))
     }
 
-    pub fn get(&self, key: &str) -> Option<Item<'a>> {
+    pub fn get(&self, key: &str) -> Option<TomlItem<'a>> {
         let (key, value) = self.table.get_key_value(key)?;
-        Some(Item { source: self.source, key: Cow::Borrowed(key.get_ref()), value })
+        Some(TomlItem { source: self.source, key: Cow::Borrowed(key.get_ref()), value })
     }
 
     /// The value of a key that must be there; `remedy` says what to write.
-    pub fn require(&self, key: &str, remedy: &str) -> Result<Item<'a>> {
+    pub fn require(&self, key: &str, remedy: &str) -> Result<TomlItem<'a>> {
         self.get(key).ok_or_else(|| self.refuse(format_args!("{key:?} is missing; write {remedy}")))
     }
 
     /// Every entry, in order of key.
-    pub fn entries(&self) -> impl Iterator<Item = Item<'a>> + use<'a> {
+    pub fn entries(&self) -> impl Iterator<Item = TomlItem<'a>> + use<'a> {
         let source = self.source;
-        self.table.iter().map(move |(key, value)| Item { source, key: Cow::Borrowed(key.get_ref().as_ref()), value })
+        self.table.iter().map(move |(key, value)| TomlItem {
+            source,
+            key: Cow::Borrowed(key.get_ref().as_ref()),
+            value,
+        })
     }
 }

@@ -13,7 +13,7 @@ use goniochrome::geometry::mesh_cell::{RESOLUTION, snap_to_border};
 use goniochrome::optics::interface::Below;
 
 use super::mesh::{Mesh, Triangle};
-use super::{MAX_LENGTH_NM, NamedInterface, NamedMedium};
+use super::parts::{MAX_LENGTH_NM, NamedInterface, NamedMedium};
 use crate::support::error::{Error, Result};
 
 /// Two facets on one edge overlap if the angle between them is less than this, in radians, or than rounding.
@@ -81,7 +81,7 @@ impl ClosedCell {
 }
 
 fn check_closed(mesh: &Mesh, period_nm: [f64; 2], interfaces: &[NamedInterface], media: &[NamedMedium]) -> Result<()> {
-    let check = Check { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh, period_nm) };
+    let check = WatertightCheck { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh, period_nm) };
     check.inside()?;
     let edges = check.edges();
     let mut bodies = Bodies((0..mesh.triangles.len()).collect());
@@ -97,7 +97,7 @@ fn resolution_nm(mesh: &Mesh, period_nm: [f64; 2]) -> f64 {
 
 /// A vertex modulo the period.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Corner {
+struct PeriodicCorner {
     number: u32,
     tile: [i8; 2],
 }
@@ -140,7 +140,7 @@ enum Fault {
     Media,
 }
 
-struct Check<'a> {
+struct WatertightCheck<'a> {
     mesh: &'a Mesh,
     period_nm: [f64; 2],
     interfaces: &'a [NamedInterface],
@@ -154,7 +154,7 @@ fn at(point: DVec3) -> String {
     format!("({x}, {y}, {z})")
 }
 
-impl Check<'_> {
+impl WatertightCheck<'_> {
     fn refuse(&self, line: u32, message: impl Display) -> Error {
         Error::failed(format_args!("{}:{line}: {message}", self.mesh.path.display()))
     }
@@ -203,7 +203,7 @@ impl Check<'_> {
     }
 
     /// Every vertex modulo the period; those nearer than the resolution get one number.
-    fn corners(&self) -> Vec<Corner> {
+    fn corners(&self) -> Vec<PeriodicCorner> {
         /// Buckets far wider than the resolution: most vertices then lie clear of their walls.
         const WIDTH: f64 = 16.0;
         let bucket_nm = WIDTH * self.resolution_nm;
@@ -241,7 +241,7 @@ impl Check<'_> {
                 places.push(place);
                 number
             });
-            corners.push(Corner { number, tile });
+            corners.push(PeriodicCorner { number, tile });
         }
         corners
     }

@@ -2,7 +2,7 @@
 
 use saphyr_parser::{Event, Parser, ScalarStyle};
 
-use super::diagnostics::Source;
+use super::diagnostics::SourceText;
 use crate::support::error::Result;
 
 /// Data files nest four deep; the limit keeps the tree's recursive drop far from the end of the call stack.
@@ -51,7 +51,7 @@ struct Open {
 }
 
 /// The one document of a text.
-pub(super) fn parse(source: &Source<'_>) -> Result<Node> {
+pub(super) fn parse(source: &SourceText<'_>) -> Result<Node> {
     let mut open: Vec<Open> = Vec::new();
     let mut root = None;
     let mut parser = Parser::new_from_str(source.text);
@@ -98,7 +98,7 @@ pub(super) fn parse(source: &Source<'_>) -> Result<Node> {
 }
 
 impl Open {
-    fn add(&mut self, source: &Source<'_>, node: Node) -> Result<()> {
+    fn add(&mut self, source: &SourceText<'_>, node: Node) -> Result<()> {
         match (&mut self.node.value, self.key.take()) {
             (Value::Map(entries), Some(key)) => entries.push((key, node)),
             (Value::Map(entries), None) => {
@@ -122,14 +122,14 @@ mod tests {
     use super::*;
 
     fn refusal(text: &str) -> String {
-        parse(&Source { label: "f.yml", text }).unwrap_err().to_string()
+        parse(&SourceText { label: "f.yml", text }).unwrap_err().to_string()
     }
 
     #[test]
     fn a_literal_block_starts_on_the_line_after_its_bar() {
         for newline in ["\n", "\r\n"] {
             let text = ["# c", "A:", "  - b: x", "    c: |", "", "      1 2", "      3 4", "D: 'e'", ""].join(newline);
-            let node = parse(&Source { label: "f.yml", text: &text }).unwrap();
+            let node = parse(&SourceText { label: "f.yml", text: &text }).unwrap();
             let Value::List(items) = &node.get("A").unwrap().value else { panic!("A is a list") };
             let block = items[0].get("c").unwrap();
             assert_eq!((block.line, block.text()), (5, Some("\n1 2\n3 4\n")));

@@ -3,12 +3,13 @@
 //! `points_nm = [[x, z], …]` are joined by straight lines from x = 0 to x = Λx; lines may be vertical or overhang. Where the
 //! last height is not the first, a vertical wall stands on the border of the period.
 
-use super::{Builder, bounded, list};
-use crate::scene::MAX_LENGTH_NM;
-use crate::scene::toml_value::Table;
+use super::builder::{Builder, bounded};
+use super::keys::list;
+use crate::scene::parts::MAX_LENGTH_NM;
+use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "points_nm"])?;
     let item = table.require("points_nm", "points_nm = [[0, 0], [500, 100], [1000, 0]]")?;
     let mut profile: Vec<[f64; 2]> = Vec::new();

@@ -5,11 +5,12 @@
 //! to tip the lowest measure `width_nm`, the highest `top_width_nm`, the others between. The trunk ends half a gap above the
 //! highest shelf. Shelves and trunk are one body of rectangles, without faces inside.
 
-use super::{Builder, bounded, count, length, positive, within};
-use crate::scene::toml_value::Table;
+use super::builder::{Builder, bounded};
+use super::keys::{count, length, positive, within};
+use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     let keys = ["kind", "shelves", "width_nm", "top_width_nm", "shelf_nm", "gap_nm", "trunk_nm", "stagger_nm"];
     table.allow(&keys)?;
     let shelves = count(&table.require("shelves", "shelves = 8")?, [1, 1000])?;

@@ -12,18 +12,20 @@ use std::f64::consts::{FRAC_PI_3, TAU};
 
 use glam::{DQuat, DVec3};
 
-use super::{Builder, bounded, count, counts, length, list, positive, random, within};
-use crate::scene::toml_value::Table;
+use super::builder::{Builder, bounded};
+use super::keys::{count, counts, length, list, positive, within};
+use super::random::Draws;
+use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
 /// A part of its box that each particle leaves free on every side, so that none touch.
 const MARGIN: f64 = 0.01;
 
-pub(super) fn interfaces(table: &Table<'_>) -> &'static [&'static str] {
+pub(super) fn interfaces(table: &TomlTable<'_>) -> &'static [&'static str] {
     if table.get("film_nm").is_some() { &["top", "base", "particle", "film"] } else { &["top", "base", "particle"] }
 }
 
-pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     let keys = ["kind", "shape", "radii_nm", "count", "depth_nm", "film_nm", "tilt_deg", "subdivisions", "seed"];
     table.allow(&keys)?;
     let shape = table.require("shape", "\"ellipsoid\" or \"flake\"")?;
@@ -34,7 +36,7 @@ pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
     let film_nm = table.get("film_nm").map(|item| positive(&item)).transpose()?;
     let tilt = table.get("tilt_deg").map_or(Ok(0.0), |item| within(&item, [0.0, 90.0]))?.to_radians();
     let subdivisions = table.get("subdivisions").map_or(Ok(2), |item| count(&item, [0, 5]))?;
-    let mut random = random(table)?;
+    let mut random = Draws::read(table)?;
     let (points, faces) = match shape.text()? {
         "ellipsoid" => sphere(subdivisions),
         "flake" => plate(),
@@ -82,10 +84,10 @@ pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
     Ok(())
 }
 
-type Shape = (Vec<DVec3>, Vec<[usize; 3]>);
+type Polyhedron = (Vec<DVec3>, Vec<[usize; 3]>);
 
 /// A unit sphere of 20 · 4ⁿ triangles.
-fn sphere(subdivisions: u32) -> Shape {
+fn sphere(subdivisions: u32) -> Polyhedron {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
     let mut points: Vec<DVec3> = Vec::new();
     for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
@@ -124,7 +126,7 @@ fn sphere(subdivisions: u32) -> Shape {
 }
 
 /// A hexagonal plate of half-extents 1.
-fn plate() -> Shape {
+fn plate() -> Polyhedron {
     let corner = |i: u32, z: f64| DVec3::new((FRAC_PI_3 * f64::from(i)).cos(), (FRAC_PI_3 * f64::from(i)).sin(), z);
     let points = (0..6).map(|i| corner(i, 1.0)).chain((0..6).map(|i| corner(i, -1.0))).collect();
     let mut faces = Vec::new();

@@ -6,14 +6,15 @@
 
 use glam::DVec3;
 
-use super::{Builder, bounded, count, length};
-use crate::scene::toml_value::Table;
+use super::builder::{Builder, bounded};
+use super::keys::{count, length};
+use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
 /// The period may differ from √3 to 1 by this fraction: numbers rounded to whole nanometres.
 const RATIO: f64 = 1e-3;
 
-pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "depth_nm", "rings"])?;
     let depth_nm = length(table, "depth_nm")?;
     let rings = table.get("rings").map_or(Ok(8), |item| count(&item, [1, 200]))?;

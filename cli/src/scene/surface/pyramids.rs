@@ -6,8 +6,10 @@
 
 use glam::DVec3;
 
-use super::{Builder, bounded, counts, list, random, within};
-use crate::scene::toml_value::Table;
+use super::builder::{Builder, bounded};
+use super::keys::{counts, list, within};
+use super::random::Draws;
+use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
 /// arctan √2: between the planes (111) and (100) of a cubic crystal.
@@ -16,7 +18,7 @@ const ETCHED_SILICON_DEG: f64 = 54.735_610_317_245_35;
 /// Fills above this leave no rim, so that no facet is a sliver.
 const FULL: f64 = 0.999;
 
-pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "count", "angle_deg", "fill", "inverted", "seed"])?;
     let [nx, ny] = counts::<2>(table, "count", 1000)?;
     let angle = table.get("angle_deg").map_or(Ok(ETCHED_SILICON_DEG), |item| within(&item, [1.0, 80.0]))?;
@@ -29,7 +31,7 @@ pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
         }
     };
     let inverted = table.get("inverted").map_or(Ok(false), |item| item.flag())?;
-    let mut random = random(table)?;
+    let mut random = Draws::read(table)?;
     bounded(table, 12 * u64::from(nx) * u64::from(ny))?;
     let [width, depth] = builder.period_nm;
     let (dx, dy) = (width / f64::from(nx), depth / f64::from(ny));

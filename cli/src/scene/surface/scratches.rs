@@ -3,16 +3,18 @@
 //! `segments` facets of equal width have random slopes of normal distribution with the root mean square `rms_slope`, exactly;
 //! they add up to no rise over the period.
 
-use super::{Builder, bounded, count, random, within};
-use crate::scene::toml_value::Table;
+use super::builder::{Builder, bounded};
+use super::keys::{count, within};
+use super::random::Draws;
+use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "segments", "rms_slope", "seed"])?;
     let segments = count(&table.require("segments", "segments = 200")?, [2, 100_000])?;
     let rms_slope = within(&table.require("rms_slope", "rms_slope = 0.1")?, [0.0, 10.0])?;
     bounded(table, 2 * u64::from(segments))?;
-    let mut random = random(table)?;
+    let mut random = Draws::read(table)?;
     let mut slopes: Vec<f64> = (0..segments).map(|_| random.normal()).collect();
     let mean = slopes.iter().sum::<f64>() / f64::from(segments);
     slopes.iter_mut().for_each(|slope| *slope -= mean);

@@ -7,15 +7,17 @@
 
 use std::f64::consts::TAU;
 
-use super::{Builder, bounded, count, counts, positive, random, within};
-use crate::scene::toml_value::Table;
+use super::builder::{Builder, bounded};
+use super::keys::{count, counts, positive, within};
+use super::random::Draws;
+use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-pub(super) fn interfaces(table: &Table<'_>) -> &'static [&'static str] {
+pub(super) fn interfaces(table: &TomlTable<'_>) -> &'static [&'static str] {
     if table.get("offset_nm").is_some() { &["upper", "lower"] } else { &["upper"] }
 }
 
-pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "waves", "highest", "rms_slope", "grid", "seed", "offset_nm"])?;
     let waves_item = table.require("waves", "waves = 12")?;
     let waves = count(&waves_item, [1, 1000])?;
@@ -23,7 +25,7 @@ pub(super) fn build(table: &Table<'_>, builder: &mut Builder) -> Result<()> {
     let rms_slope = within(&table.require("rms_slope", "rms_slope = 0.35")?, [0.0, 10.0])?;
     let grid = counts::<2>(table, "grid", 10_000)?;
     let offset_nm = table.get("offset_nm").map(|item| positive(&item)).transpose()?;
-    let mut random = random(table)?;
+    let mut random = Draws::read(table)?;
     if grid.iter().any(|&n| n < 4 * highest) {
         return Err(table.refuse(format_args!("grid must be at least 4 times highest, {} squares", 4 * highest)));
     }

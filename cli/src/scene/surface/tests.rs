@@ -1,7 +1,7 @@
 use glam::DVec3;
 
-use super::*;
-use crate::scene::{Scene, parse};
+use crate::scene::{Mesh, Scene, Triangle, parse};
+use crate::support::error::Result;
 
 fn scene(period: &str, surface: &str, interfaces: &[&str]) -> Result<Scene> {
     let mut text = format!("[cell]\nperiod_nm = {period}\nsurface = {{ {surface} }}\n");

@@ -1,0 +1,38 @@
+//! Parts of a scene: media with names, layers and interfaces.
+
+use goniochrome::optics::interface::Interface;
+use goniochrome::optics::medium::MediumIndex;
+
+use super::medium::OwnedMedium;
+
+/// Longest length in a scene, a metre: no film is thicker, and its phase still has ten digits.
+pub(super) const MAX_LENGTH_NM: f64 = 1e9;
+
+/// A medium with the name that the scene gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedMedium {
+    /// A material's name or its numbers, `1.56+0.06i`.
+    pub name: String,
+    /// Its complex refractive index η(λ).
+    pub medium: OwnedMedium,
+}
+
+/// A plane layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// Medium of the layer.
+    pub medium: MediumIndex,
+    /// Thickness, 0 or more; a layer of no thickness is legal and does nothing.
+    pub thickness_nm: f64,
+}
+
+/// Interface between two media, `[interface.NAME]` in a scene file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedInterface {
+    /// The `usemtl` name of its facets.
+    pub name: String,
+    /// The media on its two sides.
+    pub interface: Interface,
+    /// Films on the side of the facet's normal, the outermost first; they take up no room in the mesh.
+    pub coating: Vec<Layer>,
+}

@@ -1,0 +1,57 @@
+//! The kinds of generated surfaces, and the mesh of a `surface = { … }`.
+
+use std::path::Path;
+
+use super::builder::Builder;
+use super::{grooves, lamellae, particles, pits, pyramids, scratches, sines};
+use crate::scene::diagnostics::nearest;
+use crate::scene::mesh::Mesh;
+use crate::scene::toml_value::{TomlItem, TomlTable};
+use crate::support::error::Result;
+use crate::support::text::toml_key;
+
+/// Kind, its interfaces in the order of their numbers, and how it is made.
+const KINDS: &[(&str, Interfaces, Generator)] = &[
+    ("sines", sines::interfaces, sines::build),
+    ("pits", |_| &["pits"], pits::build),
+    ("lamellae", |_| &["cuticle"], lamellae::build),
+    ("grooves", |_| &["grooves"], grooves::build),
+    ("pyramids", |_| &["pyramids"], pyramids::build),
+    ("scratches", |_| &["scratches"], scratches::build),
+    ("particles", particles::interfaces, particles::build),
+];
+
+type Interfaces = fn(&TomlTable<'_>) -> &'static [&'static str];
+type Generator = fn(&TomlTable<'_>, &mut Builder) -> Result<()>;
+
+/// The mesh of `surface = { … }`; `names` are the scene's interfaces.
+pub(in crate::scene) fn build(item: &TomlItem<'_>, label: &str, period_nm: [f64; 2], names: &[&str]) -> Result<Mesh> {
+    let table = item.table("surface")?;
+    let kinds = KINDS.iter().map(|(kind, ..)| *kind);
+    let list = kinds.clone().collect::<Vec<_>>().join(", ");
+    let kind_item = table.require("kind", &format!("one of {list}"))?;
+    let kind = kind_item.text()?;
+    let Some((_, interfaces, generate)) = KINDS.iter().find(|(known, ..)| *known == kind) else {
+        let near = nearest(kind, kinds).map_or_else(String::new, |near| format!("nearest is {near:?}; "));
+        return Err(kind_item.refuse(format_args!("{kind:?} is unknown; {near}known: {list}")));
+    };
+    let wanted = interfaces(&table);
+    let mut numbers = Vec::new();
+    for wanted in wanted {
+        let number = names.iter().position(|name| name == wanted).and_then(|number| u16::try_from(number).ok());
+        numbers.push(number.ok_or_else(|| {
+            item.refuse(format_args!("a surface of kind {kind:?} needs an [interface.{wanted}]; add it"))
+        })?);
+    }
+    if let Some(other) = names.iter().find(|name| !wanted.contains(name)) {
+        let wanted = wanted.join(", ");
+        return Err(item.refuse(format_args!(
+            "[interface.{}] is not of this surface; kind {kind:?} has {wanted}; remove or rename it",
+            toml_key(other)
+        )));
+    }
+    let mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: Path::new(label).to_owned() };
+    let mut builder = Builder { mesh, numbers, line: item.line(), period_nm };
+    generate(&table, &mut builder)?;
+    Ok(builder.mesh)
+}
