@@ -3,7 +3,7 @@
 use crate::commands::args::EstimateArgs;
 use crate::commands::make_table::make_table;
 use crate::commands::pictures::save_picture;
-use crate::plot::{Format, tables};
+use crate::plot::{PictureFormat, tables};
 use crate::scene::load;
 use crate::solve::checkpoint::Checkpoint;
 use crate::support::error::{Error, Result};
@@ -20,7 +20,7 @@ pub fn run(args: &EstimateArgs) -> Result<()> {
         output::check_destination(path, &scene.files)?;
     }
     if let Some(plot) = &args.plot {
-        Format::of(plot)?;
+        PictureFormat::of(plot)?;
         output::refuse_same_output(&args.output, plot)?;
     }
     let (table, summary, checkpoint) = make_table(args, &scene, Some(&args.output))?;

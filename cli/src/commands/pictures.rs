@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::plot::{Format, Picture};
+use crate::plot::{PictureFormat, Picture};
 use crate::scene::Scene;
 use crate::support::error::Result;
 use crate::support::output;
@@ -21,7 +21,7 @@ pub(super) fn save_picture(picture: &Picture, path: &Path, quiet: bool) -> Resul
 pub(super) fn check_outputs(csv: &Path, picture: Option<&Path>, scene: &Scene) -> Result<()> {
     output::check_destination(csv, &scene.files)?;
     let Some(picture) = picture else { return Ok(()) };
-    Format::of(picture)?;
+    PictureFormat::of(picture)?;
     output::check_destination(picture, &scene.files)?;
     output::refuse_same_output(csv, picture)
 }

@@ -3,7 +3,7 @@
 use crate::commands::args::{PlotArgs, PlotKind};
 use crate::commands::pictures::save_picture;
 use crate::commands::table_source::TableSource;
-use crate::plot::{Format, Picture, tables};
+use crate::plot::{PictureFormat, Picture, tables};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::table::Table;
@@ -16,7 +16,7 @@ const MARKED: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 const LIGHTS: [f64; 3] = [15.0, 45.0, 75.0];
 
 pub fn run(args: &PlotArgs) -> Result<()> {
-    Format::of(&args.output)?;
+    PictureFormat::of(&args.output)?;
     let source = TableSource::find(&args.table)?;
     output::check_destination(&args.output, &source.files())?;
     if !args.phi.is_finite() {

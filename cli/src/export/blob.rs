@@ -9,10 +9,11 @@ use crate::support::memory::filled;
 use crate::table::Table;
 use crate::table::mirror::MirrorTable;
 
-/// The bytes of the blob.
+/// The bytes of the blob of a table.
 ///
 /// # Errors
-/// Angles that are not uniform from 0; values that half precision cannot hold.
+/// Angles that are not uniform from 0, a table without colours, values that half precision cannot hold, or too little
+/// memory.
 pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
     match table {
         Table::Mirror(mirror) => {
@@ -41,9 +42,9 @@ fn write(space: Option<RgbSpace>, contents: Contents<'_>, precision: Precision) 
     }
 }
 
-/// The last angle in radians of a table whose angles are uniform from 0, as blobs have them.
+/// The last angle, in radians, of a table whose angles are uniform from 0, as those of blobs are.
 fn largest_angle(table: &MirrorTable) -> Result<f64> {
-    /// Degrees; far below what a colour could show.
+    /// Deviation in degrees that is rounding: far below what a colour could show.
     const ROUNDING: f64 = 1e-6;
     let angles = &table.theta_deg;
     let last = angles.last().copied().unwrap_or_default();

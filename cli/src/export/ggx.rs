@@ -1,17 +1,19 @@
-//! The lobe that stands in for a mirror's delta: GGX facets (Trowbridge-Reitz) with Smith's masking and shadowing, height
-//! correlated (Heitz, JCGT 2014). f = D(θ_m) G₂ ρ(θ_d) / (4 cos θ_i cos θ_o), with ρ at the angle θ_d to the half vector m.
+//! The GGX lobe (Trowbridge-Reitz facets) that replaces the delta of a mirror-like surface, with Smith's masking and
+//! shadowing, height correlated (Heitz, JCGT 2014).
+//!
+//! f = D(θ_m) G₂ ρ(θ_d) / (4 cos θ_i cos θ_o), with ρ at the angle θ_d between either direction and the half vector m.
 
 use std::f64::consts::PI;
 
-/// The lobe of facets of roughness α.
+/// A GGX lobe of facets of roughness α.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// α in (0, 1].
+    /// Roughness α in (0, 1].
     pub alpha: f64,
 }
 
 impl Ggx {
-    /// D, the density of normals: ∫ D cos θ_m dω_m = 1.
+    /// The density D of facet normals: ∫ D cos θ_m dω_m = 1.
     #[must_use]
     pub fn density(self, cos_m: f64) -> f64 {
         let square = self.alpha * self.alpha;
@@ -19,19 +21,19 @@ impl Ggx {
         square / (PI * base * base)
     }
 
-    /// sqrt(α² + (1 − α²) cos²θ) = cos θ (1 + 2Λ).
+    /// The root sqrt(α² + (1 − α²) cos²θ) = cos θ (1 + 2Λ) in Smith's Λ.
     fn root(self, cos: f64) -> f64 {
         let square = self.alpha * self.alpha;
         (square + (1.0 - square) * cos * cos).sqrt()
     }
 
-    /// The area of the visible facets over that of the macroscopic surface: cos θ / G₁.
+    /// The projected area of the visible facets per area of the macroscopic surface: cos θ / G₁.
     #[must_use]
     pub fn visible_area(self, cos: f64) -> f64 {
         0.5 * (cos + self.root(cos))
     }
 
-    /// G₂ / (4 cos θ_i cos θ_o); finite where only one of them is 0.
+    /// The factor G₂ / (4 cos θ_i cos θ_o), which is finite where only one of the cosines is 0.
     #[must_use]
     pub fn masking(self, cos_i: f64, cos_o: f64) -> f64 {
         0.5 / (cos_o * self.root(cos_i) + cos_i * self.root(cos_o))

@@ -1,9 +1,9 @@
-//! Linear RGB reflectance over cos θ and, where a layer's thickness is varied, over that: a texture for shaders.
+//! Look-up textures for shaders: linear RGB reflectance over cos θ and, optionally, over the thickness of a layer.
 //!
-//! Texel centres lie at the ends: column x of N is cos θ = x/(N − 1), from grazing to facing; row y of M, from the top
-//! of the image, is parameter y/(M − 1), or from its bottom where [`Lut::turned_over`]. Values are kept as they are,
-//! negative ones (out of gamut) too, as half floats in OpenEXR; [`super::png`] brings them into the gamut. The header
-//! says what the texels are: see [`Lut::about`].
+//! The first and the last texel centre lie at the ends of an axis: column x of N is cos θ = x/(N − 1), from grazing to
+//! normal incidence. Row y of M, from the top of the image, is parameter y/(M − 1); [`Lut::turned_over`] counts rows
+//! from the bottom. OpenEXR keeps values as half floats, negative ones (out of gamut) too; [`super::png`] brings them
+//! into the gamut. The header describes the texels: see [`Lut::about`].
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -26,33 +26,33 @@ use crate::support::text;
 use crate::table::file::{PREFIX, sort_attributes};
 use crate::table::mirror::MirrorTable;
 
-/// The texture.
+/// A look-up texture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Lut {
-    /// Texels over cos θ.
+    /// Number of texels over cos θ.
     pub width: usize,
-    /// Row by row from the top.
+    /// Linear RGB, row by row from the top.
     pub texels: Vec<[f32; 3]>,
     /// The colour space of the texels.
     pub space: RgbSpace,
-    /// The scene, its light and, where a thickness is varied, the layer.
+    /// What the header says of the scene, its light and, where a thickness is varied, the layer.
     pub(super) facts: BTreeMap<&'static str, String>,
-    /// Thickness in nm of the first and the last row, where it is varied.
+    /// Thickness of the varied layer in the first and the last row, in nm.
     pub rows_nm: Option<[f64; 2]>,
 }
 
-/// `1=100:800:64`: layer, thickness in nm from and to, rows.
+/// A layer of varied thickness, written as `LAYER=FROM:TO:STEPS` such as `1=100:800:64`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vary {
-    /// Counted from 1 at the top.
+    /// The layer, counted from 1 at the top.
     pub layer: usize,
     /// First and last thickness in nm.
     pub range_nm: [f64; 2],
-    /// Rows, ends included.
+    /// Number of rows, ends included.
     pub steps: u16,
 }
 
-/// As many as one row may have columns.
+/// Largest number of rows; a row has at most as many columns.
 const MAX_STEPS: u16 = 4096;
 
 impl FromStr for Vary {
@@ -74,13 +74,13 @@ impl FromStr for Vary {
     }
 }
 
-/// θ in degrees of each column.
+/// The angle θ of each column, in degrees.
 fn angles(width: usize) -> impl Iterator<Item = f64> {
     (0..width).map(move |x| (x as f64 / (width - 1) as f64).acos().to_degrees())
 }
 
 impl Lut {
-    /// One row from a table, in the table's colour space; held beyond its last angle.
+    /// A texture of one row from a table, in the table's colour space, constant beyond its last angle.
     ///
     /// # Errors
     /// A table without colours.
@@ -95,10 +95,10 @@ impl Lut {
         })
     }
 
-    /// From a planar scene, exact at every texel: closed form, D65, linear sRGB.
+    /// A texture of a planar scene, exact at every texel: closed form, D65, linear sRGB.
     ///
     /// # Errors
-    /// A scene that is not planar, or has no such layer.
+    /// A scene that is not planar, has no such layer, or names media that are unknown at visible wavelengths.
     pub fn of_scene(scene: &Scene, width: usize, vary: Option<Vary>) -> Result<Self> {
         let facts = facts(&scene.name, Illuminant::D65);
         let Some(Vary { layer, range_nm: [from, to], steps }) = vary else {
@@ -126,7 +126,7 @@ impl Lut {
         Ok(lut)
     }
 
-    /// The same texture with its rows from the bottom of the image.
+    /// The texture with its rows counted from the bottom of the image.
     #[must_use]
     pub fn turned_over(mut self) -> Self {
         self.texels = self.texels.chunks(self.width).rev().flatten().copied().collect();
@@ -134,7 +134,7 @@ impl Lut {
         self
     }
 
-    /// What the header says, by its keys: scene, light and space of the colours, and what columns and rows are.
+    /// Keys and values of the header: scene, light and space of the colours, and the meaning of columns and rows.
     #[must_use]
     pub fn about(&self) -> BTreeMap<String, String> {
         let space = space_name(self.space).to_owned();
@@ -153,7 +153,7 @@ impl Lut {
     /// The bytes of an OpenEXR file of half floats.
     ///
     /// # Errors
-    /// If a value is beyond half floats.
+    /// What the OpenEXR encoder refuses.
     pub fn exr(&self) -> Result<Vec<u8>> {
         let channel = |name: &str, c: usize| {
             let values = self.texels.iter().map(|texel| f16::from_f32(texel[c])).collect();
@@ -163,7 +163,7 @@ impl Lut {
         let size = (self.width, self.texels.len() / self.width);
         let mut image = Image::from_encoded_channels(size, Encoding::UNCOMPRESSED, channels);
         image.attributes.chromaticities = chromaticities(self.space);
-        // UTF-8, as in tables.
+        // Text is UTF-8, as in tables.
         let text = |string: &str| Text::from_slice_unchecked(string.as_bytes());
         let about = self.about().into_iter();
         let attributes = about.map(|(key, value)| (text(&key), AttributeValue::Text(text(&value))));
@@ -177,7 +177,7 @@ impl Lut {
         Ok(bytes)
     }
 
-    /// The look-up that the shaders make: bilinear, held at the edges.
+    /// The look-up of the shaders: bilinear, constant beyond the edges.
     #[must_use]
     pub fn sample(&self, cos_theta: f32, parameter: f32) -> [f32; 3] {
         let height = self.texels.len() / self.width;
@@ -205,7 +205,7 @@ fn facts(scene: &str, illuminant: Illuminant) -> BTreeMap<&'static str, String> 
     [("scene", text::one_line(scene)), ("illuminant", illuminant.to_owned())].into()
 }
 
-/// Primaries and white of a space; the paper's matrix has none that are known.
+/// Primaries and white of a colour space; those of the paper's matrix are unknown.
 fn chromaticities(space: RgbSpace) -> Option<Chromaticities> {
     let [red, green, blue, white] = match space {
         RgbSpace::Srgb => [(0.64, 0.33), (0.3, 0.6), (0.15, 0.06), (0.3127, 0.329)],
@@ -224,7 +224,7 @@ fn row(scene: &Scene, width: usize) -> Result<Vec<[f32; 3]>> {
     Ok(colours.into_iter().map(|rgb| rgb.map(|c| c as f32)).collect())
 }
 
-/// Linear sRGB in D65 by the closed form, integrated over the wavelength, unclipped.
+/// Linear sRGB of a planar scene in D65 by the closed form, integrated over the wavelength, unclipped.
 pub(super) fn exact_rgb(planar: &PlanarScene<'_>, theta_deg: &[f64]) -> Result<Vec<[f64; 3]>> {
     let request = SpectraRequest {
         model: Model::Physical,

@@ -1,9 +1,11 @@
-//! The format of the MERL BRDF database (Matusik et al. 2003): RGB of an isotropic BRDF over half and difference angles.
+//! The format of the MERL BRDF database (Matusik et al. 2003): RGB of an isotropic BRDF over half and difference
+//! angles.
 //!
-//! Three 32-bit sizes 90, 90, 180 and three planes of 64-bit numbers, R, G, B, all little endian: 34 992 012 bytes. The place of
-//! a value is φ_d + 180 (θ_d + 90 θ_h), with θ_h in bins of sqrt(θ_h) and φ_d in [0, π), which takes f as reciprocal. A value
-//! is f over the scale of its channel, taken in the middle of its bin (in the bin's own coordinates); where only part of a bin
-//! lies above the horizon, at the horizon. Negative components (out of gamut) and pairs below the horizon are 0.
+//! The file holds three 32-bit sizes 90, 90, 180 and three planes of 64-bit numbers, R, G, B, all little endian: 34 992
+//! 012 bytes. The place of a value is φ_d + 180 (θ_d + 90 θ_h), with θ_h in bins of sqrt(θ_h), and φ_d in [0, π) since
+//! f is taken as reciprocal. A value is f over the scale of its channel, taken at the middle of its bin in the bin's
+//! own coordinates, or at the horizon where only part of the bin lies above it. Negative components (out of gamut) and
+//! pairs below the horizon are 0.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -20,27 +22,28 @@ const THETA_D: usize = 90;
 const PHI_D: usize = 180;
 const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
-/// A direction this close to the horizon still has a BRDF.
-const HORIZON: f64 = 1e-3;
-/// A bin whose middle lies further below than this has no part above: bins of θ_d are 1° high, those of θ_h at most 2°.
-const DEEPEST: f64 = -0.03;
+/// Smallest cosine at which the BRDF is evaluated.
+const MIN_COS: f64 = 1e-3;
+/// Cosine at the middle of a bin below which no part of the bin lies above the horizon: bins of θ_d are 1° high, those
+/// of θ_h at most 2°.
+const MIN_MIDDLE_COS: f64 = -0.03;
 
-/// The directions in the middle of a bin.
+/// The pair of directions at the middle of a bin.
 fn directions(h: usize, d: usize, p: usize) -> [DVec3; 2] {
     let theta_h = ((h as f64 + 0.5) / THETA_H as f64).powi(2) * FRAC_PI_2;
     let theta_d = (d as f64 + 0.5) / THETA_D as f64 * FRAC_PI_2;
     let phi_d = (p as f64 + 0.5) / PHI_D as f64 * PI;
     let difference = direction(theta_d, phi_d);
     let (sin, cos) = theta_h.sin_cos();
-    // Turns the normal into the half vector.
+    // Rotates the normal to the half vector.
     let turned = |w: DVec3| DVec3::new(cos * w.x + sin * w.z, w.y, cos * w.z - sin * w.x);
     [turned(difference), turned(DVec3::new(-difference.x, -difference.y, difference.z))]
 }
 
-/// The bytes of the file.
+/// The bytes of the MERL file of a table.
 ///
 /// # Errors
-/// An anisotropic table; a roughness that is missing or has no use.
+/// An anisotropic table, a table without colours, or a roughness that is missing or has no use.
 pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
     let reflection = Reflection::new(table, roughness, true)?;
     if let ReflectionKind::Scatter(layout) = reflection.kind()
@@ -70,12 +73,12 @@ pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The mean of f both ways, since the format makes no difference between them.
+/// The mean of f(wi, wo) and f(wo, wi), which the format does not tell apart.
 fn colour(evaluator: &mut Evaluator<'_>, [wi, wo]: [DVec3; 2]) -> [f64; 3] {
-    if wi.z < DEEPEST || wo.z < DEEPEST {
+    if wi.z < MIN_MIDDLE_COS || wo.z < MIN_MIDDLE_COS {
         return [0.0; 3];
     }
-    let lifted = |w: DVec3| DVec3::new(w.x, w.y, w.z.max(HORIZON)).normalize();
+    let lifted = |w: DVec3| DVec3::new(w.x, w.y, w.z.max(MIN_COS)).normalize();
     let (wi, wo) = (lifted(wi), lifted(wo));
     let mut ways = [[0.0; 3]; 2];
     evaluator.eval(wi, wo, &mut ways[0]);

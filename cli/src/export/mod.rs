@@ -1,12 +1,12 @@
 //! Tables in the formats of engines and renderers, one file per format.
 
-pub mod blob;
-pub mod bsdf;
 pub mod ggx;
-pub mod gltf;
-pub mod lut;
-pub mod merl;
-pub mod png;
 mod reflection;
+pub mod lut;
+pub mod png;
+pub mod blob;
+pub mod merl;
+pub mod bsdf;
+pub mod gltf;
 
-pub use reflection::Reflection;
+pub use reflection::{Evaluator, Reflection, ReflectionKind};

@@ -1,10 +1,10 @@
-//! The texture of [`super::lut`] as a 16-bit RGB PNG.
+//! Look-up textures ([`super::lut`]) as 16-bit RGB PNG.
 //!
 //! Samples are linear: 0 is black, 65535 is 1. PNG holds neither negative numbers nor any above 1, so colours are
-//! brought into the gamut by the policy of the pictures ([`crate::plot::in_gamut`]): those with a negative component
-//! are mixed with the grey of their luminance until it is 0, those above 1 are scaled. OpenEXR keeps them as they are.
-//! The chunks cICP (primaries of BT.709, linear transfer, full range), gAMA (1) and cHRM say so to readers; iTXt chunks
-//! hold [`Lut::about`].
+//! brought into the gamut by the policy of pictures ([`crate::plot::in_gamut`]): those with a negative component are
+//! mixed with the grey of their luminance until it is 0, those above 1 are scaled. OpenEXR keeps colours unchanged. The
+//! chunks cICP (primaries of BT.709, linear transfer, full range), gAMA (1) and cHRM tell readers that samples are
+//! linear; iTXt chunks hold [`Lut::about`].
 
 use png::chunk::ChunkType;
 use png::{BitDepth, ColorType, Encoder, ScaledFloat, SourceChromaticities};
@@ -13,18 +13,19 @@ use super::lut::Lut;
 use crate::plot::in_gamut;
 use crate::support::error::{Error, Result};
 
-/// ITU-T H.273: primaries of BT.709 and sRGB, linear transfer, no matrix; then the full range.
+/// The chunk cICP by ITU-T H.273: primaries of BT.709 and sRGB, linear transfer, no matrix, full range.
 const CICP: [u8; 4] = [1, 8, 0, 1];
 const CICP_TYPE: ChunkType = ChunkType(*b"cICP");
 
-/// D65, and the primaries of sRGB.
+/// Chromaticity of D65.
 const WHITE: (f32, f32) = (0.3127, 0.329);
+/// Chromaticities of sRGB's red, green and blue.
 const PRIMARIES: [(f32, f32); 3] = [(0.64, 0.33), (0.3, 0.6), (0.15, 0.06)];
 
-/// The bytes of the file. `lut` is in linear sRGB.
+/// The bytes of the PNG file of a texture in linear sRGB.
 ///
 /// # Errors
-/// If the encoder refuses.
+/// What the PNG encoder refuses.
 pub fn encode(lut: &Lut) -> Result<Vec<u8>> {
     let samples: Vec<u8> = lut
         .texels

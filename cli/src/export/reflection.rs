@@ -1,4 +1,4 @@
-//! f(wi, wo) of either kind of table, in every channel of it.
+//! The BRDF f(wi, wo) of either kind of table, in each of its channels.
 
 use glam::{DVec3, Vec3};
 use goniochrome::table::{ScatterLayout, ScatterTable as Lookup};
@@ -8,34 +8,36 @@ use crate::support::error::{Error, Result};
 use crate::table::Table;
 use crate::table::mirror::neighbours;
 
-/// A BRDF to export: RGB, or a channel for each wavelength.
+/// A BRDF to export: in RGB, or in a channel for each wavelength.
+#[derive(Clone, Debug)]
 pub struct Reflection {
     /// Number of channels.
     pub channels: usize,
-    /// Wavelengths in nm; none for RGB.
+    /// Wavelengths in nm; empty for RGB.
     pub wavelength_nm: Vec<f64>,
     values: Vec<f32>,
     kind: ReflectionKind,
 }
 
-/// Where the values come from.
+/// The form of a [`Reflection`].
+#[derive(Clone, Debug)]
 pub enum ReflectionKind {
-    /// A mirror-like table, through a lobe.
+    /// The reflectance of a mirror-like table, spread by a lobe.
     Lobe {
         /// The lobe.
         ggx: Ggx,
         /// The table's angles in radians.
         theta: Vec<f64>,
     },
-    /// A table of tilted facets.
+    /// A table of tilted facets, of this layout.
     Scatter(ScatterLayout),
 }
 
 impl Reflection {
-    /// The BRDF of a table. A mirror-like table needs a roughness, another has none.
+    /// The BRDF of a table. A mirror-like table needs a roughness; other tables have none.
     ///
     /// # Errors
-    /// A roughness that is missing or has no use.
+    /// A roughness that is missing or has no use; RGB of a table without colours.
     pub fn new(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Self> {
         let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra() };
         let wavelength_nm = if rgb { Vec::new() } else { table.wavelength_nm().to_vec() };
@@ -61,13 +63,13 @@ impl Reflection {
         Ok(Self { channels, wavelength_nm, values, kind })
     }
 
-    /// Where the values come from.
+    /// The form of the BRDF.
     #[must_use]
     pub fn kind(&self) -> &ReflectionKind {
         &self.kind
     }
 
-    /// What evaluates it, with memory of its own.
+    /// An evaluator of the BRDF, with working memory of its own.
     #[must_use]
     pub fn evaluator(&self) -> Evaluator<'_> {
         let lookup = match self.kind {
@@ -79,7 +81,7 @@ impl Reflection {
         Evaluator { reflection: self, lookup, values: vec![0.0; self.channels] }
     }
 
-    /// ρ at an angle, linear between the table's and held beyond them.
+    /// ρ(θ) in each channel, linear between the table's angles and constant beyond them.
     fn interpolate(&self, theta: &[f64], at: f64, out: &mut [f64]) {
         let (below, above, weight) = neighbours(theta, at);
         for (c, out) in out.iter_mut().enumerate() {
@@ -88,7 +90,7 @@ impl Reflection {
         }
     }
 
-    /// ρ of a mirror-like table at the half vector's angle.
+    /// ρ of a mirror-like table in each channel, at the angle to the half vector.
     pub(super) fn reflectance(&self, cos_d: f64, out: &mut [f64]) {
         if let ReflectionKind::Lobe { theta, .. } = &self.kind {
             self.interpolate(theta, cos_d.clamp(0.0, 1.0).acos(), out);
@@ -96,10 +98,11 @@ impl Reflection {
     }
 }
 
-/// Evaluates a [`Reflection`] over and over.
+/// Evaluator of a [`Reflection`].
+#[derive(Debug)]
 pub struct Evaluator<'r> {
     reflection: &'r Reflection,
-    /// Only a [`ReflectionKind::Scatter`] has one.
+    /// The look-up of a [`ReflectionKind::Scatter`].
     lookup: Option<Lookup<'r>>,
     values: Vec<f32>,
 }
@@ -111,7 +114,7 @@ impl<'r> Evaluator<'r> {
         self.reflection
     }
 
-    /// f in each channel, in 1/sr; both directions above the horizon.
+    /// f in each channel, in 1/sr. Both directions lie above the horizon.
     pub fn eval(&mut self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
         if let Some(lookup) = &self.lookup {
             let single = |w: DVec3| Vec3::new(w.x as f32, w.y as f32, w.z as f32);

@@ -1,24 +1,25 @@
-//! Ray tracing beside the closed form: the paper's section 4.5 and figure 7.
+//! Comparison of ray tracing with the closed form: the paper's section 4.5 and figure 7.
 
 use crate::plot::{Picture, Profile, side_by_side};
 use crate::solve::planar_scene::PlanarScene;
 use crate::solve::spectra::{Method, Spectra, SpectraRequest, spectra};
 use crate::support::error::Result;
 
-/// The same grid computed twice.
+/// Spectra of one grid of angles and wavelengths, computed by two methods.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// By the transfer-matrix recursion.
+    /// Spectra by the transfer-matrix recursion.
     pub closed: Spectra,
-    /// By following rays.
+    /// Spectra by ray tracing.
     pub traced: Spectra,
 }
 
 impl Comparison {
-    /// Computes both; a request for the closed form is traced with loops closed.
+    /// Computes both. The traced spectra take the method of the request, or ray splitting with closed loops if the
+    /// request names the closed form.
     ///
     /// # Errors
-    /// As [`spectra`].
+    /// What [`spectra`] refuses: media that are unknown at a wavelength, or angles and wavelengths out of range.
     pub fn new(
         planar: &PlanarScene<'_>,
         theta_deg: &[f64],
@@ -30,13 +31,13 @@ impl Comparison {
         Ok(Self { closed: run(Method::Stack)?, traced: run(traced)? })
     }
 
-    /// Unpolarised reflectance of both at one angle and wavelength: closed form, traced.
+    /// Unpolarised reflectances at one angle and wavelength: closed form, then traced.
     #[must_use]
     pub fn pair(&self, angle: usize, wavelength: usize) -> [f64; 2] {
         [&self.closed, &self.traced].map(|spectra| spectra.row(angle)[wavelength].mean_reflectance())
     }
 
-    /// The largest difference of s or p reflectance.
+    /// The largest difference of s or p reflectance between the two methods.
     #[must_use]
     pub fn largest_difference(&self) -> f64 {
         let pairs = self.closed.samples.iter().zip(&self.traced.samples);
@@ -46,7 +47,7 @@ impl Comparison {
         })
     }
 
-    /// Reflectance against angle, side by side, and the difference.
+    /// A picture of both reflectances against the angle, side by side, and of their difference.
     #[must_use]
     pub fn picture(&self, title: &str) -> Picture {
         // Commands keep the order in which angles and wavelengths were given; a picture has axes.
@@ -73,7 +74,7 @@ impl Comparison {
     }
 }
 
-/// The places of some numbers in increasing order, equal ones once.
+/// The indices of numbers in increasing order of the numbers, of equal numbers one.
 fn increasing(numbers: &[f64]) -> Vec<usize> {
     let mut places: Vec<usize> = (0..numbers.len()).collect();
     places.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));

@@ -1,4 +1,4 @@
-//! Every figure of the paper, with a page that explains them.
+//! All figures of the paper, with a page that explains them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,6 +14,7 @@ use crate::solve::precision::Precision;
 use crate::solve::spectra::{Method, SpectraRequest};
 use crate::support::error::{Error, Result};
 use crate::support::output;
+use crate::table::mirror::MirrorTable;
 
 use crate::paper::wavelength_count::{self, Point, Setting, error_curve};
 use crate::plot::{Disc, Picture, disc_grid};
@@ -22,21 +23,23 @@ use crate::scene::{Scene, load};
 use crate::solve::planar_scene::PlanarScene;
 use crate::support::progress::bar;
 
-/// Every degree; discs interpolate between them.
+/// Number of angles of a disc, at every degree from 0; discs interpolate between them.
 const DISC_ANGLES: usize = 90;
-/// The columns of figure 6, before the converged one.
+/// Sample counts of the columns of figure 6, before the converged one.
 const FIGURE_6_COUNTS: [u16; 5] = [5, 10, 20, 32, 40];
-/// Every count: an error that is small by luck stands beside those of its neighbours.
+/// Sample counts of the error curve. All counts are shown, so that an error that is small by luck stands beside those
+/// of its neighbours.
 const FIGURE_6_CURVE: std::ops::RangeInclusive<u16> = 4..=100;
-/// The error from which on a count of samples is said to be enough.
-const FIGURE_6_ENOUGH: f64 = 0.02;
-/// Hg e, Hg green and a deep red: the wavelengths of the paper's figure 7.
+/// Largest error at which a count of samples is called enough.
+const FIGURE_6_MAX_ERROR: f64 = 0.02;
+/// Wavelengths of the paper's figure 7: Hg blue, Hg green and a deep red.
 const FIGURE_7_NM: [f64; 3] = [436.0, 546.0, 700.0];
 
-/// Writes the figures and `index.html` into a folder, which is made if it is missing; returns the page's path.
+/// Computes the figures and writes them with `index.html` into a folder, which is made if it is missing; returns the
+/// path of the page.
 ///
 /// # Errors
-/// A folder or file that cannot be written.
+/// A folder or a file that cannot be written.
 pub fn write(folder: &Path, threads: usize, quiet: bool) -> Result<PathBuf> {
     let failed = |error| Error::failed(format_args!("{}: {error}; choose another -o", folder.display()));
     fs::create_dir_all(folder).map_err(failed)?;
@@ -60,7 +63,7 @@ pub fn write(folder: &Path, threads: usize, quiet: bool) -> Result<PathBuf> {
     Ok(index)
 }
 
-/// How a disc's colours are made: caption, model, light, colour space.
+/// A way to compute the colours of a disc: caption, model, light, colour space.
 type Rendering = (&'static str, Model, Illuminant, RgbSpace);
 
 const RENDERINGS: [Rendering; 3] = [
@@ -84,16 +87,6 @@ fn at_every_degree(
     wavelength_count::converged(&PlanarScene::new(scene)?, &setting)
 }
 
-/// The colour between the computed angles.
-fn between(colours: &[Colour], space: RgbSpace, theta_deg: f64) -> [f32; 3] {
-    let last = colours.len() - 1;
-    let below = (theta_deg.max(0.0) as usize).min(last);
-    let above = (below + 1).min(last);
-    let w = (theta_deg - below as f64).clamp(0.0, 1.0) as f32;
-    let (a, b) = (colours[below].display(space), colours[above].display(space));
-    std::array::from_fn(|c| a[c] + w * (b[c] - a[c]))
-}
-
 /// Colours at every degree, for each rendering.
 fn computed(scene: &Scene, request: &SpectraRequest) -> Result<Vec<Vec<Colour>>> {
     let colours = |&(_, model, illuminant, space): &Rendering| {
@@ -102,13 +95,11 @@ fn computed(scene: &Scene, request: &SpectraRequest) -> Result<Vec<Vec<Colour>>>
     RENDERINGS.iter().map(colours).collect()
 }
 
-/// One row of discs, one for each rendering.
+/// A picture of one row of discs, one for each rendering.
 fn renderings(computed: &[Vec<Colour>], title: &str) -> Picture {
-    let looks: Vec<_> = computed
-        .iter()
-        .zip(&RENDERINGS)
-        .map(|(colours, &(_, _, _, space))| move |theta_deg: f64, _: f64| between(colours, space, theta_deg))
-        .collect();
+    let tables: Vec<MirrorTable> =
+        computed.iter().zip(&RENDERINGS).map(|(colours, rendering)| teapots::table(colours, rendering.3)).collect();
+    let looks: Vec<_> = tables.iter().map(|table| move |theta_deg: f64, _: f64| table.rgb_at(theta_deg)).collect();
     let discs: Vec<Disc<'_>> = looks
         .iter()
         .zip(&RENDERINGS)
@@ -117,7 +108,7 @@ fn renderings(computed: &[Vec<Colour>], title: &str) -> Picture {
     disc_grid(title, &[String::new()], &vec![String::new(); discs.len()], &discs)
 }
 
-/// The pot of one rendering in the studio.
+/// Draws the teapot of one rendering in white light; returns the names of its files.
 fn teapot(
     folder: &Path,
     file: &str,
@@ -181,18 +172,17 @@ fn figure_6(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     let curve_setting = Setting { theta_deg: &coarse, ..disc_setting };
 
     let counts: Vec<u16> = FIGURE_6_CURVE.collect();
-    let mut grid: Vec<Vec<Colour>> = Vec::new();
+    let mut grid: Vec<MirrorTable> = Vec::new();
     let mut curves = Vec::new();
     for (scene, label) in scenes.iter().zip(labels) {
         let planar = PlanarScene::new(scene)?;
         for count in FIGURE_6_COUNTS {
-            grid.push(wavelength_count::sampled(&planar, count, &disc_setting)?);
+            grid.push(teapots::table(&wavelength_count::sampled(&planar, count, &disc_setting)?, space));
         }
-        grid.push(wavelength_count::converged(&planar, &disc_setting)?);
+        grid.push(teapots::table(&wavelength_count::converged(&planar, &disc_setting)?, space));
         curves.push((label.to_owned(), error_curve(&planar, &counts, &curve_setting, &|_| ())?));
     }
-    let looks: Vec<_> =
-        grid.iter().map(|colours| move |theta_deg: f64, _: f64| between(colours, space, theta_deg)).collect();
+    let looks: Vec<_> = grid.iter().map(|table| move |theta_deg: f64, _: f64| table.rgb_at(theta_deg)).collect();
     let discs: Vec<Disc<'_>> =
         looks.iter().map(|rgb| Disc { label: "", rgb, theta_max_deg: 90.0, azimuthal: false }).collect();
     let columns: Vec<String> =
@@ -208,13 +198,13 @@ fn figure_6(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     })
 }
 
-/// What the errors of the thin and of the thick film say of the paper's numbers.
+/// The caption of figure 6: the errors of the thin and of the thick film beside the paper's numbers.
 fn figure_6_caption(thin: &[Point], thick: &[Point]) -> String {
     let error = |curve: &[Point], samples: u16| {
         curve.iter().find(|point| point.samples == samples).map_or(f64::NAN, |point| point.error)
     };
     let enough = |curve: &[Point]| {
-        let last_too_few = curve.iter().rposition(|point| point.error > FIGURE_6_ENOUGH);
+        let last_too_few = curve.iter().rposition(|point| point.error > FIGURE_6_MAX_ERROR);
         curve.get(last_too_few.map_or(0, |place| place + 1)).map_or(u16::MAX, |point| point.samples)
     };
     format!(
@@ -223,7 +213,7 @@ fn figure_6_caption(thin: &[Point], thick: &[Point]) -> String {
          because on the paper’s perfect mirror it reflects all light and there is no colour to err in.</p>\
          <p>The paper finds 10 samples enough for 300 nm and 40 for 3000 nm. For 300 nm the error at N = 10 is indeed {:.4}, \
          but {:.3} at 9, {:.3} at 11 and {:.3} at 12: it depends on where the samples fall, and <strong>10 is luck</strong>. \
-         Errors stay below {FIGURE_6_ENOUGH} from N = {} on. For 3000 nm they do so from N = {} on, so the paper’s 40 holds ({:.3}). \
+         Errors stay below {FIGURE_6_MAX_ERROR} from N = {} on. For 3000 nm they do so from N = {} on, so the paper’s 40 holds ({:.3}). \
          <code>--wavelengths auto</code> adds samples until the colour stands still.</p>",
         error(thin, 10),
         error(thin, 9),
@@ -266,7 +256,7 @@ fn figure_7(folder: &Path, request: &SpectraRequest) -> Result<Section> {
     })
 }
 
-/// The presets that nature or industry makes, and the paper's multilayer.
+/// Presets of the gallery: those that nature or industry makes, and the paper's multilayer.
 const GALLERY: [&str; 8] = [
     "jewel-beetle",
     "morpho-stack",
@@ -277,7 +267,7 @@ const GALLERY: [&str; 8] = [
     "anodised-titanium",
     "paper-fig4",
 ];
-/// Beyond, every surface is white, so brightness is judged within.
+/// Angle up to which the discs of the gallery are brightened to the same maximum: beyond, every surface is white.
 const GALLERY_BRIGHTNESS_DEG: usize = 70;
 
 fn gallery(folder: &Path, request: &SpectraRequest) -> Result<Section> {
@@ -285,11 +275,13 @@ fn gallery(folder: &Path, request: &SpectraRequest) -> Result<Section> {
         .iter()
         .map(|name| at_every_degree(&load(name)?, Illuminant::D65, RgbSpace::Srgb, request))
         .collect::<Result<Vec<_>>>()?;
+    let tables: Vec<MirrorTable> = computed.iter().map(|colours| teapots::table(colours, RgbSpace::Srgb)).collect();
     let looks: Vec<_> = computed
         .iter()
-        .map(|colours| {
+        .zip(&tables)
+        .map(|(colours, table)| {
             let brightest = colours[..GALLERY_BRIGHTNESS_DEG].iter().flat_map(|c| c.rgb).fold(0.0, f64::max) as f32;
-            move |theta_deg: f64, _: f64| between(colours, RgbSpace::Srgb, theta_deg).map(|c| c / brightest)
+            move |theta_deg: f64, _: f64| table.rgb_at(theta_deg).map(|c| c / brightest)
         })
         .collect();
     let discs: Vec<Disc<'_>> = looks

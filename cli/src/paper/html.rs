@@ -1,15 +1,15 @@
-//! A static page of figures: one file, no script, nothing from the network.
+//! A static HTML page of figures, in one file without scripts that needs no network.
 
 use crate::plot::escape;
 
-/// Figures under one heading.
+/// A section of the page: figures under one heading.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Section {
-    /// Plain text.
+    /// Heading, as plain text.
     pub heading: String,
     /// Picture files relative to the page, shown side by side where there is room.
     pub images: Vec<String>,
-    /// HTML, trusted: it comes from the program.
+    /// Caption, as trusted HTML: it comes from the program.
     pub caption_html: String,
 }
 
@@ -31,7 +31,7 @@ figure{margin:0}\
 figcaption{max-width:44rem;margin-top:.8rem;color:#44444b}\
 @media(max-width:30rem){main{padding:1.5rem .9rem 3rem}h1{font-size:1.6rem}.images a{padding:.3rem}}";
 
-/// The page: `title` is plain text, `intro_html` trusted HTML.
+/// The HTML of the page. `title` is plain text, `intro_html` trusted HTML.
 #[must_use]
 pub fn page(title: &str, intro_html: &str, sections: &[Section]) -> String {
     let title = escape(title);
@@ -55,7 +55,7 @@ pub fn page(title: &str, intro_html: &str, sections: &[Section]) -> String {
     html
 }
 
-/// Percent-encodes what a browser would take for something else in a relative address.
+/// Percent-encodes a file name for a relative address.
 fn url(file: &str) -> String {
     let mut url = String::with_capacity(file.len());
     for byte in file.bytes() {

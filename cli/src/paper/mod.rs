@@ -1,4 +1,5 @@
-//! The figures of Shimada & Kawaguchi's paper.
+//! The figures of Shimada & Kawaguchi's paper "BRDF Estimation System for Structural Colors", and the studies behind
+//! them.
 
 pub mod html;
 pub mod comparison;

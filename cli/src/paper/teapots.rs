@@ -17,12 +17,14 @@ use crate::support::error::Result;
 use crate::support::output;
 use crate::table::mirror::MirrorTable;
 
+/// Width and height of a picture in pixels.
 const SIZE: [u32; 2] = [640, 480];
+/// Rays through each pixel.
 const SAMPLES: u32 = 8;
-/// The pot is twice as wide as high, and fills the picture from here.
+/// Distance of the eye in radii of the body: the pot, twice as wide as high, then fills the picture.
 const DISTANCE: f64 = 3.1;
 
-/// Colours at every degree as the table of a surface, as a screen shows them.
+/// A table of the colours at every degree, as a screen shows them.
 pub(super) fn table(colours: &[Colour], space: RgbSpace) -> MirrorTable {
     let count = colours.len();
     MirrorTable {
@@ -36,7 +38,7 @@ pub(super) fn table(colours: &[Colour], space: RgbSpace) -> MirrorTable {
     }
 }
 
-/// One pot for each light, in files of the folder.
+/// Draws the pot in each light, and writes the pictures to files of the folder.
 pub(super) fn draw(
     folder: &Path,
     table: MirrorTable,
@@ -54,7 +56,7 @@ pub(super) fn draw(
     lights
         .into_iter()
         .map(|(file, light)| {
-            // A white surrounding is shown grey, for white edges to be seen.
+            // White surroundings are shown grey, so that white edges are visible.
             let white = matches!(light, EnvironmentLight::White);
             let background = if white { Background::Colour([0.2; 3]) } else { Background::Environment };
             let environment = Environment::new(light, 0.0);
@@ -67,7 +69,7 @@ pub(super) fn draw(
         .collect()
 }
 
-/// Figure 5: one surface in the studio and in white light.
+/// Draws figure 5: one surface in the studio and in white light.
 pub(super) fn figure_5(folder: &Path, table: MirrorTable, threads: usize) -> Result<Section> {
     let lights = vec![
         ("figure-5-studio.png", EnvironmentLight::Studio(Box::default())),

@@ -1,4 +1,4 @@
-//! How many wavelengths a colour needs: the paper's section 4.4 and figure 6.
+//! The number of wavelengths that a colour needs: the paper's section 4.4 and figure 6.
 
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM};
 
@@ -9,25 +9,25 @@ use crate::solve::planar_scene::PlanarScene;
 use crate::solve::spectra::{Spectra, SpectraRequest, spectra};
 use crate::support::error::Result;
 
-/// What the colours are made with.
+/// The conditions under which colours are computed.
 #[derive(Debug, Clone, Copy)]
 pub struct Setting<'a> {
-    /// Angles of incidence.
+    /// Angles of incidence in degrees.
     pub theta_deg: &'a [f64],
-    /// The light.
+    /// The illuminant.
     pub illuminant: Illuminant,
-    /// The space in which the error is taken.
+    /// The colour space in which errors are taken.
     pub space: RgbSpace,
-    /// How to compute.
+    /// The model, the method and the precision of spectra.
     pub request: SpectraRequest,
 }
 
-/// The colour error that a number of samples makes.
+/// A point of an error curve: the colour error of a number of samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Midpoint samples from 380 to 780 nm.
+    /// Number of midpoint samples from 380 to 780 nm.
     pub samples: u16,
-    /// Largest error of a component over all angles.
+    /// Largest error of a linear component over all angles.
     pub error: f64,
 }
 
@@ -41,7 +41,7 @@ pub fn midpoints(count: u16) -> Vec<f64> {
 /// Colours at every angle from `count` midpoint samples, as the paper sums them.
 ///
 /// # Errors
-/// As [`spectra`].
+/// What [`spectra`] refuses: media that are unknown at a wavelength, or angles out of range.
 pub fn sampled(planar: &PlanarScene<'_>, count: u16, setting: &Setting<'_>) -> Result<Vec<Colour>> {
     setting.colours(&setting.spectra(planar, count)?)
 }
@@ -49,7 +49,7 @@ pub fn sampled(planar: &PlanarScene<'_>, count: u16, setting: &Setting<'_>) -> R
 /// Colours at every angle by the integral over the wavelength.
 ///
 /// # Errors
-/// As [`Integral::new`].
+/// What [`Integral::new`] refuses: media that are unknown at visible wavelengths, or films too thick to integrate.
 pub fn converged(planar: &PlanarScene<'_>, setting: &Setting<'_>) -> Result<Vec<Colour>> {
     let integral = Integral::new(planar, VISIBLE_NM.map(f64::from), setting.illuminant, &setting.request)?;
     let colours = integral.colours(setting.theta_deg)?;
@@ -66,10 +66,10 @@ impl Setting<'_> {
     }
 }
 
-/// The error curve: `progress` is given the spectra of each count.
+/// The curve of the colour error against the number of samples. `progress` is called with the spectra of each count.
 ///
 /// # Errors
-/// As [`spectra`] and [`Integral::new`].
+/// What [`sampled`] and [`converged`] refuse.
 pub fn error_curve(
     planar: &PlanarScene<'_>,
     counts: &[u16],
@@ -87,7 +87,7 @@ pub fn error_curve(
     counts.iter().map(point).collect()
 }
 
-/// Error against samples, one curve for each labelled scene.
+/// A picture of error against the number of samples, one curve for each labelled scene.
 #[must_use]
 pub fn picture(title: &str, curves: &[(String, Vec<Point>)]) -> Picture {
     let series: Vec<Series> = curves

@@ -1,56 +1,57 @@
-//! Axes: ranges, ticks and where a value stands.
+//! Axes of charts: ranges, ticks, and the places of values.
 
-use super::svg::{AXIS, Anchor, Canvas, GRID, Place, Style, text_width};
+use super::place::Place;
+use super::svg::{AXIS, Anchor, Canvas, GRID, Style, text_width};
 
-/// Maps values to canvas coordinates.
+/// The map of one axis from values to canvas coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scale {
     range: (f64, f64),
-    kind: Kind,
+    kind: ScaleKind,
     canvas: (f64, f64),
 }
 
-/// How an axis is divided.
+/// The division of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ScaleKind {
     Linear,
-    /// Linear in fifteens, as protractors are.
+    /// Linear with ticks at multiples of 15, as on a protractor.
     Degrees,
     Log,
 }
 
-impl Kind {
-    /// Linear, in degrees if the label says so.
+impl ScaleKind {
+    /// The kind of an axis by its label: degrees if it ends in °, else linear.
     pub(super) fn of_label(label: &str) -> Self {
         if label.ends_with('°') { Self::Degrees } else { Self::Linear }
     }
 }
 
 impl Scale {
-    pub(super) fn new(range: (f64, f64), kind: Kind, canvas: (f64, f64)) -> Self {
+    pub(super) fn new(range: (f64, f64), kind: ScaleKind, canvas: (f64, f64)) -> Self {
         Self { range, kind, canvas }
     }
 
-    /// Where `value` stands; `None` for what has no place, such as 0 on a logarithmic axis.
+    /// The coordinate of a value; `None` for values without a place, such as 0 on a logarithmic axis.
     pub(super) fn at(&self, value: f64) -> Option<f64> {
-        let map = |v: f64| if self.kind == Kind::Log { v.log10() } else { v };
+        let map = |v: f64| if self.kind == ScaleKind::Log { v.log10() } else { v };
         let (low, high) = (map(self.range.0), map(self.range.1));
         let place = self.canvas.0 + (map(value) - low) / (high - low) * (self.canvas.1 - self.canvas.0);
         place.is_finite().then_some(place)
     }
 
-    /// Values in the range worth a label, with the label.
+    /// The ticks in the range: value and label.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         match self.kind {
-            Kind::Log => log_ticks(self.range),
-            Kind::Degrees if self.range.1 - self.range.0 >= 60.0 => linear_ticks(self.range, 15.0),
+            ScaleKind::Log => log_ticks(self.range),
+            ScaleKind::Degrees if self.range.1 - self.range.0 >= 60.0 => linear_ticks(self.range, 15.0),
             _ => linear_ticks(self.range, step_of(self.range)),
         }
     }
 }
 
-/// Room that the ticks and the turned label of a y axis take to the left of a plot.
-pub(super) fn left_margin(range: (f64, f64), kind: Kind) -> f64 {
+/// Width of the ticks and the turned label of a y axis to the left of a plot.
+pub(super) fn left_margin(range: (f64, f64), kind: ScaleKind) -> f64 {
     let scale = Scale::new(range, kind, (0.0, 1.0));
     (widest_tick(&scale) + 42.0).max(70.0)
 }
@@ -59,7 +60,7 @@ fn widest_tick(scale: &Scale) -> f64 {
     scale.ticks().iter().map(|tick| text_width(&tick.1, Style::tick().size)).fold(0.0, f64::max)
 }
 
-/// The axes around a plot: grid, ticks, labels with units.
+/// Draws the axes around a plot: grid, ticks, labels with units.
 pub(super) fn draw_axes(canvas: &mut Canvas, plot: Place, x: &Scale, y: &Scale, labels: (&str, &str), grid: bool) {
     for (value, label) in y.ticks() {
         let Some(at) = y.at(value) else { continue };
@@ -80,7 +81,7 @@ pub(super) fn draw_axes(canvas: &mut Canvas, plot: Place, x: &Scale, y: &Scale, 
     canvas.turned_text(plot.x - 24.0 - widest_tick(y), middle.1, -90.0, Anchor::Middle, Style::label(), labels.1);
 }
 
-/// The range of the values, widened to whole ticks and never empty.
+/// The range of values, widened to whole ticks and never empty.
 pub(super) fn range_of(values: impl Iterator<Item = f64>, log: bool) -> (f64, f64) {
     let usable = values.filter(|v| v.is_finite() && (!log || *v > 0.0));
     let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -157,19 +158,19 @@ fn power_of_ten(power: i32) -> String {
 mod tests {
     use super::*;
 
-    fn labels(range: (f64, f64), kind: Kind) -> Vec<String> {
+    fn labels(range: (f64, f64), kind: ScaleKind) -> Vec<String> {
         Scale::new(range, kind, (0.0, 1.0)).ticks().into_iter().map(|tick| tick.1).collect()
     }
 
     #[test]
     fn ticks_are_round_numbers() {
-        assert_eq!(labels((0.0, 89.0), Kind::of_label("angle / °")), ["0", "15", "30", "45", "60", "75"]);
-        assert_eq!(labels((0.0, 1.0), Kind::Linear), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels((380.0, 780.0), Kind::Linear), ["400", "450", "500", "550", "600", "650", "700", "750"]);
-        assert_eq!(labels((-0.5, 0.75), Kind::Linear), ["−0.50", "−0.25", "0.00", "0.25", "0.50", "0.75"]);
-        assert_eq!(labels((1e-4, 10.0), Kind::Log), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10"]);
-        assert_eq!(labels((0.1, 1.0), Kind::Log), ["10⁻¹", "1", "2·10⁻¹", "5·10⁻¹"]);
-        assert!(labels((1e-17, 1.0), Kind::Log).len() <= 9);
+        assert_eq!(labels((0.0, 89.0), ScaleKind::of_label("angle / °")), ["0", "15", "30", "45", "60", "75"]);
+        assert_eq!(labels((0.0, 1.0), ScaleKind::Linear), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels((380.0, 780.0), ScaleKind::Linear), ["400", "450", "500", "550", "600", "650", "700", "750"]);
+        assert_eq!(labels((-0.5, 0.75), ScaleKind::Linear), ["−0.50", "−0.25", "0.00", "0.25", "0.50", "0.75"]);
+        assert_eq!(labels((1e-4, 10.0), ScaleKind::Log), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10"]);
+        assert_eq!(labels((0.1, 1.0), ScaleKind::Log), ["10⁻¹", "1", "2·10⁻¹", "5·10⁻¹"]);
+        assert!(labels((1e-17, 1.0), ScaleKind::Log).len() <= 9);
     }
 
     #[test]
@@ -186,9 +187,9 @@ mod tests {
 
     #[test]
     fn values_stand_in_proportion() {
-        let linear = Scale::new((0.0, 4.0), Kind::Linear, (100.0, 0.0));
+        let linear = Scale::new((0.0, 4.0), ScaleKind::Linear, (100.0, 0.0));
         assert_eq!((linear.at(0.0), linear.at(1.0), linear.at(f64::NAN)), (Some(100.0), Some(75.0), None));
-        let log = Scale::new((1e-4, 1.0), Kind::Log, (0.0, 80.0));
+        let log = Scale::new((1e-4, 1.0), ScaleKind::Log, (0.0, 80.0));
         assert!((log.at(1e-3).unwrap() - 20.0).abs() < 1e-9);
         assert_eq!((log.at(0.0), log.at(-1.0)), (None, None));
     }

@@ -1,47 +1,49 @@
-//! The CIE 1931 xy diagram: a colour's path, once in the whole diagram and once enlarged, and swatches along it.
+//! The CIE 1931 chromaticity diagram: the path of a colour in the whole diagram and enlarged, with swatches along it.
 
 use std::ops::Add;
 
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM, xyz_weights};
 
-use super::axis::{Kind, Scale, draw_axes};
+use super::axis::{Scale, ScaleKind, draw_axes};
 use super::encode::hex;
+use super::place::Place;
 use super::raster::Raster;
-use super::svg::{AXIS, Anchor, Canvas, INK, Place, SOFT_INK, Style, text_width};
+use super::svg::{AXIS, Anchor, Canvas, INK, SOFT_INK, Style, text_width};
 use super::{OutOfGamut, Picture};
 
-/// Corners of sRGB: red, green, blue.
+/// Chromaticities of sRGB's red, green and blue.
 const SRGB_PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 
-/// Wavelengths named along the spectral locus, where they stand far enough apart to be read.
+/// Wavelengths labelled along the spectral locus, far enough apart to be read.
 const NAMED_NM: [f64; 8] = [460.0, 480.0, 500.0, 520.0, 540.0, 560.0, 580.0, 600.0];
 
-/// Both axes of the whole diagram: the locus reaches x = 0.735 and y = 0.834.
+/// Ranges of x and y in the whole diagram: the locus reaches x = 0.735 and y = 0.834.
 const WHOLE: [(f64, f64); 2] = [(0.0, 0.8), (0.0, 0.9)];
 
-/// Chromaticities nearer than this are one to the eye: the enlargement stops here.
+/// Smallest span of the enlargement: the eye cannot tell nearer chromaticities apart.
 const MIN_SPAN: f64 = 0.04;
 
 /// Share of white in the colours of the diagram, so that lines and letters stand out.
 const PALENESS: f64 = 0.6;
 
-/// A colour at an angle.
+/// The colour of a surface at an angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColourAt {
-    /// Angle from the normal.
+    /// Angle from the normal, in degrees.
     pub theta_deg: f64,
-    /// CIE 1931, Y = 1 for ρ = 1.
+    /// CIE 1931 XYZ, with Y = 1 for a reflectance of 1.
     pub xyz: [f64; 3],
 }
 
-/// x and y of a colour; `None` for black, which has none.
+/// The chromaticity x, y of a colour; `None` for black, which has none.
 #[must_use]
 pub fn xy([x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
     let sum = x + y + z;
     (sum > 0.0 && y > 0.0 && sum.is_finite()).then(|| [x / sum, y / sum])
 }
 
-/// The path of a colour over the angle, with marks and swatches at the angles of `marked`, and the white of the light.
+/// A picture of the path of a colour over the angle, with the colours of `marked` as marks and swatches, and the white
+/// of the light.
 #[must_use]
 pub fn chromaticity(title: &str, light: Illuminant, path: &[ColourAt], marked: &[ColourAt]) -> Picture {
     const SIDE: f64 = 360.0;
@@ -67,7 +69,7 @@ pub fn chromaticity(title: &str, light: Illuminant, path: &[ColourAt], marked: &
     Picture::new(width.ceil(), (bottom + 12.0).ceil(), canvas).showing(out_of_gamut)
 }
 
-/// Chromaticity of what reflects everything.
+/// Chromaticity of a perfect reflector under a light.
 fn white(light: Illuminant) -> [f64; 2] {
     let grid: Vec<f64> = (VISIBLE_NM[0]..=VISIBLE_NM[1]).map(f64::from).collect();
     let mut weights = vec![[0.0; 3]; grid.len()];
@@ -76,19 +78,19 @@ fn white(light: Illuminant) -> [f64; 2] {
     sum.ok().and_then(xy).expect("white is neither black nor invisible")
 }
 
-/// Light of one wavelength.
+/// Chromaticity of light of one wavelength.
 fn monochromatic(nm: f64) -> [f64; 2] {
     let mut weight = [[0.0; 3]];
     let made = xyz_weights(&[nm], Illuminant::E, Quadrature::Sampled, &mut weight);
     made.ok().and_then(|()| xy(weight[0])).expect("the wavelengths of the locus are visible")
 }
 
-/// Every 2 nm; below 400 nm and beyond 700 nm the locus hardly moves.
+/// The spectral locus every 2 nm from 400 to 700 nm; beyond, it hardly moves.
 fn locus() -> Vec<[f64; 2]> {
     (200..=350).map(|half| monochromatic(2.0 * f64::from(half))).collect()
 }
 
-/// A square around the points and the white, a little larger.
+/// Ranges of x and y of a square a little larger than the points and the white.
 fn enlarged(points: impl Iterator<Item = [f64; 2]>, white: [f64; 2]) -> [(f64, f64); 2] {
     let (mut low, mut high) = (white, white);
     for point in points {
@@ -104,7 +106,7 @@ fn enlarged(points: impl Iterator<Item = [f64; 2]>, white: [f64; 2]) -> [(f64, f
     })
 }
 
-/// A part of the diagram on the canvas.
+/// A part of the diagram at a place of the canvas.
 struct Panel {
     place: Place,
     ranges: [(f64, f64); 2],
@@ -114,18 +116,18 @@ impl Panel {
     fn scales(&self) -> [Scale; 2] {
         let place = self.place;
         [
-            Scale::new(self.ranges[0], Kind::Linear, (place.x, place.right())),
-            Scale::new(self.ranges[1], Kind::Linear, (place.bottom(), place.y)),
+            Scale::new(self.ranges[0], ScaleKind::Linear, (place.x, place.right())),
+            Scale::new(self.ranges[1], ScaleKind::Linear, (place.bottom(), place.y)),
         ]
     }
 
-    /// Where a chromaticity stands.
+    /// The place of a chromaticity on the canvas.
     fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         let [across, up] = self.scales();
         (across.at(x).unwrap_or(f64::NAN), up.at(y).unwrap_or(f64::NAN))
     }
 
-    /// Colours, locus, triangle, path and white point inside labelled axes.
+    /// Draws colours, locus, triangle, path and white point inside labelled axes.
     fn draw(&self, canvas: &mut Canvas, white: [f64; 2], path: &[ColourAt]) {
         let locus = locus();
         let Place { width, height, .. } = self.place;
@@ -161,13 +163,13 @@ impl Panel {
         draw_axes(canvas, self.place, &x, &y, ("CIE 1931 x", "CIE 1931 y"), false);
     }
 
-    /// A dashed box.
+    /// Draws a dashed box around ranges of x and y.
     fn outline(&self, canvas: &mut Canvas, [(left, right), (bottom, top)]: [(f64, f64); 2]) {
         let corners = [[left, bottom], [right, bottom], [right, top], [left, top], [left, bottom]];
         canvas.curve(&corners.map(|corner| self.at(corner)), INK, 1.0, true);
     }
 
-    /// Numbers beside the locus, outside it.
+    /// Writes wavelengths beside the locus, outside it.
     fn name_wavelengths(&self, canvas: &mut Canvas) {
         const ASIDE: f64 = 9.0;
         let middle = self.at([1.0 / 3.0, 1.0 / 3.0]);
@@ -185,7 +187,7 @@ impl Panel {
         }
     }
 
-    /// Rings filled with their colour; angles are named where no other name stands.
+    /// Draws rings filled with their colour, and their angles where no other text stands.
     fn mark(&self, canvas: &mut Canvas, marked: &[ColourAt]) {
         const RADIUS: f64 = 6.0;
         let placed: Vec<_> = marked.iter().filter_map(|place| Some((place, self.at(xy(place.xyz)?)))).collect();
@@ -223,7 +225,7 @@ fn srgb(xyz: [f64; 3]) -> [f32; 3] {
     RgbSpace::Srgb.from_xyz(xyz).map(|c| c as f32)
 }
 
-/// The chromaticity at its brightest in sRGB, mixed with white.
+/// The brightest sRGB colour of a chromaticity, mixed with white.
 fn pale([x, y]: [f64; 2]) -> [u8; 4] {
     let rgb = RgbSpace::Srgb.from_xyz([x, y, 1.0 - x - y]);
     let largest = rgb.into_iter().fold(1e-9, f64::max);
@@ -231,7 +233,7 @@ fn pale([x, y]: [f64; 2]) -> [u8; 4] {
     [r, g, b, 255]
 }
 
-/// Whether a polygon holds a point: edges crossed on the way to the right, odd or even.
+/// Whether a polygon holds a point: a ray to the right then crosses an odd number of edges.
 fn inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let last = polygon.len() - 1;
     let crossed = (0..polygon.len()).filter(|&i| {
@@ -241,7 +243,7 @@ fn inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     crossed.count() % 2 == 1
 }
 
-/// A row of colours with their angles and codes; returns where it ends.
+/// Draws a row of colours with their angles and codes; returns the y coordinate of its end.
 fn draw_swatches(canvas: &mut Canvas, left: f64, right: f64, top: f64, marked: &[ColourAt]) -> f64 {
     let pitch = ((right - left) / marked.len().max(1) as f64).min(90.0);
     for (i, place) in marked.iter().enumerate() {
@@ -293,7 +295,7 @@ mod tests {
         {
             assert!(picture.svg().contains(text), "{text} is missing");
         }
-        let pixels = super::super::tests::pixels(&picture, 1.0);
+        let pixels = crate::plot::picture::tests::pixels(&picture, 1.0);
         // Red of the first mark lies in the enlargement, whose axes hold both points.
         let red = pixels.pixels().iter().filter(|p| p.red() > 170 && p.green() < 60 && p.blue() < 60).count();
         assert!(red > 100, "{red}");

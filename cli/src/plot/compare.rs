@@ -1,4 +1,4 @@
-//! Two calculations of the same reflectance next to each other, with their difference (figure 7 of the paper).
+//! Two calculations of one reflectance side by side, with their difference (figure 7 of the paper).
 
 use super::disc::{Disc, disc_grid};
 use super::encode::{grey, wavelength_colour};
@@ -7,12 +7,12 @@ use super::line_chart::{LineOptions, Series, line_chart};
 use super::{Picture, axis};
 use crate::table::mirror::neighbours;
 
-/// Reflectance over the angle at one wavelength, from both calculations.
+/// Reflectance over the angle at one wavelength, by two calculations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile<'a> {
-    /// Vacuum wavelength.
+    /// Vacuum wavelength in nanometres.
     pub wavelength_nm: f64,
-    /// Angles from the normal, strictly increasing.
+    /// Angles from the normal in degrees, strictly increasing.
     pub theta_deg: &'a [f64],
     /// Reflectance by the calculation on the left, one per angle.
     pub left: &'a [f64],
@@ -20,13 +20,14 @@ pub struct Profile<'a> {
     pub right: &'a [f64],
 }
 
-/// Curves of both calculations and of their difference, and below them a grey disc for each wavelength whose halves
-/// show the two: where they agree, no seam is seen. Three wavelengths, in increasing order, also make a coloured disc
-/// of each calculation, in which they are blue, green and red, as in the paper. White is the larger of 1 and the
-/// largest reflectance.
+/// A picture of two calculations: their curves and the difference, and below them grey discs.
+///
+/// The halves of the disc of each wavelength show the two calculations: where they agree, no seam is seen. Three
+/// wavelengths, in increasing order, also make a coloured disc of each calculation, in which they are blue, green and
+/// red, as in the paper. White is the larger of 1 and the largest reflectance.
 ///
 /// # Panics
-/// If a profile has not as many reflectances as angles, or no angle.
+/// If a profile has no angle, or another number of reflectances than of angles.
 #[must_use]
 pub fn side_by_side(title: &str, left_label: &str, right_label: &str, profiles: &[Profile]) -> Picture {
     for profile in profiles {
@@ -85,7 +86,7 @@ pub fn side_by_side(title: &str, left_label: &str, right_label: &str, profiles: 
     }
 }
 
-/// A disc of each calculation, whose red, green and blue are three wavelengths.
+/// A picture of a disc for each calculation, whose red, green and blue are three wavelengths.
 fn composed(labels: [&str; 2], profiles: [&Profile; 3], white: f64) -> Picture {
     let of = |values: for<'p> fn(&'p Profile) -> &'p [f64]| {
         move |theta: f64, _: f64| profiles.map(|p| (interpolated(p.theta_deg, values(p), theta) / white) as f32)
@@ -120,7 +121,7 @@ mod tests {
         for text in [">Check<", ">A<", ">B<", ">436 nm<", ">700 nm<", ">reflectance<", ">absolute difference<"] {
             assert!(picture.svg().contains(text), "{text} is missing");
         }
-        let pixels = super::super::tests::pixels(&picture, 1.0);
+        let pixels = crate::plot::picture::tests::pixels(&picture, 1.0);
         let grid = disc_grid(
             "Left half: A, right half: B",
             &[String::new()],
@@ -144,7 +145,7 @@ mod tests {
         let profiles = [profile(436.0, &dark, &light), profile(546.0, &light, &dark), profile(700.0, &dark, &dark)];
         let picture = composed(["A", "B"], [&profiles[2], &profiles[1], &profiles[0]], 1.0);
         assert!(picture.svg().contains(">436, 546, 700 nm as blue, green, red<"));
-        let pixels = super::super::tests::pixels(&picture, 1.0);
+        let pixels = crate::plot::picture::tests::pixels(&picture, 1.0);
         let at = |disc: f64| {
             let pixel = pixels.pixel((24.0 + (disc + 0.5) * 166.0) as u32, 84 + 60).unwrap();
             [pixel.red(), pixel.green(), pixel.blue()]

@@ -1,25 +1,26 @@
-//! The BRDF disc: every direction of the hemisphere as one picture. The radius is the angle θ from the normal, 0° in the
-//! centre and 90° at the rim; the azimuth φ runs anticlockwise from the right.
+//! The BRDF disc: every direction of the hemisphere as one picture. The radius is the angle θ from the normal, 0° in
+//! the centre and 90° at the rim; the azimuth φ runs anticlockwise from the right.
 
 use std::f64::consts::TAU;
 
 use super::encode::srgb8;
+use super::place::Place;
 use super::raster::Raster;
-use super::svg::{AXIS, Anchor, Canvas, Place, SOFT_INK, Style, text_width};
+use super::svg::{AXIS, Anchor, Canvas, SOFT_INK, Style, text_width};
 use super::{OutOfGamut, Picture};
 
-/// Samples per pixel and axis: the rim and sharp fringes stay smooth.
+/// Samples per pixel along each axis, which keep the rim and sharp fringes smooth.
 const OVERSAMPLING: u32 = 2;
 
-/// Directions beyond the data.
+/// Linear RGB of directions beyond the data.
 const UNKNOWN: [f32; 3] = [0.84; 3];
 
-/// What one disc shows.
+/// The content of one disc.
 #[derive(Clone, Copy)]
 pub struct Disc<'a> {
     /// Title, or caption in a grid.
     pub label: &'a str,
-    /// Linear RGB at `(theta_deg, phi_deg)`, φ in 0..360.
+    /// Linear RGB at `(theta_deg, phi_deg)`, with φ in 0..360.
     pub rgb: &'a dyn Fn(f64, f64) -> [f32; 3],
     /// Largest θ with data; beyond it the disc is pale grey.
     pub theta_max_deg: f64,
@@ -27,24 +28,24 @@ pub struct Disc<'a> {
     pub azimuthal: bool,
 }
 
-/// A direction to point out.
+/// A mark at a direction of a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mark {
-    /// Angle from the normal.
+    /// Angle from the normal, in degrees.
     pub theta_deg: f64,
-    /// Azimuth.
+    /// Azimuth, in degrees.
     pub phi_deg: f64,
-    /// A cross instead of a ring.
+    /// Whether the mark is a cross instead of a ring.
     pub cross: bool,
 }
 
-/// One large disc with a scale of θ below it.
+/// A picture of one large disc with a scale of θ below it.
 #[must_use]
 pub fn disc(disc: &Disc) -> Picture {
     marked_disc(disc, &[], &[])
 }
 
-/// The same with directions marked and notes below.
+/// A picture of one large disc with directions marked, a scale of θ below it and notes below that.
 #[must_use]
 pub fn marked_disc(disc: &Disc, marks: &[Mark], notes: &[String]) -> Picture {
     const RADIUS: f64 = 170.0;
@@ -81,12 +82,23 @@ pub fn marked_disc(disc: &Disc, marks: &[Mark], notes: &[String]) -> Picture {
     Picture::new(width, height, canvas).showing(out_of_gamut)
 }
 
+impl std::fmt::Debug for Disc<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { label, theta_max_deg, azimuthal, .. } = self;
+        f.debug_struct("Disc")
+            .field("label", label)
+            .field("theta_max_deg", theta_max_deg)
+            .field("azimuthal", azimuthal)
+            .finish_non_exhaustive()
+    }
+}
+
 fn draw_mark(canvas: &mut Canvas, centre: (f64, f64), radius: f64, mark: Mark) {
     const SIZE: f64 = 6.0;
     let (sin, cos) = mark.phi_deg.to_radians().sin_cos();
     let at = radius * mark.theta_deg / 90.0;
     let (x, y) = (centre.0 + at * cos, centre.1 - at * sin);
-    // Dark under light, as the rings.
+    // Dark under light, as for the rings.
     for (colour, width) in [("#000", 3.0), ("#fff", 1.4)] {
         if mark.cross {
             canvas.line((x - SIZE, y), (x + SIZE, y), colour, width);
@@ -97,10 +109,10 @@ fn draw_mark(canvas: &mut Canvas, centre: (f64, f64), radius: f64, mark: Mark) {
     }
 }
 
-/// Discs in a grid, row by row, with their labels as captions.
+/// A picture of discs in a grid, row by row, with their labels as captions.
 ///
 /// # Panics
-/// If there are not as many discs as rows times columns.
+/// If the number of discs is not that of rows times columns.
 #[must_use]
 pub fn disc_grid(title: &str, row_labels: &[String], column_labels: &[String], discs: &[Disc]) -> Picture {
     assert_eq!(discs.len(), row_labels.len() * column_labels.len(), "a grid needs a disc in each place");
@@ -154,7 +166,7 @@ fn draw_disc(canvas: &mut Canvas, centre: (f64, f64), radius: f64, disc: &Disc) 
     out_of_gamut
 }
 
-/// The disc as `side` × `side` pixels, averaged in linear light; coverage fades out at the rim.
+/// Samples a disc into `side` × `side` pixels, averaged in linear light; coverage fades out at the rim.
 fn sampled(disc: &Disc, side: u32) -> (Raster, OutOfGamut) {
     let samples = side * OVERSAMPLING;
     let coordinate = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(samples) - 1.0;
@@ -193,11 +205,11 @@ mod tests {
     use super::*;
 
     fn at(picture: &Picture, x: f64, y: f64) -> [u8; 3] {
-        let pixels = super::super::tests::pixels(picture, 1.0);
+        let pixels = crate::plot::picture::tests::pixels(picture, 1.0);
         pixels.pixel(x as u32, y as u32).map(|p| [p.red(), p.green(), p.blue()]).unwrap()
     }
 
-    /// Red inside 45°, blue outside; green for φ in 80° to 100°.
+    /// A target: red inside 45°, blue outside, green for φ from 80° to 100°.
     fn target(theta: f64, phi: f64) -> [f32; 3] {
         match (theta < 45.0, (80.0..100.0).contains(&phi)) {
             (_, true) => [0.0, 1.0, 0.0],

@@ -1,6 +1,7 @@
-//! From linear RGB to the 8-bit sRGB of pictures.
+//! Encoding of linear RGB as 8-bit sRGB, and the gamut policy of all pictures.
 //!
-//! Structural colours leave the sRGB gamut on both sides. Pictures bring them back by one policy, stated here once:
+//! Structural colours may be more saturated than sRGB and brighter than white. Pictures bring them into the gamut by
+//! one policy:
 //!
 //! 1. A colour with a negative component is mixed with the grey of its own luminance until that component is 0: hue and
 //!    luminance stay, saturation gives way.
@@ -12,27 +13,27 @@
 
 use crate::colour::luminance;
 
-/// The colour as 8-bit sRGB, under the gamut policy of this module.
+/// 8-bit sRGB of a colour, under the gamut policy of this module.
 #[must_use]
 pub fn srgb8(linear: [f32; 3]) -> [u8; 3] {
     in_gamut(linear).map(|c| (255.0 * transfer(c)).round() as u8)
 }
 
-/// The colour as `#rrggbb`, under the same policy as [`srgb8`].
+/// The code `#rrggbb` of a colour, under the gamut policy of this module.
 #[must_use]
 pub fn hex(linear: [f32; 3]) -> String {
     let [r, g, b] = srgb8(linear);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A reflectance as neutral linear RGB.
+/// Neutral linear RGB of a reflectance.
 #[must_use]
 pub fn grey(reflectance: f64) -> [f32; 3] {
     [reflectance as f32; 3]
 }
 
-/// A colour that suggests the wavelength and is dark enough for a curve on white. Not colorimetry: monochromatic light
-/// lies outside sRGB.
+/// A colour that suggests a wavelength and is dark enough for a curve on white. It is not colorimetric: monochromatic
+/// light lies outside sRGB.
 #[must_use]
 pub fn wavelength_colour(wavelength_nm: f64) -> String {
     const STOPS: [(f64, [f64; 3]); 8] = [

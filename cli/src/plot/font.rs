@@ -1,7 +1,7 @@
 //! Text as outlines of the two bundled fonts, the same on every machine.
 //!
-//! Letters stand side by side by their advances and the fonts' kerning. The fonts hold Latin, Greek and signs, which
-//! need no more; a letter that they lack is drawn as their box for missing glyphs.
+//! Glyphs are placed by their advances and the fonts' kerning. Latin, Greek and signs, which the fonts hold, need no
+//! more shaping; a character that they lack is drawn as their box for missing glyphs.
 
 use std::sync::OnceLock;
 
@@ -11,10 +11,10 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 use crate::support::text::is_active;
 
-/// The outlines of `text` with the start of its baseline at the origin and y downwards, none if all of it is blank,
-/// and its width, both for a font size in SVG units.
+/// The outlines of a text and its width, for a font size in SVG units.
 ///
-/// White space is taken as in SVG: runs count as one space, and none stands at the ends.
+/// The baseline starts at the origin, and y points downwards. `None` stands for the outlines of blank text. White space
+/// is treated as in SVG: a run counts as one space, and none stands at the ends.
 pub(super) fn outline(text: &str, size: f64, bold: bool) -> (Option<Path>, f64) {
     let face = face(bold);
     let shown: String = text.chars().map(|c| if is_active(c) { ' ' } else { c }).collect();
@@ -36,13 +36,14 @@ pub(super) fn outline(text: &str, size: f64, bold: bool) -> (Option<Path>, f64) 
     (pen.path.finish(), f64::from(pen.x * scale))
 }
 
-/// Whether a character that no font holds is better left out: marks over letters, and those that guide the setting.
+/// Whether a character that the fonts lack is left out instead of drawn as a box: combining marks, joiners, variation
+/// selectors and soft hyphens.
 fn is_invisible(c: char) -> bool {
     matches!(c, '\u{300}'..='\u{36f}' | '\u{200b}'..='\u{200d}' | '\u{fe00}'..='\u{fe0f}')
         || matches!(c, '\u{ad}' | '\u{2060}' | '\u{feff}')
 }
 
-/// Inter, regular or semi-bold.
+/// The font Inter, regular or semi-bold.
 fn face(bold: bool) -> &'static Face<'static> {
     static FACES: OnceLock<[Face; 2]> = OnceLock::new();
     let faces = || {
@@ -53,7 +54,7 @@ fn face(bold: bool) -> &'static Face<'static> {
     &FACES.get_or_init(faces)[usize::from(bold)]
 }
 
-/// What two neighbours move together or apart, in the font's units. All lookups of the bundled fonts are kerning.
+/// The kerning of two neighbours, in the font's units. All lookups of the bundled fonts are kerning.
 fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> i16 {
     let Some(table) = face.tables().gpos else { return 0 };
     let by_lookup = |lookup: ttf_parser::opentype_layout::Lookup| {
@@ -62,7 +63,7 @@ fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> i16 {
     (0..table.lookups.len()).filter_map(|i| table.lookups.get(i)).filter_map(by_lookup).sum()
 }
 
-/// The kerning of a pair in a subtable, none if the subtable does not speak of it.
+/// The kerning of a pair by one subtable; `None` if the subtable does not hold the pair.
 fn pair(subtable: &PositioningSubtable, left: GlyphId, right: GlyphId) -> Option<i16> {
     let PositioningSubtable::Pair(pairs) = subtable else { return None };
     let covered = pairs.coverage().get(left)?;
@@ -73,7 +74,7 @@ fn pair(subtable: &PositioningSubtable, left: GlyphId, right: GlyphId) -> Option
     Some(value.x_advance)
 }
 
-/// Draws glyphs, given in the font's units with y upwards, from `x` on.
+/// Builder of a path from glyphs, which are given in the font's units with y upwards and start at `x`.
 struct Pen {
     path: PathBuilder,
     scale: f32,

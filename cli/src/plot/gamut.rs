@@ -1,33 +1,34 @@
-//! How many colours of a picture lie outside the gamut of sRGB, and so were changed by the policy of [`super::encode`].
+//! Counts of the colours of a picture that lie outside the gamut of sRGB, and were changed by the policy of
+//! [`super::encode`].
 
 use std::ops::{Add, AddAssign};
 
-/// A negative component counts beyond half the first step of 8-bit sRGB above black, whose slope there is 12.92.
-const BELOW: f32 = -0.5 / 255.0 / 12.92;
-/// A component above 1 counts beyond half a step of 8-bit sRGB below white, whose slope there is 1.055/2.4.
-const ABOVE: f32 = 1.0 + 0.5 / 255.0 * 2.4 / 1.055;
+/// Smallest component that counts as in gamut: half the first step of 8-bit sRGB below black, where the slope is 12.92.
+const MIN_COMPONENT: f32 = -0.5 / 255.0 / 12.92;
+/// Largest component that counts as in gamut: half a step of 8-bit sRGB above white, where the slope is 1.055/2.4.
+const MAX_COMPONENT: f32 = 1.0 + 0.5 / 255.0 * 2.4 / 1.055;
 
 /// Counts of colours: pixels, or swatches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OutOfGamut {
-    /// More saturated than sRGB: a component is negative.
+    /// Number of colours more saturated than sRGB: a component is negative.
     pub saturated: usize,
-    /// Brighter than white: a component is above 1.
+    /// Number of colours brighter than white: a component is above 1.
     pub bright: usize,
-    /// All that show the data.
+    /// Number of all colours that show data.
     pub all: usize,
 }
 
 impl OutOfGamut {
-    /// One colour, in linear sRGB.
+    /// The count of one colour in linear sRGB.
     #[must_use]
     pub fn of(linear: [f32; 3]) -> Self {
-        let saturated = linear.iter().any(|&c| c < BELOW);
-        let bright = linear.iter().any(|&c| c > ABOVE);
+        let saturated = linear.iter().any(|&c| c < MIN_COMPONENT);
+        let bright = linear.iter().any(|&c| c > MAX_COMPONENT);
         Self { saturated: saturated.into(), bright: bright.into(), all: 1 }
     }
 
-    /// What to tell the user; nothing where all colours are shown as they are.
+    /// The message for the user; `None` if all colours are shown unchanged.
     #[must_use]
     pub fn note(self) -> Option<String> {
         let share = |count: usize| match 100.0 * count as f64 / self.all.max(1) as f64 {

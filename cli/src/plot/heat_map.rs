@@ -1,11 +1,12 @@
-//! A quantity over two axes in colour, for example reflectance over angle and wavelength.
+//! Heat maps: a quantity over two axes in colour, for example reflectance over angle and wavelength.
 
 use super::Picture;
-use super::axis::{Kind, Scale, draw_axes, left_margin, range_of};
+use super::axis::{Scale, ScaleKind, draw_axes, left_margin, range_of};
+use super::place::Place;
 use super::raster::Raster;
-use super::svg::{AXIS, Anchor, Canvas, Place, Style};
+use super::svg::{AXIS, Anchor, Canvas, Style};
 
-/// Matplotlib's viridis (CC0) at tenths: equal steps of the value look like equal steps.
+/// Matplotlib's colour map viridis (CC0) at tenths: equal steps of the value look like equal steps.
 const VIRIDIS: [[u8; 3]; 11] = [
     [68, 1, 84],
     [72, 36, 117],
@@ -20,7 +21,7 @@ const VIRIDIS: [[u8; 3]; 11] = [
     [253, 231, 37],
 ];
 
-/// Where no value is known.
+/// Colour where no value is known.
 const UNKNOWN: [u8; 3] = [225, 225, 228];
 
 /// One axis of a [`heat_map`].
@@ -32,11 +33,12 @@ pub struct HeatAxis<'a> {
     pub coordinates: &'a [f64],
 }
 
-/// A map of `values[y][x]` (row-major), interpolated between samples, with a bar that explains the colours.
+/// A picture of `values[y][x]` (row-major) in colour, interpolated between samples, with a colour bar.
+///
 /// `range` fixes the ends of the bar; by default it covers the values.
 ///
 /// # Panics
-/// If the number of values is not that of the coordinates, or an axis has fewer than two.
+/// If the number of values is not that of the points, or an axis has fewer than two coordinates.
 #[must_use]
 pub fn heat_map(
     title: &str,
@@ -50,7 +52,7 @@ pub fn heat_map(
     assert!(columns >= 2 && rows >= 2 && values.len() == columns * rows, "a heat map needs a value at each point");
     let range = range.unwrap_or_else(|| range_of(values.iter().copied(), false));
     let ends = |axis: HeatAxis| (axis.coordinates[0], axis.coordinates[axis.coordinates.len() - 1]);
-    let plot = Place { x: left_margin(ends(y), Kind::of_label(y.label)), y: 50.0, width: 450.0, height: 336.0 };
+    let plot = Place { x: left_margin(ends(y), ScaleKind::of_label(y.label)), y: 50.0, width: 450.0, height: 336.0 };
     let bar = Place { x: plot.right() + 28.0, width: 16.0, ..plot };
 
     // Two pixels for each unit, as saved pictures have.
@@ -70,19 +72,19 @@ pub fn heat_map(
     });
     let steps = Raster::new(1, 256, |_, j| viridis(1.0 - f64::from(j) / 255.0));
 
-    // The bar has the room on its right that the y axis has on its left.
-    let width = (bar.right() + left_margin(range, Kind::of_label(bar_label))).ceil();
+    // The bar has as much room on its right as the y axis has on its left.
+    let width = (bar.right() + left_margin(range, ScaleKind::of_label(bar_label))).ceil();
     let mut canvas = Canvas::default();
     canvas.text(plot.x, 28.0, Anchor::Start, Style::title().fitted(title, width - plot.x - 12.0), title);
     canvas.image(plot, &map);
     canvas.frame(plot, AXIS, 1.0);
-    let x_scale = Scale::new(ends(x), Kind::of_label(x.label), (plot.x, plot.right()));
-    let y_scale = Scale::new(ends(y), Kind::of_label(y.label), (plot.bottom(), plot.y));
+    let x_scale = Scale::new(ends(x), ScaleKind::of_label(x.label), (plot.x, plot.right()));
+    let y_scale = Scale::new(ends(y), ScaleKind::of_label(y.label), (plot.bottom(), plot.y));
     draw_axes(&mut canvas, plot, &x_scale, &y_scale, (x.label, y.label), false);
 
     canvas.image(bar, &steps);
     canvas.frame(bar, AXIS, 1.0);
-    let scale = Scale::new(range, Kind::of_label(bar_label), (bar.bottom(), bar.y));
+    let scale = Scale::new(range, ScaleKind::of_label(bar_label), (bar.bottom(), bar.y));
     for (value, label) in scale.ticks() {
         let Some(at) = scale.at(value) else { continue };
         canvas.line((bar.right(), at), (bar.right() + 5.0, at), AXIS, 1.0);
@@ -92,7 +94,7 @@ pub fn heat_map(
     Picture::new(width, plot.bottom() + 54.0, canvas)
 }
 
-/// The interval that holds `value`, and how far into it the value lies.
+/// The interval of the coordinates that holds a value, and the fraction of it below the value.
 fn position(coordinates: &[f64], value: f64) -> (usize, f64) {
     let cell = coordinates.partition_point(|&c| c <= value).clamp(1, coordinates.len() - 1) - 1;
     (cell, (value - coordinates[cell]) / (coordinates[cell + 1] - coordinates[cell]))
@@ -144,7 +146,7 @@ mod tests {
             "reflectance",
             Some((0.0, 1.0)),
         );
-        let pixels = super::super::tests::pixels(&picture, 1.0);
+        let pixels = crate::plot::picture::tests::pixels(&picture, 1.0);
         let green = |x, y| pixels.pixel(x, y).unwrap().green();
         assert!(green(517, 383) > 220, "bottom right holds the 1");
         assert!(green(73, 383) < 10 && green(73, 53) < 10 && green(517, 53) < 10);

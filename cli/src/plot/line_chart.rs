@@ -1,29 +1,30 @@
-//! Curves over one axis: spectra, profiles over the angle, errors.
+//! Line charts: spectra, profiles over the angle, errors.
 
 use super::Picture;
-use super::axis::{Kind, Scale, draw_axes, left_margin, range_of};
-use super::svg::{AXIS, Anchor, Canvas, Place, SOFT_INK, Style, text_width};
+use super::axis::{Scale, ScaleKind, draw_axes, left_margin, range_of};
+use super::place::Place;
+use super::svg::{AXIS, Anchor, Canvas, SOFT_INK, Style, text_width};
 
-/// Okabe and Ito's colours, which colour-blind readers can tell apart, darkest first on white.
+/// Colours of curves, by Okabe and Ito, which colour-blind readers can tell apart; the darkest on white come first.
 pub const PALETTE: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
-/// One curve.
+/// One curve of a [`line_chart`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Entry in the legend; an empty label has none.
+    /// Entry in the legend; none if empty.
     pub label: String,
-    /// `#rrggbb`, for example from [`PALETTE`] or [`super::wavelength_colour`].
+    /// Colour of the line as `#rrggbb`, for example from [`PALETTE`] or [`super::wavelength_colour`].
     pub colour: String,
-    /// `(x, y)` in order; points that have no place on the axes leave a gap.
+    /// Points `(x, y)` in order; points that have no place on the axes leave a gap.
     pub points: Vec<(f64, f64)>,
-    /// Dashes tell curves apart without colour.
+    /// Whether the line is dashed, which tells curves apart without colour.
     pub dashed: bool,
 }
 
-/// How a [`line_chart`] is laid out.
+/// The layout of a [`line_chart`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineOptions {
-    /// Decades on the y axis.
+    /// Whether the y axis is logarithmic.
     pub log_y: bool,
     /// Ends of the x axis; by default those of the data.
     pub x_range: Option<(f64, f64)>,
@@ -39,7 +40,7 @@ impl Default for LineOptions {
     }
 }
 
-/// Curves over labelled axes, with a legend under the title.
+/// A chart of curves over labelled axes, with a legend under the title.
 #[must_use]
 pub fn line_chart(title: &str, x_label: &str, y_label: &str, series: &[Series], options: LineOptions) -> Picture {
     let all = || series.iter().flat_map(|s| s.points.iter().copied());
@@ -47,7 +48,7 @@ pub fn line_chart(title: &str, x_label: &str, y_label: &str, series: &[Series], 
     let y_range = options.y_range.unwrap_or_else(|| {
         range_of(all().filter(|p| x_range.0 <= p.0 && p.0 <= x_range.1).map(|p| p.1), options.log_y)
     });
-    let y_kind = if options.log_y { Kind::Log } else { Kind::of_label(y_label) };
+    let y_kind = if options.log_y { ScaleKind::Log } else { ScaleKind::of_label(y_label) };
 
     let (width, height) = options.size;
     let left = left_margin(y_range, y_kind);
@@ -55,13 +56,13 @@ pub fn line_chart(title: &str, x_label: &str, y_label: &str, series: &[Series], 
     canvas.text(left, 28.0, Anchor::Start, Style::title().fitted(title, width - left - 12.0), title);
     let top = draw_legend(&mut canvas, series, left, width - 20.0);
     let plot = Place { x: left, y: top, width: width - left - 24.0, height: (height - top - 54.0).max(40.0) };
-    let x = Scale::new(x_range, Kind::of_label(x_label), (plot.x, plot.right()));
+    let x = Scale::new(x_range, ScaleKind::of_label(x_label), (plot.x, plot.right()));
     let y = Scale::new(y_range, y_kind, (plot.bottom(), plot.y));
     draw_axes(&mut canvas, plot, &x, &y, (x_label, y_label), true);
     canvas.line((plot.x, plot.bottom()), (plot.right(), plot.bottom()), AXIS, 1.0);
 
     let mut drawn = false;
-    // Half a stroke more, or curves along an edge would be halved.
+    // Half a stroke more: curves along an edge would else lose half of their width.
     canvas.clipped(plot.grown(1.5), |canvas| {
         for series in series {
             let points: Vec<_> = series.points.iter().map(|p| Some((x.at(p.0)?, y.at(p.1)?))).collect();
@@ -80,7 +81,7 @@ pub fn line_chart(title: &str, x_label: &str, y_label: &str, series: &[Series], 
     Picture::new(width, height, canvas)
 }
 
-/// Draws the entries in as many lines as they need and returns where the plot may begin.
+/// Draws the legend in as many lines as it needs; returns the y coordinate at which the plot may begin.
 fn draw_legend(canvas: &mut Canvas, series: &[Series], left: f64, right: f64) -> f64 {
     const DASH: f64 = 28.0;
     let (mut x, mut y) = (left, 50.0);
@@ -98,7 +99,7 @@ fn draw_legend(canvas: &mut Canvas, series: &[Series], left: f64, right: f64) ->
     if any { y + 18.0 } else { 50.0 }
 }
 
-/// Exactly the ends of the data: a spectrum fills its axis.
+/// The smallest and the largest value, not widened: a spectrum fills its axis.
 fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) =
         values.filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -114,7 +115,7 @@ mod tests {
     }
 
     fn reds(picture: &Picture) -> Vec<(u32, u32)> {
-        let pixels = super::super::tests::pixels(picture, 1.0);
+        let pixels = crate::plot::picture::tests::pixels(picture, 1.0);
         let all = (0..pixels.height()).flat_map(|y| (0..pixels.width()).map(move |x| (x, y)));
         all.filter(|&(x, y)| pixels.pixel(x, y).is_some_and(|p| p.red() > 200 && p.green() < 60)).collect()
     }

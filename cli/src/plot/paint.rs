@@ -1,29 +1,30 @@
-//! The shapes of pictures in pixels.
+//! Painting the shapes of a picture into pixels.
 
 use tiny_skia::{
     Color, FillRule, FilterQuality, Mask, Paint, Path, PathBuilder, Pattern, Pixmap, Rect, SpreadMode, Stroke,
     Transform,
 };
 
-use super::svg::Place;
+use super::place::Place;
 
-/// A shape in SVG units.
+/// A shape of a picture, in SVG units.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Shape {
-    /// The inside of a path.
+pub(super) enum PaintShape {
+    /// A filled path.
     Fill { path: Path, colour: Color },
-    /// A line along a path.
+    /// A stroked path.
     Stroke { path: Path, colour: Color, stroke: Stroke },
     /// Pixels stretched over a box.
     Image { place: Place, pixels: Pixmap },
-    /// Shapes within a box alone.
-    Clipped { place: Place, shapes: Vec<Shape> },
-    /// Shapes whose origin is elsewhere.
-    Moved { x: f64, y: f64, shapes: Vec<Shape> },
+    /// Shapes clipped to a box.
+    Clipped { place: Place, shapes: Vec<PaintShape> },
+    /// Shapes moved by x and y.
+    Moved { x: f64, y: f64, shapes: Vec<PaintShape> },
 }
 
-/// Paints shapes over each other, the last on top; `to_pixels` leads from their coordinates to the pixels'.
-pub(super) fn paint(shapes: &[Shape], to_pixels: Transform, clip: Option<&Mask>, pixels: &mut Pixmap) {
+/// Paints shapes over each other, the last on top. `to_pixels` takes their coordinates to those of the pixels; nothing
+/// is painted outside of `clip`.
+pub(super) fn paint(shapes: &[PaintShape], to_pixels: Transform, clip: Option<&Mask>, pixels: &mut Pixmap) {
     let solid = |colour: &Color| {
         let mut paint = Paint::default();
         paint.set_color(*colour);
@@ -31,13 +32,13 @@ pub(super) fn paint(shapes: &[Shape], to_pixels: Transform, clip: Option<&Mask>,
     };
     for shape in shapes {
         match shape {
-            Shape::Fill { path, colour } => {
+            PaintShape::Fill { path, colour } => {
                 pixels.fill_path(path, &solid(colour), FillRule::Winding, to_pixels, clip);
             }
-            Shape::Stroke { path, colour, stroke } => {
+            PaintShape::Stroke { path, colour, stroke } => {
                 pixels.stroke_path(path, &solid(colour), stroke, to_pixels, clip);
             }
-            Shape::Image { place, pixels: image } => {
+            PaintShape::Image { place, pixels: image } => {
                 let (width, height) = (image.width() as f32, image.height() as f32);
                 let Some(whole) = Rect::from_xywh(0.0, 0.0, width, height) else { continue };
                 let [x, y, right, bottom] = [place.x, place.y, place.width, place.height].map(|v| v as f32);
@@ -47,7 +48,7 @@ pub(super) fn paint(shapes: &[Shape], to_pixels: Transform, clip: Option<&Mask>,
                 let shader = Pattern::new(image.as_ref(), SpreadMode::Pad, FilterQuality::Bicubic, 1.0, unchanged);
                 pixels.fill_rect(whole, &Paint { shader, ..Paint::default() }, stretched, clip);
             }
-            Shape::Clipped { place, shapes } => {
+            PaintShape::Clipped { place, shapes } => {
                 let Some(path) = rectangle(*place) else { continue };
                 let within = match clip {
                     Some(clip) => {
@@ -62,14 +63,14 @@ pub(super) fn paint(shapes: &[Shape], to_pixels: Transform, clip: Option<&Mask>,
                 };
                 paint(shapes, to_pixels, within.as_ref(), pixels);
             }
-            Shape::Moved { x, y, shapes } => {
+            PaintShape::Moved { x, y, shapes } => {
                 paint(shapes, to_pixels.pre_translate(*x as f32, *y as f32), clip, pixels);
             }
         }
     }
 }
 
-/// A path of straight lines from point to point, none if there are fewer than two.
+/// The path of straight lines from point to point; `None` if there are fewer than two points.
 pub(super) fn polyline(points: &[(f64, f64)]) -> Option<Path> {
     let mut path = PathBuilder::new();
     for (i, &(x, y)) in points.iter().enumerate() {
@@ -79,18 +80,18 @@ pub(super) fn polyline(points: &[(f64, f64)]) -> Option<Path> {
     path.finish()
 }
 
-/// The edge of a box, none if the box is empty.
+/// The outline of a box; `None` if the box is empty.
 pub(super) fn rectangle(place: Place) -> Option<Path> {
     let [x, y, width, height] = [place.x, place.y, place.width, place.height].map(|v| v as f32);
     Rect::from_xywh(x, y, width, height).map(PathBuilder::from_rect)
 }
 
-/// A circle, none if its radius is not positive.
+/// The path of a circle; `None` if its radius is not positive.
 pub(super) fn circle(centre: (f64, f64), radius: f64) -> Option<Path> {
     PathBuilder::from_circle(centre.0 as f32, centre.1 as f32, radius as f32)
 }
 
-/// The colour `#rgb` or `#rrggbb`; none of any other text, which SVG does not draw either.
+/// The colour of a code `#rgb` or `#rrggbb`; `None` for any other text, which SVG does not draw either.
 pub(super) fn colour(code: &str) -> Option<Color> {
     let digits = code.strip_prefix('#').filter(|digits| digits.bytes().all(|b| b.is_ascii_hexdigit()))?;
     let value = u32::from_str_radix(digits, 16).ok()?;
@@ -108,12 +109,12 @@ mod tests {
 
     const WHOLE: Place = Place { x: 0.0, y: 0.0, width: 4.0, height: 4.0 };
 
-    fn block(code: &str, place: Place) -> Shape {
-        Shape::Fill { path: rectangle(place).unwrap(), colour: colour(code).unwrap() }
+    fn block(code: &str, place: Place) -> PaintShape {
+        PaintShape::Fill { path: rectangle(place).unwrap(), colour: colour(code).unwrap() }
     }
 
-    /// The pixels of 4 × 4 that are painted, by rows.
-    fn painted(shapes: &[Shape]) -> [[bool; 4]; 4] {
+    /// Paints 4 × 4 pixels and tells which of them are painted, row by row.
+    fn painted(shapes: &[PaintShape]) -> [[bool; 4]; 4] {
         let mut pixels = Pixmap::new(4, 4).unwrap();
         paint(shapes, Transform::identity(), None, &mut pixels);
         std::array::from_fn(|y| std::array::from_fn(|x| pixels.pixel(x as u32, y as u32).unwrap().alpha() > 0))
@@ -132,11 +133,11 @@ mod tests {
     fn clips_within_clips_keep_what_both_show_and_moves_take_them_along() {
         let left = Place { width: 2.0, ..WHOLE };
         let top = Place { height: 1.0, ..WHOLE };
-        let inner = Shape::Clipped { place: top, shapes: vec![block("#000", WHOLE)] };
-        let both = Shape::Clipped { place: left, shapes: vec![inner] };
+        let inner = PaintShape::Clipped { place: top, shapes: vec![block("#000", WHOLE)] };
+        let both = PaintShape::Clipped { place: left, shapes: vec![inner] };
         let row = [true, true, false, false];
         assert_eq!(painted(std::slice::from_ref(&both)), [row, [false; 4], [false; 4], [false; 4]]);
-        let moved = Shape::Moved { x: 1.0, y: 2.0, shapes: vec![both] };
+        let moved = PaintShape::Moved { x: 1.0, y: 2.0, shapes: vec![both] };
         assert_eq!(painted(&[moved]), [[false; 4], [false; 4], [false, true, true, false], [false; 4]]);
     }
 
@@ -145,7 +146,7 @@ mod tests {
         let mut pixels = Pixmap::new(2, 1).unwrap();
         let image = Pixmap::from_vec(vec![255, 0, 0, 255], tiny_skia::IntSize::from_wh(1, 1).unwrap()).unwrap();
         let left = Place { x: 0.0, y: 0.0, width: 1.0, height: 1.0 };
-        let shapes = [block("#00f", left), Shape::Image { place: left, pixels: image }];
+        let shapes = [block("#00f", left), PaintShape::Image { place: left, pixels: image }];
         paint(&shapes, Transform::identity(), None, &mut pixels);
         assert_eq!(pixels.data(), [255, 0, 0, 255, 0, 0, 0, 0]);
     }

@@ -1,4 +1,4 @@
-//! Pixels: sampled colours as PNG, alone or embedded in SVG.
+//! Sampled colours as pixels, for PNG files alone or embedded in SVG.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -6,7 +6,7 @@ use tiny_skia::{ColorU8, Pixmap};
 
 use super::encode::srgb8;
 
-/// 8-bit sRGB pixels with coverage.
+/// A picture of 8-bit sRGB pixels with coverage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
     pixels: Pixmap,
@@ -25,10 +25,11 @@ impl Raster {
         })
     }
 
-    /// The same with the share of each pixel that is covered.
+    /// Pixels from linear RGB and coverage in [0, 1] at each `(column, row)`, row 0 on top, under the gamut policy of
+    /// pictures.
     ///
     /// # Panics
-    /// As [`Raster::from_linear`].
+    /// If a side is 0 or the picture exceeds the address space.
     #[must_use]
     pub fn from_linear_with_coverage(width: u32, height: u32, mut at: impl FnMut(u32, u32) -> ([f32; 3], f32)) -> Self {
         Self::new(width, height, |x, y| {
@@ -38,7 +39,7 @@ impl Raster {
         })
     }
 
-    /// Pixels of R, G, B and coverage.
+    /// Pixels from 8-bit sRGB and coverage at each `(column, row)`.
     pub(super) fn new(width: u32, height: u32, mut rgba: impl FnMut(u32, u32) -> [u8; 4]) -> Self {
         let mut pixels = Pixmap::new(width, height).expect("the sides of a raster are positive and small");
         for (i, pixel) in pixels.pixels_mut().iter_mut().enumerate() {
@@ -49,7 +50,7 @@ impl Raster {
         Self { pixels }
     }
 
-    /// The PNG file.
+    /// The bytes of a PNG file.
     #[must_use]
     pub fn png(&self) -> Vec<u8> {
         self.pixels.encode_png().expect("encoding into memory does not fail")

@@ -1,13 +1,14 @@
-//! A few SVG elements, each beside the shape that is painted for it, and the type sizes and greys that all pictures
-//! share.
+//! The canvas of a picture: SVG elements, each with the shape that is painted for it in PNG, and the type sizes and
+//! greys that all pictures share.
 
 use std::fmt::Write;
 
 use tiny_skia::{LineCap, LineJoin, Path, Stroke, StrokeDash, Transform};
 
-use super::paint::{Shape, circle, colour, polyline, rectangle};
+use super::font;
+use super::paint::{PaintShape, circle, colour, polyline, rectangle};
+use super::place::{Place, number};
 use super::raster::Raster;
-use super::{Picture, font};
 use crate::support::text::is_active;
 
 pub(super) const INK: &str = "#1b1b1f";
@@ -15,10 +16,10 @@ pub(super) const SOFT_INK: &str = "#55555d";
 pub(super) const GRID: &str = "#e7e7ea";
 pub(super) const AXIS: &str = "#8a8a92";
 
-/// How much wider than regular the bundled semi-bold is.
+/// Width of the bundled semi-bold font over that of the regular one.
 const BOLD_WIDTH: f64 = 1.06;
 
-/// Which point of the text stands at the given place.
+/// The point of a text that stands at the given place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
     Start,
@@ -26,6 +27,7 @@ pub(super) enum Anchor {
     End,
 }
 
+/// Size, colour and weight of a text.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Style {
     pub size: f64,
@@ -46,30 +48,30 @@ impl Style {
         Self { size: 11.5, colour: SOFT_INK, bold: false }
     }
 
-    /// The same style, smaller if the text would be wider than `width`.
+    /// The style with letters so much smaller that the text is no wider than `width`, but at least half as large.
     pub(super) fn fitted(self, text: &str, width: f64) -> Self {
         let natural = text_width(text, self.size) * if self.bold { BOLD_WIDTH } else { 1.0 };
         Self { size: self.size * (width / natural).clamp(0.5, 1.0), ..self }
     }
 }
 
-/// What is drawn so far, twice: as SVG elements, and as the shapes of a PNG.
+/// A drawing in two forms: SVG elements, and the shapes that a PNG is painted from.
 #[derive(Debug, Default)]
 pub(super) struct Canvas {
     body: String,
-    shapes: Vec<Shape>,
+    shapes: Vec<PaintShape>,
 }
 
 impl Canvas {
     /// The SVG elements and the shapes.
-    pub(super) fn finish(self) -> (String, Vec<Shape>) {
+    pub(super) fn finish(self) -> (String, Vec<PaintShape>) {
         (self.body, self.shapes)
     }
 
-    /// Adds all of a picture.
-    pub(super) fn picture(&mut self, picture: &Picture) {
-        self.body.push_str(picture.body());
-        self.shapes.extend_from_slice(&picture.shapes);
+    /// Adds the elements and the shapes of another drawing.
+    pub(super) fn append(&mut self, elements: &str, shapes: &[PaintShape]) {
+        self.body.push_str(elements);
+        self.shapes.extend_from_slice(shapes);
     }
 
     fn element(&mut self, element: std::fmt::Arguments) {
@@ -78,16 +80,16 @@ impl Canvas {
     }
 
     fn fill(&mut self, path: Option<Path>, fill: &str) {
-        self.shapes.extend(path.zip(colour(fill)).map(|(path, colour)| Shape::Fill { path, colour }));
+        self.shapes.extend(path.zip(colour(fill)).map(|(path, colour)| PaintShape::Fill { path, colour }));
     }
 
     fn stroke(&mut self, path: Option<Path>, code: &str, stroke: Stroke) {
-        let shape = |(path, colour)| Shape::Stroke { path, colour, stroke };
+        let shape = |(path, colour)| PaintShape::Stroke { path, colour, stroke };
         self.shapes.extend(path.zip(colour(code)).map(shape));
     }
 
-    /// The shapes that `draw` adds.
-    fn shapes_of(&mut self, draw: impl FnOnce(&mut Self)) -> Vec<Shape> {
+    /// Runs `draw` and takes out the shapes that it adds.
+    fn shapes_of(&mut self, draw: impl FnOnce(&mut Self)) -> Vec<PaintShape> {
         let before = std::mem::take(&mut self.shapes);
         draw(self);
         std::mem::replace(&mut self.shapes, before)
@@ -97,7 +99,7 @@ impl Canvas {
         self.turned_text(x, y, 0.0, anchor, style, text);
     }
 
-    /// Text turned clockwise about its anchor.
+    /// Adds a text turned clockwise about its anchor.
     pub(super) fn turned_text(&mut self, x: f64, y: f64, degrees: f64, anchor: Anchor, style: Style, text: &str) {
         let (anchor, share_before) = match anchor {
             Anchor::Start => ("start", 0.0),
@@ -128,7 +130,7 @@ impl Canvas {
         self.stroke(polyline(&[(x1, y1), (x2, y2)]), stroke, of_width(width));
     }
 
-    /// An open curve through the points.
+    /// Adds an open curve through the points.
     pub(super) fn curve(&mut self, points: &[(f64, f64)], stroke: &str, width: f64, dashed: bool) {
         if points.is_empty() {
             return;
@@ -163,24 +165,24 @@ impl Canvas {
         ));
         if let Some((path, mut colour)) = circle((x, y), radius).zip(colour(stroke)) {
             colour.apply_opacity(opacity as f32);
-            self.shapes.push(Shape::Stroke { path, colour, stroke: of_width(width) });
+            self.shapes.push(PaintShape::Stroke { path, colour, stroke: of_width(width) });
         }
     }
 
-    /// A filled circle.
+    /// Adds a filled circle.
     pub(super) fn dot(&mut self, centre: (f64, f64), radius: f64, fill: &str) {
         let [x, y, radius] = [centre.0, centre.1, radius].map(number);
         self.element(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{}\"/>", escape(fill)));
         self.fill(circle((x, y), radius), fill);
     }
 
-    /// A filled box with square corners.
+    /// Adds a filled box with square corners.
     pub(super) fn block(&mut self, place: Place, fill: &str) {
         self.element(format_args!("<rect {place} fill=\"{}\"/>", escape(fill)));
         self.fill(rectangle(place.rounded()), fill);
     }
 
-    /// The outline of a box.
+    /// Adds the outline of a box.
     pub(super) fn frame(&mut self, place: Place, stroke: &str, width: f64) {
         self.element(format_args!("<rect {place} fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\"/>"));
         self.stroke(rectangle(place.rounded()), stroke, of_width(width));
@@ -192,16 +194,17 @@ impl Canvas {
             "<image {place} preserveAspectRatio=\"none\" xlink:href=\"{}\"/>",
             raster.data_uri()
         ));
-        self.shapes.push(Shape::Image { place: place.rounded(), pixels: raster.pixels().clone() });
+        self.shapes.push(PaintShape::Image { place: place.rounded(), pixels: raster.pixels().clone() });
     }
 
-    /// Draws within `place` alone; coordinates stay those of the canvas. Needs no id, so pictures can be nested freely.
+    /// Draws clipped to `place`; coordinates stay those of the canvas. The clip needs no id, so pictures can be nested
+    /// freely.
     pub(super) fn clipped(&mut self, place: Place, draw: impl FnOnce(&mut Self)) {
         let [x, y, width, height] = [place.x, place.y, place.width, place.height].map(number);
         self.element(format_args!("<svg {place} viewBox=\"{x} {y} {width} {height}\" overflow=\"hidden\">"));
         let shapes = self.shapes_of(draw);
         self.element(format_args!("</svg>"));
-        self.shapes.push(Shape::Clipped { place: place.rounded(), shapes });
+        self.shapes.push(PaintShape::Clipped { place: place.rounded(), shapes });
     }
 
     /// Draws with the origin moved to `(x, y)`.
@@ -210,57 +213,16 @@ impl Canvas {
         self.element(format_args!("<g transform=\"translate({x} {y})\">"));
         let shapes = self.shapes_of(draw);
         self.element(format_args!("</g>"));
-        self.shapes.push(Shape::Moved { x, y, shapes });
+        self.shapes.push(PaintShape::Moved { x, y, shapes });
     }
 }
 
-/// A box on the canvas.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
-    pub x: f64,
-    pub y: f64,
-    pub width: f64,
-    pub height: f64,
-}
-
-impl Place {
-    pub(super) fn right(&self) -> f64 {
-        self.x + self.width
-    }
-
-    pub(super) fn bottom(&self) -> f64 {
-        self.y + self.height
-    }
-
-    pub(super) fn grown(&self, by: f64) -> Self {
-        Self { x: self.x - by, y: self.y - by, width: self.width + 2.0 * by, height: self.height + 2.0 * by }
-    }
-
-    /// The box as it is written.
-    fn rounded(&self) -> Self {
-        let [x, y, width, height] = [self.x, self.y, self.width, self.height].map(number);
-        Self { x, y, width, height }
-    }
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { x, y, width, height } = self.rounded();
-        write!(f, "x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"")
-    }
-}
-
-/// A line of this width with SVG's joins and ends.
+/// A stroke of a width, with SVG's default joins and ends.
 fn of_width(width: f64) -> Stroke {
     Stroke { width: width as f32, ..Stroke::default() }
 }
 
-/// Hundredths of a pixel are enough, and keep files small.
-fn number(value: f64) -> f64 {
-    (value * 100.0).round() / 100.0 + 0.0
-}
-
-/// Text that is safe between tags and in quotes.
+/// Escapes text for use between tags and in quotes.
 pub(crate) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
@@ -269,8 +231,8 @@ pub(crate) fn escape(text: &str) -> String {
             '<' => safe.push_str("&lt;"),
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
-            // XML 1.0 cannot hold control characters, not even escaped, and what turns writing would turn the page's
-            // own.
+            // XML 1.0 cannot hold control characters, not even escaped; characters that turn the direction of writing
+            // would turn the document's own text.
             c if is_active(c) || matches!(c, '\u{fffe}' | '\u{ffff}') => safe.push(' '),
             c => safe.push(c),
         }
@@ -278,7 +240,7 @@ pub(crate) fn escape(text: &str) -> String {
     safe
 }
 
-/// Width of a text in Inter, good to a few per cent: enough to place what stands beside it.
+/// Estimated width of a text in Inter, accurate to a few per cent: enough to place what stands beside it.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' => 0.28,
@@ -294,6 +256,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::picture::{Picture, tests::pixels};
 
     #[test]
     fn text_from_users_cannot_break_the_document() {
@@ -310,7 +273,7 @@ mod tests {
         for text in ["wavelength λ / nm", "closed form, s", "0.001", "unpolarised mean 45°", "MgF2 100 nm"] {
             let mut canvas = Canvas::default();
             canvas.text(0.0, 30.0, Anchor::Start, Style::label(), text);
-            let drawn = super::super::tests::pixels(&Picture::new(300.0, 50.0, canvas), 1.0);
+            let drawn = pixels(&Picture::new(300.0, 50.0, canvas), 1.0);
             let ink = |x: &u32| (0..50).any(|y| drawn.pixel(*x, y).unwrap().red() < 160);
             let width = f64::from((0..300).filter(ink).max().unwrap() + 1);
             let estimate = text_width(text, 12.5);

@@ -1,10 +1,11 @@
-//! A row of labelled colours.
+//! Rows of labelled colour swatches.
 
 use super::encode::hex;
-use super::svg::{Anchor, Canvas, Place, Style};
+use super::place::Place;
+use super::svg::{Anchor, Canvas, Style};
 use super::{Picture, svg};
 
-/// Squares of linear RGB with a label above and the sRGB code below each.
+/// A picture of squares of linear RGB, each with its label above and its sRGB code below.
 #[must_use]
 pub fn swatches(title: &str, colours: &[(String, [f32; 3])]) -> Picture {
     const SIDE: f64 = 72.0;
@@ -31,7 +32,7 @@ mod tests {
     #[test]
     fn colours_stand_in_order_under_their_labels() {
         let picture = swatches("n", &[("0°".into(), [1.0, 0.0, 0.0]), ("60°".into(), [0.0, 0.5, 0.0])]);
-        let pixels = super::super::tests::pixels(&picture, 1.0);
+        let pixels = crate::plot::picture::tests::pixels(&picture, 1.0);
         let at = |x, y| pixels.pixel(x, y).map(|p| [p.red(), p.green(), p.blue()]).unwrap();
         assert_eq!((at(50, 100), at(130, 100)), ([255, 0, 0], [0, 188, 0]));
         for text in [">0°<", ">60°<", ">#ff0000<", ">#00bc00<"] {

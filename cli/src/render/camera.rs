@@ -22,8 +22,8 @@ pub struct View {
     pub elevation_deg: f64,
     /// Angle that the shorter side of the picture spans, in degrees.
     pub field_of_view_deg: f64,
-    /// Distance from the centre of the body's bounding sphere to the eye, in radii of this sphere; `None` fits the sphere
-    /// into the picture.
+    /// Distance from the centre of the body's bounding sphere to the eye, in radii of this sphere; `None` fits the
+    /// sphere into the picture.
     pub distance: Option<f64>,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -76,8 +76,8 @@ impl Camera {
         })
     }
 
-    /// The unit direction of the ray through a place of the picture, in pixels from its upper left corner; the centre of
-    /// the first pixel is (½, ½).
+    /// The unit direction of the ray through a place of the picture, in pixels from its upper left corner; the centre
+    /// of the first pixel is (½, ½).
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let [width, height] = self.size.map(f64::from);

@@ -83,8 +83,8 @@ fn probability(cumulative: &[f64], place: usize) -> f64 {
 }
 
 /// How far from the edges of its cell a direction is drawn, as a fraction of the cell. On an edge, rounding would give
-/// it to the next cell, which may be dark. Rounding is largest within a cell by a pole, in a row's arc cosine: 2⁻⁵³ over
-/// the square of its polar angle, 10⁻⁸ of a row among 32768.
+/// it to the next cell, which may be dark. Rounding is largest within a cell by a pole, in a row's arc cosine: 2⁻⁵³
+/// over the square of its polar angle, 10⁻⁸ of a row among 32768.
 const EDGE: f64 = 1e-6;
 
 /// The cell that `u` falls into, the first whose cumulative probability is larger, and how far into it.

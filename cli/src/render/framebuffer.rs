@@ -20,7 +20,8 @@ pub struct Framebuffer {
 }
 
 impl Framebuffer {
-    /// The bytes of an OpenEXR file: scene-linear R, G, B multiplied by A, 32-bit float. Equal pictures give equal bytes.
+    /// The bytes of an OpenEXR file: scene-linear R, G, B multiplied by A, 32-bit float. Equal pictures give equal
+    /// bytes.
     ///
     /// # Errors
     /// What the OpenEXR encoder refuses.
@@ -46,8 +47,8 @@ impl Framebuffer {
         Ok(bytes.into_inner())
     }
 
-    /// The bytes of a PNG file: exposed by `stops`, tone-mapped, then 8-bit sRGB under the gamut policy of pictures. The
-    /// second result counts how many of the pixels that are not wholly transparent this policy has changed.
+    /// The bytes of a PNG file: exposed by `stops`, tone-mapped, then 8-bit sRGB under the gamut policy of pictures.
+    /// The second result counts how many of the pixels that are not wholly transparent this policy has changed.
     #[must_use]
     pub fn png(&self, stops: f64, tone: ToneMap) -> (Vec<u8>, OutOfGamut) {
         let [width, height] = self.size;

@@ -1,13 +1,14 @@
 //! Lat-long images: radiance from every direction on a rectangle.
 //!
-//! The image covers the sphere with its first row around +z and its last around −z. Its middle column is +x, and azimuth
-//! grows to the left, as it does for somebody inside with z up: for a unit direction (x, y, z)
+//! The image covers the sphere with its first row around +z and its last around −z. Its middle column is +x, and
+//! azimuth grows to the left, as it does for somebody inside with z up: for a unit direction (x, y, z)
 //!
 //! ```text
 //! u = ½ − atan2(y, x)/2π,   v = acos(z)/π,
 //! ```
 //!
-//! with texel i of n centred at (i + ½)/n. Radiance is bilinear between centres, u wraps around, v is held at the poles.
+//! with texel i of n centred at (i + ½)/n. Radiance is bilinear between centres, u wraps around, v is held at the
+//! poles.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 

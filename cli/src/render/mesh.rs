@@ -85,7 +85,8 @@ impl TriangleMesh {
         }
     }
 
-    /// A sphere that holds the mesh: the middle of its bounding box, and the distance from there to the farthest vertex.
+    /// A sphere that holds the mesh: the middle of its bounding box, and the distance from there to the farthest
+    /// vertex.
     #[must_use]
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
         let min = self.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -158,8 +159,8 @@ impl ShadingFrame {
     }
 }
 
-/// The unit vector perpendicular to the normal that is nearest to `wanted`; a horizontal one where `wanted` is along the
-/// normal.
+/// The unit vector perpendicular to the normal that is nearest to `wanted`; a horizontal one where `wanted` is along
+/// the normal.
 #[must_use]
 pub fn tangent_across(normal: DVec3, wanted: DVec3) -> DVec3 {
     let across = |v: DVec3| (v - v.dot(normal) * normal).try_normalize();

@@ -62,9 +62,9 @@ impl TriangleMesh {
     /// t follows the first texture coordinate where there is one, and is horizontal elsewhere.
     ///
     /// # Errors
-    /// Text that is not OBJ, polygons that cross themselves, coordinates above 10³⁰, too many triangles, no triangle with
-    /// an area, or too little memory. The message is one line that names the file and, where it is known, the line in
-    /// it.
+    /// Text that is not OBJ, polygons that cross themselves, coordinates above 10³⁰, too many triangles, no triangle
+    /// with an area, or too little memory. The message is one line that names the file and, where it is known, the
+    /// line in it.
     pub fn from_obj(label: &str, text: &str, axes: Axes) -> Result<(Self, MeshRepairs)> {
         read(label, text, axes)
     }

@@ -188,8 +188,8 @@ fn scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> ReadResult<()> {
     Ok(())
 }
 
-/// Reads a scan line of plain pixels and runs of them: the pixel 1, 1, 1, n repeats the last one n times. The count of a
-/// run that directly follows another stands for 256 times as many pixels.
+/// Reads a scan line of plain pixels and runs of them: the pixel 1, 1, 1, n repeats the last one n times. The count of
+/// a run that directly follows another stands for 256 times as many pixels.
 fn old_scan_line(rest: &mut &[u8], line: &mut [[u8; 4]]) -> ReadResult<()> {
     let (mut at, mut shift) = (0, 0);
     while at < line.len() {

@@ -1,7 +1,7 @@
 //! The built-in environment: a grey room with soft boxes, given by formulas so that other programs can draw the same.
 //!
-//! - The room is a mixture of [`HORIZON`] and [`CEILING`] by s(z) above the horizon, and of [`HORIZON`] and [`FLOOR`] by
-//!   s(−z) below, where s(x) = 3x² − 2x³ for x clamped to [0, 1].
+//! - The room is a mixture of [`HORIZON`] and [`CEILING`] by s(z) above the horizon, and of [`HORIZON`] and [`FLOOR`]
+//!   by s(−z) below, where s(x) = 3x² − 2x³ for x clamped to [0, 1].
 //! - Each soft box adds `radiance` · e(x/depth) · e(y/depth). Here `depth` is the component of the direction along
 //!   `towards`, and x and y are those along `right` and `up`; e falls from 1 to 0 by s while |x/depth| goes from half
 //!   extent − softness to half extent + softness. Directions of depth ≤ 0 do not see the box.

@@ -1,11 +1,12 @@
 //! Path tracing of light along a ray from the camera.
 //!
 //! At each hit the surface frame is turned to the viewer: both sides of a sheet carry the same structure. A mirror-like
-//! table reflects the ray once, L = ρ(θ) E(mirror direction). For other tables, directions are sampled by the table and,
-//! where the light is not the same everywhere, by the environment; the balance heuristic (Veach 1997) combines the two.
+//! table reflects the ray once, L = ρ(θ) E(mirror direction). For other tables, directions are sampled by the table
+//! and, where the light is not the same everywhere, by the environment; the balance heuristic (Veach 1997) combines the
+//! two.
 //!
-//! A reflected ray that hits the body again is reflected again, up to a number of reflections. From the last of them the
-//! environment is seen as if the body did not block it: with one reflection, the body does not see itself at all.
+//! A reflected ray that hits the body again is reflected again, up to a number of reflections. From the last of them
+//! the environment is seen as if the body did not block it: with one reflection, the body does not see itself at all.
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -112,7 +113,8 @@ impl Tracer<'_> {
 
     /// The nearest hit of the ray that leaves a hit in the direction `wi`.
     fn next_hit(&self, hit: &SurfaceHit, frame: &ShadingFrame, wi: DVec3) -> Option<SurfaceHit> {
-        // An interpolated normal may reflect into the triangle itself; the ray is then mirrored at the triangle's plane.
+        // An interpolated normal may reflect into the triangle itself; the ray is then mirrored at the triangle's
+        // plane.
         let below = wi.dot(frame.face).min(0.0);
         self.body.intersect(self.body.offset_origin(hit.point, frame), wi - 2.0 * below * frame.face)
     }

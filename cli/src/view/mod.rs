@@ -1,7 +1,8 @@
-//! The page that turns a surface in light: one file, nothing from the network.
+//! The interactive page of a surface in light: one HTML file that needs no network.
 //!
-//! `page/` holds what a browser runs, in plain HTML, CSS and JavaScript, `shaders/` what its GPU runs; this module puts them
-//! together with a table, meshes and lights. The page follows `render`: the same meshes, camera, lights, frames and gamut.
+//! `page/` holds the HTML, CSS and JavaScript that a browser runs, `shaders/` the shaders that its GPU runs. This
+//! module puts them together with a table, meshes and lights. The page follows `render`: it has the same meshes,
+//! camera, lights, frames and gamut policy.
 
 mod pack;
 mod shape;
@@ -16,10 +17,10 @@ use crate::support::error::{Error, Result};
 use crate::support::text;
 use crate::table::Table;
 
-/// Bytes of a page: beyond, phones give up.
+/// Largest page in bytes; phones do not open larger ones.
 pub const MAX_BYTES: usize = 48 << 20;
 
-/// The page's program, in the order in which its parts need each other.
+/// Scripts of the page, each after those that it uses.
 const SCRIPTS: [&str; 10] = [
     include_str!("page/basics.js"),
     include_str!("page/colour.js"),
@@ -33,7 +34,7 @@ const SCRIPTS: [&str; 10] = [
     include_str!("page/main.js"),
 ];
 
-/// What the GPU runs; `common` stands before each of the fragment shaders.
+/// Shaders of the page by name; `common` is put before each fragment shader.
 const SHADERS: [(&str, &str); 10] = [
     ("surface", include_str!("shaders/surface.vert")),
     ("screen", include_str!("shaders/screen.vert")),
@@ -47,10 +48,10 @@ const SHADERS: [(&str, &str); 10] = [
     ("display", include_str!("shaders/display.frag")),
 ];
 
-/// The page for a table.
+/// The HTML page of a table.
 ///
 /// # Errors
-/// If the table is damaged, or too large for a page.
+/// A damaged table, a table without colours, or one that is too large for a page.
 pub fn page(table: &Table) -> Result<String> {
     table.check()?;
     let scatters = matches!(table, Table::Scatter(_));
@@ -67,7 +68,7 @@ pub fn page(table: &Table) -> Result<String> {
         .replace("{{name}}", &escape(table.name()))
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
         .replace("{{style}}", include_str!("page/style.css"))
-        // No text of a table can end the script that holds it.
+        // Escaped, no text of a table can end the script that holds it.
         .replace("{{data}}", &text::json(&data.to_string()).replace('<', "\\u003c"))
         .replace("{{script}}", &SCRIPTS.concat());
     if html.len() > MAX_BYTES {
@@ -81,7 +82,7 @@ pub fn page(table: &Table) -> Result<String> {
     Ok(html)
 }
 
-/// The numbers of [`crate::render::studio`].
+/// The numbers of [`crate::render::studio`], for the page.
 fn studio() -> Value {
     let lamps: Vec<Value> = SOFT_BOXES
         .iter()
@@ -96,7 +97,7 @@ fn studio() -> Value {
     json!({ "ceiling": CEILING, "horizon": HORIZON, "floor": FLOOR, "lamps": lamps })
 }
 
-/// Where the camera begins.
+/// The camera's first view, for the page.
 fn view() -> Value {
     let View { azimuth_deg, elevation_deg, field_of_view_deg, .. } = View::default();
     json!({ "azimuth": azimuth_deg, "elevation": elevation_deg, "fieldOfView": field_of_view_deg })
@@ -106,7 +107,7 @@ fn view() -> Value {
 mod tests {
     use super::*;
 
-    /// A page of a 2D table is small enough to send by mail.
+    /// Largest page of a 2D table in bytes: small enough to send by mail.
     const MAX_BYTES_2D: usize = 2_000_000;
 
     fn mirror() -> Table {

@@ -1,27 +1,27 @@
-//! Numbers as text in a page: little-endian, base64.
+//! Arrays of numbers as text in a page: little-endian, in base64.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use exr::prelude::f16;
 use serde_json::Value;
 
-/// 32-bit floats.
+/// Packs 32-bit floats.
 pub(super) fn floats(values: impl IntoIterator<Item = f32>) -> Value {
     encoded(values.into_iter().flat_map(f32::to_le_bytes))
 }
 
-/// 16-bit floats.
+/// Packs numbers as 16-bit floats.
 pub(super) fn halves(values: impl IntoIterator<Item = f32>) -> Value {
     encoded(values.into_iter().flat_map(|value| f16::from_f32(value).to_le_bytes()))
 }
 
-/// Numbers from −1 to 1 in steps of 1/32767.
+/// Packs numbers from −1 to 1 in steps of 1/32767.
 pub(super) fn signed(values: impl IntoIterator<Item = f64>) -> Value {
     let step = f64::from(i16::MAX);
     encoded(values.into_iter().flat_map(|value| ((value.clamp(-1.0, 1.0) * step).round() as i16).to_le_bytes()))
 }
 
-/// Whole numbers below 65536.
+/// Packs whole numbers below 65536.
 pub(super) fn indices(values: impl IntoIterator<Item = u16>) -> Value {
     encoded(values.into_iter().flat_map(u16::to_le_bytes))
 }

@@ -1,4 +1,4 @@
-//! Meshes for a page.
+//! The meshes of a page.
 
 use serde_json::{Value, json};
 
@@ -8,10 +8,10 @@ use crate::render::mesh::TriangleMesh;
 /// Segments along each edge of a patch of the teapot: no silhouette is off by a third of a pixel at 1024 pixels.
 const TEAPOT_LEVEL: u32 = 18;
 
-/// A fourth of the segments around the sphere: facets lie less than a tenth of a pixel below it at 1024 pixels.
+/// A quarter of the segments around the sphere: facets lie less than a tenth of a pixel below it at 1024 pixels.
 const SPHERE_LEVEL: u32 = 32;
 
-/// Every mesh that a page offers; tangents only where the surface needs them.
+/// All meshes of a page, with tangents only if the surface needs them.
 pub(super) fn packed(tangents: bool) -> Value {
     json!({
         "teapot": mesh(&TriangleMesh::teapot(TEAPOT_LEVEL), tangents),
@@ -20,7 +20,7 @@ pub(super) fn packed(tangents: bool) -> Value {
     })
 }
 
-/// Positions relative to the bounding sphere's centre, in its radii.
+/// A mesh, with positions relative to the centre of its bounding sphere, in its radii.
 fn mesh(mesh: &TriangleMesh, tangents: bool) -> Value {
     let (centre, radius) = mesh.bounding_sphere();
     let numbers = |list: &[glam::DVec3]| pack::signed(list.iter().flat_map(|v| v.to_array()));

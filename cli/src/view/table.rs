@@ -1,4 +1,4 @@
-//! Tables for a page.
+//! The table of a page.
 
 use goniochrome::colour::{Quadrature, RgbSpace};
 use goniochrome::table::{ScatterSampler, ScatterTable as Lookup};
@@ -13,9 +13,10 @@ use crate::table::metadata::MetadataKey;
 use crate::table::mirror::MirrorTable;
 use crate::table::scatter::ScatterTable;
 
-/// Steps of θ from 0° to 90°: whole tenths of a degree, so that tables of whole degrees lose nothing.
+/// Steps of θ from 0° to 90° in a mirror-like table: tenths of a degree, so that tables of whole degrees lose nothing.
 const STEPS: u32 = 900;
 
+/// A table of either kind.
 pub(super) fn packed(table: &Table) -> Result<Value> {
     match table {
         Table::Mirror(mirror) => mirror_like(mirror, &facts(table)),
@@ -23,7 +24,7 @@ pub(super) fn packed(table: &Table) -> Result<Value> {
     }
 }
 
-/// What every table says of itself.
+/// The facts that the page shows of any table.
 fn facts(table: &Table) -> Value {
     let metadata = table.metadata();
     let known = |key: MetadataKey| metadata.get(key).unwrap_or_default();
@@ -56,8 +57,8 @@ fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
     let lookup = Lookup::new(values, table.layout, 3).map_err(Error::failed)?;
     let mut cumulative = filled(0.0, ScatterSampler::required_len(&table.layout), "sampling the table")?;
     ScatterSampler::new(&lookup, &mut cumulative).map_err(Error::failed)?;
-    // Halves end at 65504; most of their precision is near 1.
-    let largest = values.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    // Halves end at 65504, and are precise near 1.
+    let largest = values.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
     let scale = if largest > 0.0 { largest } else { 1.0 };
     let bins = table.layout.bins();
     let albedo = (0..table.layout.incident_count()).flat_map(|incident| {

@@ -1,6 +1,7 @@
-//! Scattering tables keep their albedo: a lobe as thin as the spacing of the file's samples loses or gains some per cent by
-//! interpolation, so each incident direction's spectra are scaled until what interpolation makes of them reflects as much as the
-//! table does.
+//! Correction of the albedo of scattering tables for interpolation.
+//!
+//! A lobe as narrow as the spacing of the file's samples loses or gains some per cent by interpolation. The spectra of
+//! each incident direction are therefore scaled so that, interpolated, they reflect as much as the table does.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,13 +12,14 @@ use super::grid::SampleGrid;
 use crate::export::reflection::Evaluator;
 use crate::support::direction::direction;
 
-/// Most that a channel is scaled by. Where colours out of gamut cancel, there is no albedo to keep.
-const MAX: f64 = 1.1;
-/// Gauss's two points in an interval from 0 to 1: exact up to cubics.
+/// Largest factor by which a channel is scaled. Where colours out of gamut cancel, there is no albedo to keep.
+const MAX_SCALE: f64 = 1.1;
+/// The two points of Gauss's quadrature on [0, 1], exact up to cubics.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// ∫ f cos θ_o dω_o of the table in each channel, exactly: f is linear over each half bin of cos θ_o, and over each bin of φ_o,
-/// where equally spaced places give the integral.
+/// The exact albedo ∫ f cos θ_o dω_o of the table in each channel.
+///
+/// f is linear over each half bin of cos θ_o, and over each bin of φ_o, where equally spaced points give the integral.
 pub fn exact(evaluator: &mut Evaluator<'_>, layout: ScatterLayout, wi: DVec3) -> Vec<f64> {
     let mut total = vec![0.0; evaluator.reflection().channels];
     let mut values = total.clone();
@@ -36,7 +38,7 @@ pub fn exact(evaluator: &mut Evaluator<'_>, layout: ScatterLayout, wi: DVec3) ->
     total
 }
 
-/// The same of one channel of the file, interpolated between its samples.
+/// The albedo of one channel of the file, interpolated between its samples.
 pub fn interpolated(grid: &SampleGrid, wi: DVec3, origin: f64, samples: &[f32]) -> f64 {
     let [across, along] = &grid.nodes;
     let mut total = 0.0;
@@ -60,15 +62,15 @@ pub fn interpolated(grid: &SampleGrid, wi: DVec3, origin: f64, samples: &[f32]) 
         }
     }
     let cells = ((across.len() - 1) * (along.len() - 1)) as f64;
-    // |dω_o| over the square's area is 8π² u sin θ_m (ω_i · m).
+    // |dω_o| per area of the square is 8π² u sin θ_m (ω_i · m).
     total * 8.0 * PI * PI / (4.0 * cells)
 }
 
-/// Scales one channel.
+/// Scales one channel from its interpolated to its exact albedo, by at most [`MAX_SCALE`] either way.
 pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64) {
     let scale = exact / interpolated;
     if scale.is_finite() {
-        let scale = scale.clamp(1.0 / MAX, MAX) as f32;
+        let scale = scale.clamp(1.0 / MAX_SCALE, MAX_SCALE) as f32;
         samples.iter_mut().for_each(|value| *value *= scale);
     }
 }
@@ -107,6 +109,6 @@ mod tests {
         keep(&mut samples, 0.0, 0.0);
         assert_eq!(samples, [1.0, 2.0]);
         keep(&mut samples, 5.0, 1.0);
-        assert_eq!(samples, [MAX as f32, 2.0 * MAX as f32]);
+        assert_eq!(samples, [MAX_SCALE as f32, 2.0 * MAX_SCALE as f32]);
     }
 }

@@ -1,23 +1,27 @@
-//! A density on [0, 1] that is linear between equally spaced samples, and the places where its integral is equally spaced: one
-//! axis of the warp that renderers of RGL's tensor files build from a file's `vndf` (`Marginal2D` in Mitsuba 3).
+//! Piecewise linear densities on [0, 1], and the places at which their integral is equally spaced.
+//!
+//! A density is one axis of the warp that renderers build from the `vndf` of RGL's tensor files (`Marginal2D` in
+//! Mitsuba 3).
 
-/// Samples of the density, ends included, all positive; not normalised.
+/// A density on [0, 1] by equally spaced samples, ends included; all are positive, and not normalised.
+#[derive(Clone, Debug)]
 pub struct Density(pub Vec<f64>);
 
-/// Where in an interval of density a to b the integral from its start is `part`.
+/// The place in an interval of density a to b at which the integral from its start is `part`.
 fn place(a: f64, b: f64, part: f64) -> f64 {
     let root = (a * a + 2.0 * part * (b - a)).max(0.0).sqrt();
     (2.0 * part / (a + root)).clamp(0.0, 1.0)
 }
 
 impl Density {
-    /// The density everywhere the same.
+    /// The uniform density.
     #[must_use]
     pub fn uniform() -> Self {
         Self(vec![1.0; 2])
     }
 
-    /// `count` places, both ends among them, with equal shares of the density between them, and the density there over its mean.
+    /// The `count` places, both ends among them, that have equal shares of the density between them, each with the
+    /// density there over its mean.
     #[must_use]
     pub fn nodes(&self, count: usize) -> Vec<(f64, f64)> {
         let last = self.0.len() - 1;

@@ -1,9 +1,9 @@
-//! Where the file samples the BRDF.
+//! The grid on which the file samples the BRDF.
 //!
-//! The format interpolates linearly over θ_i and φ_i along a fixed place of the warped square. The warp is therefore the same for
-//! all incident directions: then a fixed place is a fixed half vector, and along it the BRDF is smooth. A warp that follows the
-//! lobe would move the half vector as well (measured: no gain in the lobe, and large errors where the lobe meets the horizon).
-//! All that the warp is free to choose is how densely half vectors lie over θ_m and over φ_m.
+//! The format interpolates linearly over θ_i and φ_i at a fixed place of the warped square. The warp is therefore the
+//! same for all incident directions: a fixed place is then a fixed half vector, along which the BRDF is smooth. A warp
+//! that follows the lobe would move the half vector as well (measured: no gain in the lobe, and large errors where the
+//! lobe meets the horizon). The warp is free only in how densely half vectors lie over θ_m and over φ_m.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,72 +11,78 @@ use super::density::Density;
 use crate::export::Reflection;
 use crate::export::reflection::ReflectionKind;
 
-/// Values of the file: 64 MiB, and for anisotropic tables, which have an axis more, 256 MiB.
-const VALUES: usize = 1 << 24;
-const ANISOTROPIC_VALUES: usize = 1 << 26;
-/// A table is piecewise linear; samples for each of its intervals, if the file has the room. The half vector moves by half of what
-/// the outgoing direction does, so the square has two intervals for each of cos θ_o.
+/// Largest number of values in a file: 64 MiB.
+const MAX_VALUES: usize = 1 << 24;
+/// Largest number of values in the file of an anisotropic table, which has an axis more: 256 MiB.
+const MAX_ANISOTROPIC_VALUES: usize = 1 << 26;
+/// Samples of the square for each interval of the piecewise linear table, if the file has the room. The half vector
+/// moves by half of what the outgoing direction does, so the square has two intervals for each of cos θ_o.
 const PER_INTERVAL: f64 = 8.0;
-/// Of θ_i, which along a fixed half vector also moves θ_o through its intervals.
+/// Samples of θ_i for each row of the table. Along a fixed half vector, θ_i also moves θ_o through its intervals.
 const PER_ROW: f64 = 20.0;
-/// Of φ_i, which along a fixed half vector turns φ_o − φ_i twice as fast.
+/// Samples of φ_i for each of the table's azimuths. Along a fixed half vector, φ_i turns φ_o − φ_i twice as fast.
 const PER_TURN: f64 = 12.0;
-const MIN: f64 = 4.0;
-/// θ_i close to the horizon, where masking changes over a scale of cos θ_i, lie closer by (1 + e)/e.
+/// Smallest number of samples along each side of the square, and of φ_i.
+const MIN_SAMPLES: f64 = 4.0;
+/// Density e of θ_i at the horizon, where masking changes over a scale of cos θ_i: samples lie closer there by (1 +
+/// e)/e.
 const GRAZING: f64 = 0.3;
-/// Directions at 90° see nothing.
-const LAST: f64 = 89.99 / 180.0 * PI;
-/// Share of a lobe's half vectors that lie as 1/(θ_m + α/2), a fixed number for each factor of θ_m beyond the lobe's core; the
-/// others lie evenly over the square.
+/// Largest θ_i in radians; a direction at 90° sees nothing.
+const MAX_THETA: f64 = 89.99 / 180.0 * PI;
+/// Share of a lobe's half vectors whose density is 1/(θ_m + α/2), a fixed number for each factor of θ_m beyond the
+/// lobe's core; the others lie evenly over the square.
 const LOGARITHMIC: f64 = 0.7;
-/// Columns that resolve the core of the smoothest lobe, α = 0.001, whose u is 0.02.
+/// Columns of the warp, which resolve the core of the smoothest lobe, α = 0.001, whose u is 0.02.
 const COLUMNS: usize = 1024;
-/// Across the plane of incidence, where a lobe meets the horizon at grazing angles, φ_m lie closer than along it by 1 + this.
+/// Excess density of φ_m across the plane of incidence, where a lobe meets the horizon at grazing angles, over that
+/// along it.
 const ACROSS: f64 = 3.0;
 
-/// Samples of the file.
+/// The samples of a file.
+#[derive(Clone, Debug)]
 pub struct SampleGrid {
-    /// θ_i in radians, increasing.
+    /// Incident angles θ_i in radians, increasing.
     pub theta: Vec<f64>,
-    /// φ_i in radians, from −π to π; one of them for isotropic tables.
+    /// Incident azimuths φ_i in radians, from −π to π; one of them for isotropic tables.
     pub phi: Vec<f64>,
-    /// Over u and over v: the place, and the warp's density there.
+    /// Nodes over u and over v: each place, and the warp's density there.
     pub nodes: [Vec<(f64, f64)>; 2],
-    /// The warp's density over u and over v, whose product it is.
+    /// Densities over u and over v, whose product is the warp's density.
     pub density: [Density; 2],
 }
 
 impl SampleGrid {
-    /// The samples for a BRDF.
+    /// The samples for the file of a BRDF.
     #[must_use]
     pub fn new(reflection: &Reflection) -> Self {
-        // The spectra, and the luminance.
+        // Values for each sample: the spectra, and the luminance.
         let values = (reflection.channels + 1) as f64;
         match reflection.kind() {
             ReflectionKind::Lobe { ggx, .. } => {
-                let side = (VALUES as f64 / values).cbrt() as usize;
+                let side = (MAX_VALUES as f64 / values).cbrt() as usize;
                 let grazing = |i: usize| {
                     let rest = 1.0 - i as f64 / (side - 1) as f64;
-                    (FRAC_PI_2 * (1.0 - GRAZING * (rest * (1.0 / GRAZING).ln_1p()).exp_m1())).clamp(0.0, LAST)
+                    (FRAC_PI_2 * (1.0 - GRAZING * (rest * (1.0 / GRAZING).ln_1p()).exp_m1())).clamp(0.0, MAX_THETA)
                 };
                 Self::of([radial(ggx.alpha), across()], side, (0..side).map(grazing).collect(), vec![0.0])
             }
             ReflectionKind::Scatter(layout) => {
                 let bins = layout.bins();
                 let isotropic = layout.phi() == 1;
-                let most = PER_INTERVAL * f64::from((2 * bins.cos).max(bins.phi));
+                let max_side = PER_INTERVAL * f64::from((2 * bins.cos).max(bins.phi));
                 let rows = f64::from(layout.theta());
-                // Lobes turn with the light, but half vectors count from the tangent: φ_i needs what outgoing bins need.
+                // Lobes turn with the light, but half vectors count from the tangent: φ_i needs the density of outgoing
+                // bins.
                 let turns = if isotropic { 1.0 } else { PER_TURN * f64::from(bins.phi.max(layout.phi())) };
-                let (room, axes) = if isotropic { (VALUES, 3.0) } else { (ANISOTROPIC_VALUES, 4.0) };
+                let (room, axes) = if isotropic { (MAX_VALUES, 3.0) } else { (MAX_ANISOTROPIC_VALUES, 4.0) };
                 let room = room as f64 / values;
-                let scale = (room / (most * most * PER_ROW * rows * turns)).powf(1.0 / axes).min(1.0);
-                // Nodes at the kinks, which are in the middle of each row.
+                let scale = (room / (max_side * max_side * PER_ROW * rows * turns)).powf(1.0 / axes).min(1.0);
+                // Nodes lie at the kinks, which are in the middle of each row.
                 let steps = 2.0 * rows * (0.5 * PER_ROW * scale).round().max(1.0);
-                let turns = if isotropic { 1.0 } else { (turns * scale).floor().max(MIN) };
-                let side = (room / ((steps + 1.0) * turns)).sqrt().clamp(MIN, most) as usize;
+                let turns = if isotropic { 1.0 } else { (turns * scale).floor().max(MIN_SAMPLES) };
+                let side = (room / ((steps + 1.0) * turns)).sqrt().clamp(MIN_SAMPLES, max_side) as usize;
                 let even = |i: usize, steps: f64| i as f64 / steps;
-                let theta = (0..=steps as usize).map(|i| (FRAC_PI_2 * even(i, steps)).min(LAST)).collect();
+                let theta = (0..=steps as usize).map(|i| (FRAC_PI_2 * even(i, steps)).min(MAX_THETA)).collect();
                 let turn = |i: usize| TAU * even(i, turns - 1.0) - PI;
                 let phi = if isotropic { vec![0.0] } else { (0..turns as usize).map(turn).collect() };
                 Self::of([Density::uniform(), Density::uniform()], side, theta, phi)
@@ -94,19 +100,19 @@ impl SampleGrid {
         self.phi.len() == 1
     }
 
-    /// Samples along each side of the square.
+    /// Number of samples along each side of the square.
     #[must_use]
     pub fn side(&self) -> usize {
         self.nodes[0].len()
     }
 
-    /// Incident directions.
+    /// Number of incident directions.
     #[must_use]
     pub fn slices(&self) -> usize {
         self.theta.len() * self.phi.len()
     }
 
-    /// The warp's density for one incident direction, row by row, and the number of columns.
+    /// The warp's density for one incident direction, row by row, and its number of columns.
     #[must_use]
     pub fn warp(&self) -> (Vec<f32>, usize) {
         let [u, v] = &self.density;
@@ -114,10 +120,10 @@ impl SampleGrid {
     }
 }
 
-/// Over u: dθ_m = π u du.
+/// The density over u of a lobe's half vectors, where dθ_m = π u du.
 fn radial(alpha: f64) -> Density {
     let core = 0.5 * alpha;
-    // So that its integral over u is 1.
+    // The integral over u becomes 1.
     let scale = 2.0 * FRAC_PI_2 / ((FRAC_PI_2 + core) / core).ln();
     let at = |i: usize| {
         let u = i as f64 / (COLUMNS - 1) as f64;
@@ -126,7 +132,7 @@ fn radial(alpha: f64) -> Density {
     Density((0..COLUMNS).map(at).collect())
 }
 
-/// Over v, with φ_m = 2πv − π from the plane of incidence: highest at ±90°.
+/// The density over v of a lobe's half vectors, highest at ±90° from the plane of incidence, where φ_m = 2πv − π.
 fn across() -> Density {
     Density([0.0, ACROSS, 0.0, ACROSS, 0.0].map(|more| 1.0 + more).to_vec())
 }

@@ -1,17 +1,19 @@
-//! RGL's tensor file (Dupuy and Jakob 2018): Mitsuba 3's `measured`, pbrt-v4, powitacq.
+//! RGL's tensor file (Dupuy and Jakob 2018), which Mitsuba 3 (`measured`), pbrt-v4 and powitacq read.
 //!
-//! Half vectors lie on a unit square: u = sqrt(2 θ_m/π) on the last axis, v = (φ_m + π)/2π, where φ_m counts from φ_i for
-//! isotropic tables. `vndf` warps a uniform square onto it, `luminance` refines the warp, and `spectra` (or `rgb`) hold
-//! f cos θ_o · 4σ/D on the square before the warp, so that f cos θ_o = spectra · `ndf`/(4 `sigma`). The parameters θ_i, φ_i
-//! are the table's incident directions: f counts as reciprocal, since renderers take them as the viewer's.
+//! Half vectors lie on a unit square: u = sqrt(2 θ_m/π) on the last axis and v = (φ_m + π)/2π, where φ_m counts from
+//! φ_i for isotropic tables. `vndf` warps a uniform square onto it, and `luminance` refines the warp. `spectra` (or
+//! `rgb`) holds f cos θ_o · 4σ/D on the square before the warp, so that f cos θ_o = spectra · `ndf`/(4 `sigma`). The
+//! parameters θ_i, φ_i are the table's incident directions; f is taken as reciprocal, since renderers take them as the
+//! viewer's.
 //!
-//! A mirror-like table becomes GGX facets: D and σ are the lobe's own, and what is left is smooth. For tilted facets D = 1 and
-//! σ = 1/4. The warp is only a choice of where to sample ([`grid`]); `luminance` alone makes samples follow the BRDF.
+//! A mirror-like table becomes GGX facets: D and σ are those of the lobe, and the remaining factor is smooth. For
+//! tilted facets D = 1 and σ = 1/4. The warp only decides where the BRDF is sampled ([`grid`]); `luminance` alone makes
+//! samples follow the BRDF.
 
-mod albedo;
 pub mod density;
 pub mod grid;
 pub mod tensor;
+mod albedo;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -27,19 +29,21 @@ use crate::support::memory::filled;
 use crate::support::parallel;
 use crate::table::Table;
 
-/// Samples of D and σ over u: interpolation of D at α = 0.001 errs by 1e-4.
-const FINE: usize = 4096;
-/// Least density of samples over its mean, so that where interpolation leaves some reflection some samples go.
+/// Number of samples of D and σ over u: interpolation of D at α = 0.001 errs by 1e-4.
+const FACET_SAMPLES: usize = 4096;
+/// Smallest density of samples over its mean, so that samples reach every place where interpolation leaves reflection.
 const MIN_LUMINANCE: f32 = 1e-4;
-/// How far below the horizon a lobe goes on as the same function, over cos θ_i; it is infinite at 1.
-const EXTENSION: f64 = 0.5;
+/// Depth below the horizon, over cos θ_i, to which a lobe is continued by its own formula, which is infinite at 1.
+const MAX_EXTENSION: f64 = 0.5;
 
-/// f cos θ_o in each channel. Below the horizon, where renderers ask for nothing but interpolate, it goes on so that it has no
-/// kink there: a lobe analytically, a table, which is constant next to the horizon, as an odd function. Says whether θ_o is above.
+/// Computes f cos θ_o in each channel; returns whether wo is above the horizon.
+///
+/// Renderers do not evaluate directions below the horizon, but interpolate across it. There f cos θ_o is continued
+/// without a kink: a lobe by its formula, a table, which is constant next to the horizon, as an odd function.
 fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]) -> bool {
     let wo = 2.0 * wi.dot(m) * m - wi;
     let cos = if let ReflectionKind::Lobe { ggx, .. } = evaluator.reflection().kind() {
-        let cos = wo.z.max(-EXTENSION * wi.z);
+        let cos = wo.z.max(-MAX_EXTENSION * wi.z);
         evaluator.reflection().reflectance(wi.dot(m), out);
         let lobe = ggx.density(m.z) * ggx.masking(wi.z, cos);
         out.iter_mut().for_each(|value| *value *= lobe);
@@ -53,13 +57,13 @@ fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]
     wo.z > 0.0
 }
 
-/// What one incident direction adds to the file.
+/// The part of the file that belongs to one incident direction.
 struct Slice<'f> {
     luminance: &'f mut [f32],
     spectra: &'f mut [f32],
 }
 
-/// Fills the slice of an incident direction.
+/// Computes the slice of an incident direction.
 fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
     let reflection = evaluator.reflection();
     let wi = direction(theta, phi);
@@ -72,10 +76,10 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2]
         let theta_m = u * u * FRAC_PI_2;
         let m = direction(theta_m, TAU * v - PI + origin);
         let above = projected(evaluator, wi, m, &mut values);
-        // |dω_o| over the square's area, without its constant.
+        // |dω_o| per area of the square, up to a constant factor.
         let jacobian = u * theta_m.sin() * wi.dot(m).max(0.0);
-        // Of all densities that serve every channel, the root of the sum of squares has the least sum of variances. It also has
-        // samples where colours out of gamut cancel each other.
+        // Of all densities for all channels, the root of the sum of squares has the smallest sum of variances. It is
+        // also positive where components of colours out of gamut cancel each other.
         let strength = if above { values.iter().map(|value| value * value).sum::<f64>().sqrt() } else { 0.0 };
         slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
         let scale = match reflection.kind() {
@@ -94,14 +98,14 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2]
     }
     let mean = slice.luminance.iter().sum::<f32>() / area as f32;
     // A black direction still needs a density.
-    let least = if mean > 0.0 { MIN_LUMINANCE * mean } else { 1.0 };
-    slice.luminance.iter_mut().for_each(|value| *value = value.max(least));
+    let min = if mean > 0.0 { MIN_LUMINANCE * mean } else { 1.0 };
+    slice.luminance.iter_mut().for_each(|value| *value = value.max(min));
 }
 
-/// The bytes of the file.
+/// The bytes of the tensor file of a table, with its wavelengths or, with `rgb`, its colours.
 ///
 /// # Errors
-/// A roughness that is missing or has no use.
+/// A roughness that is missing or has no use, RGB of a table without colours, or too little memory.
 pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8>> {
     let reflection = Reflection::new(table, roughness, rgb)?;
     let grid = SampleGrid::new(&reflection);
@@ -145,10 +149,10 @@ pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8
     Ok(tensor::encode(&fields))
 }
 
-/// D and σ over θ, the same in both rows, since neither depends on φ.
+/// D and σ over θ. Both rows of each are equal, since neither depends on φ.
 fn facets(reflection: &Reflection) -> (Vec<f32>, Vec<f32>) {
     let ReflectionKind::Lobe { ggx, .. } = reflection.kind() else { return (vec![1.0; 4], vec![0.25; 4]) };
-    let cos = (0..FINE).map(|i| ((i as f64 / (FINE - 1) as f64).powi(2) * FRAC_PI_2).cos());
+    let cos = (0..FACET_SAMPLES).map(|i| ((i as f64 / (FACET_SAMPLES - 1) as f64).powi(2) * FRAC_PI_2).cos());
     let twice = |row: Vec<f32>| row.repeat(2);
     let density = cos.clone().map(|cos| ggx.density(cos) as f32).collect();
     (twice(density), twice(cos.map(|cos| ggx.visible_area(cos) as f32).collect()))

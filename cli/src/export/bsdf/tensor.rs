@@ -1,6 +1,7 @@
-//! The container of RGL's tensor files: a header, a table of named arrays, and each array at a multiple of 8 bytes.
+//! The container of RGL's tensor files: a header, a table of named arrays, and the arrays at multiples of 8 bytes.
 
-/// An array of the file.
+/// A named array of a file.
+#[derive(Clone, Debug)]
 pub struct Field {
     /// Its name.
     pub name: &'static str,
@@ -11,15 +12,16 @@ pub struct Field {
 }
 
 /// The values of a field.
+#[derive(Clone, Debug)]
 pub enum Values {
-    /// Bytes.
+    /// Unsigned bytes.
     Bytes(Vec<u8>),
-    /// 32-bit floating point.
+    /// 32-bit floating-point numbers.
     Singles(Vec<f32>),
 }
 
 impl Values {
-    /// The format's number for the type, and the length in bytes.
+    /// The format's number for the type of the values, and their length in bytes.
     fn kind(&self) -> (u8, usize) {
         match self {
             Self::Bytes(bytes) => (1, bytes.len()),
@@ -28,7 +30,7 @@ impl Values {
     }
 }
 
-/// The bytes of a file, version 1.0, little endian.
+/// The bytes of a file of these fields: version 1.0, little endian.
 #[must_use]
 pub fn encode(fields: &[Field]) -> Vec<u8> {
     let mut file = b"tensor_file\0\x01\x00".to_vec();

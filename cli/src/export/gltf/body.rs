@@ -1,14 +1,15 @@
-//! What wears the material: a sphere of radius 1, so that viewers have something to show.
+//! The body that wears the material in the file: a sphere of radius 1.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-/// Quadrangles around the sphere and from pole to pole: the outline is off by 0.003 of the radius, the file by 45 KB.
+/// Quadrangles around the sphere: the outline is off by 0.003 of the radius, and the sphere takes 45 KB of the file.
 const AROUND: u16 = 40;
+/// Quadrangles from pole to pole.
 const DOWN: u16 = 20;
 
-/// Mean length of the chords of a sphere of radius 1, weighted as light meets it: 4 V/A.
+/// Mean chord of a sphere of radius 1 in isotropic light: 4 V/A.
 pub const MEAN_CHORD: f64 = 4.0 / 3.0;
 
 const ARRAY_BUFFER: u32 = 34962;
@@ -16,13 +17,13 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const UNSIGNED_SHORT: u32 = 5123;
 const FLOAT: u32 = 5126;
 
-/// Points of the sphere, y up; normals are the points themselves.
+/// Points of the sphere, with y up. The normals are the points themselves.
 fn points() -> Vec<[f32; 3]> {
     let mut points = Vec::new();
     for ring in 0..=DOWN {
         let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(DOWN)).sin_cos();
         for place in 0..=AROUND {
-            // The seam's two sides are the same points.
+            // Both sides of the seam have the same points.
             let turn = std::f64::consts::TAU * f64::from(place % AROUND) / f64::from(AROUND);
             let sin = if ring == DOWN { 0.0 } else { sin };
             points.push([sin * turn.sin(), cos, sin * turn.cos()].map(|x| x as f32));
@@ -31,7 +32,7 @@ fn points() -> Vec<[f32; 3]> {
     points
 }
 
-/// Corners of triangles, counter-clockwise from outside; at the poles a quadrangle is one triangle.
+/// Corners of the triangles, counter-clockwise seen from outside; at the poles a quadrangle is one triangle.
 fn triangles() -> Vec<[u16; 3]> {
     let mut triangles = Vec::new();
     for ring in 0..DOWN {
@@ -49,7 +50,7 @@ fn triangles() -> Vec<[u16; 3]> {
     triangles
 }
 
-/// Adds a scene with the sphere, which wears material 0, to a glTF file.
+/// Adds a scene with the sphere, in material 0, to a glTF file.
 pub fn add(file: &mut Value) {
     let (points, triangles) = (points(), triangles());
     let place = |i: u16, count: u16| (u32::from(i) * u32::from(u16::MAX) / u32::from(count)) as u16;
@@ -57,7 +58,7 @@ pub fn add(file: &mut Value) {
     let point_bytes: Vec<u8> = points.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
     let uv_bytes: Vec<u8> = uv.flatten().flat_map(u16::to_le_bytes).collect();
     let index_bytes: Vec<u8> = triangles.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
-    // Normals have bytes of their own: programs that move the points in place would move them too.
+    // Normals have bytes of their own: programs that move the points in place would else move the normals too.
     let parts = [
         (&point_bytes, ARRAY_BUFFER),
         (&point_bytes, ARRAY_BUFFER),
@@ -121,7 +122,7 @@ mod tests {
         assert_eq!(file["buffers"][0]["byteLength"], json!(bytes.len()));
         let last = file["bufferViews"].as_array().unwrap().last().unwrap();
         assert_eq!(last["byteOffset"].as_u64().unwrap() + last["byteLength"].as_u64().unwrap(), bytes.len() as u64);
-        /// A file by mail.
+        /// Largest sphere in bytes; the file is small enough for a mail.
         const MAX_BYTES: usize = 50_000;
         assert!(uri.len() < MAX_BYTES, "{}", uri.len());
     }

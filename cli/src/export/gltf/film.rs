@@ -1,5 +1,5 @@
-//! Which scenes are what `KHR_materials_iridescence` describes: one clear film in air, on a base of any kind, and what
-//! becomes of the light that the film lets through.
+//! The scenes that `KHR_materials_iridescence` describes: one clear film in air on any base, and the light that the
+//! film transmits.
 
 use goniochrome::optics::interface::Below;
 use goniochrome::optics::medium::MediumIndex;
@@ -8,67 +8,70 @@ use num_complex::Complex64;
 use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::{Error, Result};
 
-/// A film as the extension sees it.
+/// A single film in the terms of the extension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleFilm {
-    /// The film's index at 550 nm.
+    /// Refractive index of the film at 550 nm.
     pub ior: f64,
-    /// Its thickness.
+    /// Thickness of the film.
     pub thickness_nm: f64,
-    /// What it lies on.
+    /// The base of the film.
     pub base: Base,
-    /// What becomes of the light that enters the base.
+    /// The path of the light that enters the base.
     pub behind: Behind,
 }
 
-/// What lies behind a film, in the terms of glTF.
+/// The medium behind a film, in the terms of glTF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Behind {
-    /// A metal, or a medium that swallows light within wavelengths: nothing comes through.
+    /// A metal, or a medium that absorbs light within wavelengths: no light is transmitted.
     Opaque,
-    /// Air, as before the film: a thin wall, through which light goes straight on.
+    /// Air, as in front of the film: a thin wall, through which light passes without refraction.
     Air,
     /// A transparent medium: a solid body.
     Body {
-        /// Its index at 550 nm.
+        /// Refractive index at 550 nm.
         ior: f64,
-        /// What it absorbs of red, green and blue, 1/m: 4πk/λ.
+        /// Absorption coefficients 4πk/λ of red, green and blue, in 1/m.
         absorption_per_m: [f64; 3],
     },
 }
 
-/// What a film lies on, in the terms of glTF.
+/// The base of a film, in the terms of glTF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Base {
-    /// Not metallic: `KHR_materials_ior`; what is not reflected goes on into [`SingleFilm::behind`].
+    /// A dielectric (`KHR_materials_ior`): light that is not reflected goes on into [`SingleFilm::behind`].
     Dielectric {
-        /// Its index.
+        /// Refractive index.
         ior: f64,
     },
-    /// Metallic: the base colour is the reflectance under air at normal incidence, linear sRGB.
+    /// A metal, whose base colour is the reflectance under air at normal incidence, linear sRGB.
     Metal {
-        /// Each in [0, 1].
+        /// Reflectance of red, green and blue, each in [0, 1].
         f0: [f64; 3],
     },
 }
 
-/// Where indices are looked at: the observer's range without its faint ends, and the wavelengths that stand for R, G, B.
-const SEEN_NM: [f64; 7] = [420.0, 465.0, 500.0, 550.0, 580.0, 610.0, 660.0];
+/// Wavelengths at which indices are checked: the observer's range without its faint ends.
+const CHECKED_NM: [f64; 7] = [420.0, 465.0, 500.0, 550.0, 580.0, 610.0, 660.0];
+/// Wavelengths that stand for red, green and blue.
 const RGB_NM: [f64; 3] = [610.0, 550.0, 465.0];
+/// Wavelength at which a medium's single index is taken.
 const MIDDLE_NM: f64 = 550.0;
 
-/// The extension's outside has the index 1; air has 1.0003.
-const OUTSIDE: f64 = 1e-3;
-/// Light that a film may swallow on its way there and back, facing; the extension's film is clear.
-const SWALLOWED: f64 = 0.01;
-/// Below this k, a base is a dielectric: it reflects k²/(n + 1)² more than a clear one, less than 1e-6.
-const CLEAR_K: f64 = 1e-3;
+/// Largest difference from 1, the extension's index of the outside, that is still air, whose index is 1.0003.
+const MAX_AIR_DIFFERENCE: f64 = 1e-3;
+/// Largest share of light that a film may absorb on its way there and back at normal incidence; the extension's film is
+/// clear.
+const MAX_ABSORBED: f64 = 0.01;
+/// Largest k of a dielectric base: it reflects k²/(n + 1)² more than a clear one, less than 1e-6.
+const MAX_CLEAR_K: f64 = 1e-3;
 
 impl SingleFilm {
-    /// The film of a scene.
+    /// The film of a planar scene.
     ///
     /// # Errors
-    /// What the extension cannot describe, with the reason.
+    /// A scene that the extension cannot describe, with the reason.
     pub fn of(planar: &PlanarScene<'_>) -> Result<Self> {
         let name = &planar.scene().name;
         let refuse =
@@ -80,16 +83,16 @@ impl SingleFilm {
             return refuse(format!("glTF's iridescence is a single film, and this stack has {films} layers"));
         }
         let outside = index(planar, stack.ambient(), MIDDLE_NM)?;
-        if (outside - 1.0).norm() > OUTSIDE {
+        if (outside - 1.0).norm() > MAX_AIR_DIFFERENCE {
             let outside = outside.re;
             return refuse(format!("glTF's film lies under air, and this one under a medium of index {outside:.3}"));
         }
         let film = stack.film(0);
-        for nm in SEEN_NM {
+        for nm in CHECKED_NM {
             let eta = index(planar, film.medium, nm)?;
-            let swallowed = 1.0 - (-8.0 * std::f64::consts::PI * eta.im * film.thickness_nm / nm).exp();
-            if swallowed > SWALLOWED {
-                let percent = 100.0 * swallowed;
+            let absorbed = 1.0 - (-8.0 * std::f64::consts::PI * eta.im * film.thickness_nm / nm).exp();
+            if absorbed > MAX_ABSORBED {
+                let percent = 100.0 * absorbed;
                 return refuse(format!(
                     "glTF's film is clear, and this one absorbs {percent:.0} % of the light at {nm} nm on its way there and back"
                 ));
@@ -103,17 +106,18 @@ impl SingleFilm {
     }
 }
 
+/// The base of a film, and the medium behind it.
 fn base(planar: &PlanarScene<'_>, below: Below) -> Result<(Base, Behind)> {
     let Below::Medium(medium) = below else { return Ok((Base::Metal { f0: [1.0; 3] }, Behind::Opaque)) };
     let mut clear = true;
-    for nm in SEEN_NM {
+    for nm in CHECKED_NM {
         let eta = index(planar, medium, nm)?;
-        clear &= eta.im < CLEAR_K && eta.re >= 1.0;
+        clear &= eta.im < MAX_CLEAR_K && eta.re >= 1.0;
     }
     if clear {
         let eta = index(planar, medium, MIDDLE_NM)?;
         let base = Base::Dielectric { ior: eta.re };
-        if (eta - 1.0).norm() <= OUTSIDE {
+        if (eta - 1.0).norm() <= MAX_AIR_DIFFERENCE {
             return Ok((base, Behind::Air));
         }
         let mut absorption_per_m = [0.0; 3];
@@ -130,6 +134,7 @@ fn base(planar: &PlanarScene<'_>, below: Below) -> Result<(Base, Behind)> {
     Ok((Base::Metal { f0 }, Behind::Opaque))
 }
 
+/// The complex refractive index of a medium at a wavelength.
 fn index(planar: &PlanarScene<'_>, medium: MediumIndex, nm: f64) -> Result<Complex64> {
     let place = usize::from(medium);
     planar.media()[place].eta(nm).map_err(|error| planar.scene().medium_error(place, &error))

@@ -1,36 +1,37 @@
-//! The parameters of `KHR_materials_iridescence` whose colours come nearest to exact ones.
+//! The fit of `KHR_materials_iridescence` to exact colours.
 
 use super::film::{Base, SingleFilm};
 use super::iridescence::{eval_iridescence, schlick};
 use super::simplex::minimise;
 use crate::colour::difference::{Colour, Summary, delta_e, lab};
 
-/// Last angle at which colours are compared, in whole degrees from 0.
-pub const LAST_DEG: u16 = 85;
+/// Largest angle at which colours are compared, in degrees.
+pub const MAX_DEG: u16 = 85;
 
-/// The angles at which colours are compared.
+/// The angles at which colours are compared: whole degrees from 0 to [`MAX_DEG`].
 #[must_use]
 pub fn angles() -> Vec<f64> {
-    (0..=LAST_DEG).map(f64::from).collect()
+    (0..=MAX_DEG).map(f64::from).collect()
 }
 
-/// What a material says; under a punctual light or in an environment, its colour at an angle is [`Parameters::rgb`].
+/// The parameters of a material, whose colour at an angle, under a punctual light or in an environment, is
+/// [`Parameters::rgb`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// `iridescenceFactor`.
+    /// The parameter `iridescenceFactor`.
     pub factor: f64,
-    /// `iridescenceIor`.
+    /// The parameter `iridescenceIor`.
     pub ior: f64,
-    /// `iridescenceThicknessMaximum`.
+    /// The parameter `iridescenceThicknessMaximum`.
     pub thickness_nm: f64,
-    /// `ior` of `KHR_materials_ior`, or the base colour of a metal.
+    /// The `ior` of `KHR_materials_ior`, or the base colour of a metal.
     pub base: Base,
 }
 
-/// Neither a film nor a base of a higher index is looked for.
-const HIGHEST_IOR: f64 = 4.0;
+/// Largest refractive index of film and base in the search.
+const MAX_IOR: f64 = 4.0;
 
-/// To the digits that are written; the residual is that of the rounded parameters.
+/// Rounds a parameter to the digits that are written; the residual is that of the rounded parameters.
 #[must_use]
 pub fn round(x: f64) -> f64 {
     const DIGITS: f64 = 1e5;
@@ -38,7 +39,7 @@ pub fn round(x: f64) -> f64 {
 }
 
 impl Parameters {
-    /// The film's own values.
+    /// The parameters of a film's own values.
     #[must_use]
     pub fn of(film: &SingleFilm) -> Self {
         Self { factor: 1.0, ior: film.ior, thickness_nm: film.thickness_nm, base: film.base }.rounded()
@@ -52,7 +53,7 @@ impl Parameters {
         Self { factor: round(self.factor), ior: round(self.ior), thickness_nm: round(self.thickness_nm), base }
     }
 
-    /// Specular reflectance at an angle, linear sRGB: Schlick's formula mixed with the iridescent one by the factor.
+    /// Specular reflectance at an angle in linear sRGB: Schlick's formula mixed with the iridescent one by the factor.
     #[must_use]
     pub fn rgb(&self, theta_deg: f64) -> [f32; 3] {
         let cos = theta_deg.to_radians().cos() as f32;
@@ -76,9 +77,10 @@ impl Parameters {
     }
 }
 
-/// The parameters of the smallest mean square of ΔE2000 from exact colours at [`angles`], found from the film's own values
-/// and from films up to 30 % thinner or thicker (more starts find nothing better); and their differences. Where the own
-/// values are as good as any to the eye, they stay.
+/// Fits the parameters of a film to exact colours at [`angles`]; returns them with their differences.
+///
+/// The fit has the smallest mean square of ΔE2000 that is found from the film's own values and from films up to 30 %
+/// thinner or thicker; more starts find nothing better. The film's own values are kept if the eye sees no difference.
 #[must_use]
 pub fn fit(film: &SingleFilm, exact: &[Colour]) -> (Parameters, Summary) {
     let thickest = 2.0 * film.thickness_nm + 100.0;
@@ -86,12 +88,12 @@ pub fn fit(film: &SingleFilm, exact: &[Colour]) -> (Parameters, Summary) {
         Base::Dielectric { ior } => search(
             film,
             exact,
-            [inside(ior)],
+            [to_unit(ior)],
             |[factor, film, thickness, base]| Parameters {
                 factor,
-                ior: from_inside(film),
+                ior: from_unit(film),
                 thickness_nm: thickness * thickest,
-                base: Base::Dielectric { ior: from_inside(base) },
+                base: Base::Dielectric { ior: from_unit(base) },
             },
             thickest,
         ),
@@ -101,14 +103,14 @@ pub fn fit(film: &SingleFilm, exact: &[Colour]) -> (Parameters, Summary) {
             f0,
             |[factor, film, thickness, r, g, b]| Parameters {
                 factor,
-                ior: from_inside(film),
+                ior: from_unit(film),
                 thickness_nm: thickness * thickest,
                 base: Base::Metal { f0: [r, g, b] },
             },
             thickest,
         ),
     };
-    /// Of the root mean square of ΔE2000; a just noticeable difference is 1.
+    /// Difference in the root mean square of ΔE2000 that is not seen; a just noticeable difference is 1.
     const UNSEEN: f64 = 0.05;
     let rms = |parameters: &Parameters| (cost(parameters, exact) / exact.len() as f64).sqrt();
     let own = Parameters::of(film);
@@ -116,19 +118,22 @@ pub fn fit(film: &SingleFilm, exact: &[Colour]) -> (Parameters, Summary) {
     (best, Summary::of(&best.differences(exact)))
 }
 
-/// An index as a coordinate in [0, 1], and back.
-fn inside(ior: f64) -> f64 {
-    ((ior - 1.0) / (HIGHEST_IOR - 1.0)).clamp(0.0, 1.0)
+/// The coordinate in [0, 1] of a refractive index.
+fn to_unit(ior: f64) -> f64 {
+    ((ior - 1.0) / (MAX_IOR - 1.0)).clamp(0.0, 1.0)
 }
 
-fn from_inside(x: f64) -> f64 {
-    1.0 + x * (HIGHEST_IOR - 1.0)
+/// The refractive index of a coordinate in [0, 1].
+fn from_unit(x: f64) -> f64 {
+    1.0 + x * (MAX_IOR - 1.0)
 }
 
+/// The sum of squares of ΔE2000.
 fn cost(parameters: &Parameters, exact: &[Colour]) -> f64 {
     parameters.differences(exact).iter().map(|d| d * d).sum()
 }
 
+/// Searches the best parameters in the unit cube of N coordinates, of which the last are those of the base.
 fn search<const BASE: usize, const N: usize>(
     film: &SingleFilm,
     exact: &[Colour],
@@ -136,9 +141,9 @@ fn search<const BASE: usize, const N: usize>(
     parameters: impl Fn([f64; N]) -> Parameters,
     thickest: f64,
 ) -> Parameters {
-    /// As fractions of what is allowed; a film of a few hundred nm has colours of its own every 20 nm.
+    /// First step as a fraction of the allowed range; a film of a few hundred nm changes its colours every 20 nm.
     const STEP: f64 = 0.05;
-    /// Finer than the digits that are written.
+    /// Size of the last simplex, finer than the digits that are written.
     const WIDTH: f64 = 1e-6;
     const ITERATIONS: usize = 600;
     const SCALES: [f64; 7] = [1.0, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3];
@@ -146,7 +151,7 @@ fn search<const BASE: usize, const N: usize>(
     let mut best: (f64, [f64; N]) = (f64::INFINITY, [0.0; N]);
     for scale in SCALES {
         let mut start = [1.0; N];
-        start[1] = inside(film.ior);
+        start[1] = to_unit(film.ior);
         start[2] = scale * film.thickness_nm / thickest;
         start[3..].copy_from_slice(&base);
         let found = minimise(of, start, STEP, WIDTH, ITERATIONS);

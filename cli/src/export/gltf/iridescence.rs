@@ -1,24 +1,26 @@
-//! The Fresnel term of `KHR_materials_iridescence`, as shaders evaluate it: single precision, no allocation.
+//! The Fresnel term of `KHR_materials_iridescence`, as shaders evaluate it: in single precision, without allocation.
 //!
-//! The formula of the extension's section "Iridescence Fresnel" and of `iridescence.glsl` in the glTF Sample Viewer, after
-//! L. Belcour and P. Barla, "A practical extension to microfacet theory for the modeling of varying iridescence" (2017):
-//! Schlick's reflectance at both interfaces, phases of 0 or π, and the first two orders of interference, integrated over
-//! the observer in closed form with Gaussian fits of the CIE curves. Results are linear sRGB, negative ones cut to 0. The
-//! part that does not interfere comes out as R = G = B; that which does is seen in light of equal energy, whose white is
-//! (1.20, 0.95, 0.91) in sRGB. The formula is kept as it is.
+//! The formula is that of the extension's section "Iridescence Fresnel" and of `iridescence.glsl` in the glTF Sample
+//! Viewer, after L. Belcour and P. Barla, "A practical extension to microfacet theory for the modeling of varying
+//! iridescence" (2017). It takes Schlick's reflectance at both interfaces, phases of 0 or π, and the first two orders
+//! of interference, integrated over the observer in closed form with Gaussian fits of the CIE curves.
+//!
+//! Results are linear sRGB, with negative components cut to 0. The part that does not interfere has R = G = B; the part
+//! that does is seen in light of equal energy, whose white is (1.20, 0.95, 0.91) in sRGB. This flaw is the extension's
+//! own, and kept.
 
 use std::f32::consts::PI;
 
-/// XYZ to linear sRGB, row by row.
+/// The matrix from XYZ to linear sRGB, row by row.
 const XYZ_TO_RGB: [[f32; 3]; 3] = [
     [3.240_454_2, -1.537_138_5, -0.498_531_4],
     [-0.969_266, 1.876_010_8, 0.041_556],
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
-/// A Gaussian fit of an observer's curve over wave numbers 1/λ, in Fourier space.
+/// The Fourier transform of a Gaussian fit to an observer's curve over wave numbers 1/λ.
 struct Lobe {
-    /// `val · sqrt(2π var) / 1.0685e-7` in the extension's words.
+    /// Amplitude, `val · sqrt(2π var) / 1.0685e-7` in the extension's words.
     amplitude: f32,
     /// Mean wave number, 1/m.
     mean: f32,
@@ -27,20 +29,21 @@ struct Lobe {
 }
 
 impl Lobe {
-    /// `phase` is 2π times the optical path difference in m.
+    /// The value at a phase of 2π times the optical path difference in m, with a phase shift in radians.
     fn at(&self, phase: f32, shift: f32) -> f32 {
         self.amplitude * (self.mean * phase + shift).cos() * (-self.variance * phase * phase).exp()
     }
 }
 
-// The amplitudes are worked out beforehand, as a shader compiler does; the test does so again.
+// Amplitudes are computed beforehand, as a shader compiler does; a test repeats the computation.
 const X_LONG: Lobe = Lobe { amplitude: 0.846_59, mean: 1.6810e6, variance: 4.3278e9 };
 const X_SHORT: Lobe = Lobe { amplitude: 0.153_868_3, mean: 2.2399e6, variance: 4.5282e9 };
 const Y: Lobe = Lobe { amplitude: 1.000_221_9, mean: 1.7953e6, variance: 9.3046e9 };
 const Z: Lobe = Lobe { amplitude: 1.001_122_5, mean: 2.2084e6, variance: 6.6121e9 };
 
-/// The observer's answer to a cosine in wave number: `evalSensitivity`. `path_nm` is the optical path difference, `shift`
-/// the phase that reflection adds, in each channel. Linear sRGB.
+/// The observer's response to a cosine in wave number, in linear sRGB: `evalSensitivity` in the extension.
+///
+/// `path_nm` is the optical path difference, `shift` the phase that reflection adds in each channel.
 #[must_use]
 pub fn eval_sensitivity(path_nm: f32, shift: [f32; 3]) -> [f32; 3] {
     let phase = 2.0 * PI * 1e-9 * path_nm;
@@ -49,7 +52,7 @@ pub fn eval_sensitivity(path_nm: f32, shift: [f32; 3]) -> [f32; 3] {
     XYZ_TO_RGB.map(|row| row[0] * x + row[1] * y + row[2] * z)
 }
 
-/// Reflectance at an angle, from that at normal incidence.
+/// Schlick's reflectance at an angle, from that at normal incidence.
 #[must_use]
 pub fn schlick(f0: f32, cosine: f32) -> f32 {
     let grazing = (1.0 - cosine).clamp(0.0, 1.0);
@@ -57,28 +60,30 @@ pub fn schlick(f0: f32, cosine: f32) -> f32 {
     f0 + (1.0 - f0) * squared * squared * grazing
 }
 
-/// Reflectance at normal incidence between two real indices.
+/// Reflectance at normal incidence between media of two real refractive indices.
 fn ior_to_fresnel0(transmitted: f32, incident: f32) -> f32 {
     let r = (transmitted - incident) / (transmitted + incident);
     r * r
 }
 
-/// The real index that has this reflectance under air.
+/// The real refractive index that has a reflectance `f0` under air at normal incidence.
 fn fresnel0_to_ior(f0: f32) -> f32 {
     let r = f0.sqrt();
     (1.0 + r) / (1.0 - r)
 }
 
+/// GLSL's `smoothstep` from 0 to `edge`.
 fn smoothstep(edge: f32, x: f32) -> f32 {
     let t = (x / edge).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Linear sRGB reflectance of a film: `evalIridescence`.
+/// Linear sRGB reflectance of a film: `evalIridescence` in the extension.
 ///
-/// `outside_ior` and `film_ior` are real indices, 1 or more; `cos_theta` in [0, 1] belongs to the angle outside;
-/// `base_f0` is the base's reflectance under air at normal incidence, of which 0.9999 is the most. Each result is 0 or
-/// more and may exceed 1 a little. Arguments beyond their domains give results without meaning, but no panic.
+/// `outside_ior` and `film_ior` are real refractive indices of 1 or more, `cos_theta` in [0, 1] is the cosine of the
+/// angle outside, and `base_f0` the base's reflectance under air at normal incidence, which is clamped to 0.9999. Each
+/// result is 0 or more and may exceed 1 slightly. Arguments outside their domains give meaningless results, but no
+/// panic.
 #[must_use]
 pub fn eval_iridescence(
     outside_ior: f32,
@@ -122,7 +127,7 @@ pub fn eval_iridescence(
 mod tests {
     use super::*;
 
-    /// What `tests/gltf/iridescence.py` prints: (outside, film, cos θ, nm), F0, RGB.
+    /// The output of `tests/gltf/iridescence.py`: (outside, film, cos θ, nm), F0, RGB.
     const REFERENCE: [([f32; 4], [f32; 3], [f32; 3]); 9] = [
         ([1.0, 1.33, 1.0, 100.0], [0.04, 0.04, 0.04], [0.0056982, 0.0074831, 0.0111814]),
         ([1.0, 1.33, 0.5, 400.0], [0.04, 0.04, 0.04], [0.0462310, 0.0264626, 0.0638096]),
@@ -135,8 +140,8 @@ mod tests {
         ([1.5, 1.2, 0.2, 300.0], [0.04, 0.04, 0.04], [1.0000000, 1.0000000, 1.0000000]),
     ];
 
-    /// Phases reach 2 · 2.2e6 · 2π · 2.2e-6 = 61 rad and r123 is at most 0.3 here, or 1 below half that phase: single
-    /// precision leaves 61 · 2⁻²⁴ · 2 in each wave, times 2 · 3.24 by the matrix.
+    /// Error bound of single precision. Phases reach 2 · 2.2e6 · 2π · 2.2e-6 = 61 rad, and r123 is at most 0.3 here, or
+    /// 1 below half that phase: the error is 61 · 2⁻²⁴ · 2 in each wave, times 2 · 3.24 by the matrix.
     const SINGLE: f32 = 6e-5;
 
     #[test]

@@ -1,52 +1,52 @@
 //! Materials of glTF 2.0: single films as `KHR_materials_iridescence`.
 //!
-//! The extension knows one clear film in air on a dielectric or a metal, with Schlick's Fresnel terms, phases of 0 or π
-//! and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics, so those
-//! are written whose colours come nearest, and how near that is stands in the material's `extras` and on the terminal.
+//! The extension describes one clear film in air on a dielectric or a metal, with Schlick's Fresnel terms, phases of 0
+//! or π and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics. The
+//! file therefore holds those whose colours come nearest, and states in the material's `extras` how near they come.
 //!
-//! Light that a clear film on a clear substrate lets through goes on ([`transmission`]). The file is complete: a sphere
-//! wears the material ([`body`]).
+//! Light that a clear film on a clear substrate transmits is written too ([`transmission`]). The file is complete: a
+//! sphere wears the material ([`body`]).
 //!
-//! Colours are compared as ΔE2000 at 0, 1, … 85° in D65, where a perfect mirror is L* = 100: see [`difference`]. Exact
-//! colours may leave the gamut of sRGB and are not clipped.
+//! Colours are compared as ΔE2000 at 0, 1, … 85° in D65, where a perfect mirror is L* = 100: see
+//! [`crate::colour::difference`]. Exact colours may leave the gamut of sRGB and are not clipped.
 
-pub mod body;
 pub mod film;
-pub mod fit;
 pub mod iridescence;
 mod simplex;
+pub mod fit;
+pub mod body;
 pub mod transmission;
 
 use goniochrome::colour::VISIBLE_NM;
 use serde_json::{Value, json};
 
 use self::film::{Base, Behind, SingleFilm};
-use self::fit::{LAST_DEG, Parameters, angles, fit, round};
+use self::fit::{MAX_DEG, Parameters, angles, fit, round};
 use self::transmission::transmitted;
 use super::lut::exact_rgb;
-use crate::colour::difference::{Colour, Summary, lab};
+use crate::colour::difference::{Colour, Summary, delta_e, lab};
 use crate::scene::Scene;
 use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::{Error, Result};
 use crate::support::text;
 
-/// Angles at which `extras` and the terminal show both colours.
+/// Angles in degrees at which `extras` and the terminal show both colours.
 const SHOWN_DEG: [u16; 7] = [0, 15, 30, 45, 60, 75, 85];
 
-/// Films of a longer optical path have a thousand fringes and more in the visible range, which no eye and no formula of
-/// three Gaussians tells from their mean.
-const LONGEST_NM: f64 = 4e5;
+/// Largest optical path. Longer ones have a thousand fringes and more in the visible range, which no eye and no formula
+/// of three Gaussians tells from their mean.
+const MAX_PATH_NM: f64 = 4e5;
 
-/// A material, and how far it is from the truth.
+/// A fitted material, and its difference from exact colours.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     /// The scene's name.
     pub name: String,
-    /// What the film is.
+    /// The film of the scene.
     pub film: SingleFilm,
-    /// What is written.
+    /// The fitted parameters.
     pub parameters: Parameters,
-    /// ΔE2000 of it.
+    /// ΔE2000 of the fitted parameters.
     pub residual: Summary,
     /// ΔE2000 of the film's own values in the extension's formula.
     pub unfitted: Summary,
@@ -55,15 +55,15 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// The nearest material to a scene.
+    /// Fits the material to a scene.
     ///
     /// # Errors
-    /// Scenes that the extension cannot describe, with the reason.
+    /// A scene that the extension cannot describe, with the reason.
     pub fn new(scene: &Scene) -> Result<Self> {
         let planar = PlanarScene::new(scene)
             .map_err(|error| Error::failed(format_args!("glTF's iridescence is a plane film: {error}")))?;
         let film = SingleFilm::of(&planar)?;
-        if planar.longest_optical_path_nm(VISIBLE_NM.map(f64::from))? > LONGEST_NM {
+        if planar.longest_optical_path_nm(VISIBLE_NM.map(f64::from))? > MAX_PATH_NM {
             let name = &scene.name;
             return Err(Error::failed(format_args!(
                 "{name}: the film is too thick to interfere; leave iridescence out"
@@ -76,12 +76,12 @@ impl Fitted {
         Ok(Self { name: scene.name.clone(), film, parameters, residual, unfitted, exact })
     }
 
-    /// A glTF 2.0 file of a sphere that wears this material.
+    /// The text of a glTF 2.0 file: a sphere that wears the material.
     #[must_use]
     pub fn json(&self) -> String {
         let Parameters { factor, ior, thickness_nm, base } = self.parameters;
         let (metallic, colour) = match base {
-            // White: what is not reflected is transmitted as it is.
+            // White: light that is not reflected is transmitted unchanged.
             Base::Dielectric { .. } => (0, [1.0; 3]),
             Base::Metal { f0 } => (1, f0),
         };
@@ -136,23 +136,23 @@ impl Fitted {
         json!({
             "film": { "ior_550nm": self.film.ior, "thickness_nm": self.film.thickness_nm },
             "transmission": transmission::words(self.film.behind, self.parameters.base),
-            "compared": format!("0 to {LAST_DEG} degrees by 1, linear sRGB, D65; L* = 100 is a perfect mirror"),
+            "compared": format!("0 to {MAX_DEG} degrees by 1, linear sRGB, D65; L* = 100 is a perfect mirror"),
             "delta_e_2000": summary(self.residual),
             "delta_e_2000_of_the_films_own_values": summary(self.unfitted),
             "colours": colours,
         })
     }
 
-    /// θ in degrees, exact and glTF's linear sRGB, ΔE2000.
+    /// The rows of both reports: θ in degrees, exact linear sRGB, that of glTF, and ΔE2000.
     fn shown(&self) -> impl Iterator<Item = (u16, [f64; 3], [f64; 3], f64)> {
         SHOWN_DEG.into_iter().map(|theta| {
             let exact = self.exact[usize::from(theta)];
             let gltf = self.parameters.rgb(theta.into()).map(f64::from);
-            (theta, exact, gltf, crate::colour::difference::delta_e(lab(exact), lab(gltf)))
+            (theta, exact, gltf, delta_e(lab(exact), lab(gltf)))
         })
     }
 
-    /// What the terminal shows: the parameters, the residual, and both colours at some angles.
+    /// The report for the terminal: the parameters, the residual, and both colours at some angles.
     #[must_use]
     pub fn report(&self) -> Vec<String> {
         let Parameters { factor, ior, thickness_nm, base } = self.parameters;
@@ -166,7 +166,7 @@ impl Fitted {
             format!("{thickness_nm:.1} nm of ior {ior:.3} {on}, factor {factor:.3}"),
             transmission::words(self.film.behind, base),
             format!(
-                "from the exact colour at 0 to {LAST_DEG}°: mean ΔE2000 {mean:.2}, p95 {p95:.2}, largest {largest:.2} \
+                "from the exact colour at 0 to {MAX_DEG}°: mean ΔE2000 {mean:.2}, p95 {p95:.2}, largest {largest:.2} \
                  (p95 {own:.2} with the film's own values)"
             ),
         ];
@@ -200,10 +200,8 @@ mod tests {
             own.extend(Parameters::of(&film.film).differences(&exact));
         }
         let (fits, own) = (Summary::of(&fits), Summary::of(&own));
-        println!(
-            "n = 1.33 on 1.5, 100 to 800 nm by 25, 0 to {LAST_DEG}°: fitted {fits:?}, with its own values {own:?}"
-        );
-        /// What the README says.
+        println!("n = 1.33 on 1.5, 100 to 800 nm by 25, 0 to {MAX_DEG}°: fitted {fits:?}, with its own values {own:?}");
+        /// The 95th percentile of ΔE2000 that the README states.
         const STATED: f64 = 3.67;
         assert!(fits.p95 < own.p95 && fits.p95 <= STATED);
     }

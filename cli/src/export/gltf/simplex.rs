@@ -1,10 +1,12 @@
-//! The downhill simplex of Nelder and Mead (1965) in the unit cube.
+//! The downhill simplex method of Nelder and Mead (1965) in the unit cube.
 //!
-//! A fit of six numbers is all that needs it; the crates that offer it bring more dependencies than this has lines.
+//! Only the fit of six numbers needs it; the crates that offer it bring more dependencies than this file has lines.
 
-/// The smallest value found and where, of a function on [0, 1]ⁿ, from a start and a first step in each coordinate.
-/// Points outside are put back on the cube's surface. Ends when the simplex is smaller than `width`, or after so many
-/// `iterations`.
+/// Minimises a function on [0, 1]ⁿ from a start and a first step in each coordinate; returns the smallest value and its
+/// place.
+///
+/// Points outside are moved to the cube's surface. The search ends when the simplex is smaller than `width`, or after
+/// `iterations` steps.
 pub fn minimise<const N: usize>(
     f: impl Fn(&[f64; N]) -> f64,
     start: [f64; N],
@@ -19,7 +21,7 @@ pub fn minimise<const N: usize>(
     let mut simplex = vec![value(start)];
     for i in 0..N {
         let mut point = start;
-        // Inwards, where the start lies on the surface.
+        // The step leads inwards where the start lies on the surface.
         point[i] += if start[i] + step > 1.0 { -step } else { step };
         simplex.push(value(point));
     }
@@ -64,8 +66,8 @@ mod tests {
             let (x, y) = (4.0 * x - 2.0, 4.0 * y - 2.0);
             (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2)
         };
-        let (least, place) = minimise(valley, [0.1, 0.9], 0.1, 1e-9, 2000);
-        assert!(least < 1e-12 && place.iter().all(|x| (x - 0.75).abs() < 1e-6), "{least} {place:?}");
+        let (min, place) = minimise(valley, [0.1, 0.9], 0.1, 1e-9, 2000);
+        assert!(min < 1e-12 && place.iter().all(|x| (x - 0.75).abs() < 1e-6), "{min} {place:?}");
     }
 
     #[test]

@@ -1,10 +1,9 @@
-//! What a material says of the light that its film lets through: `KHR_materials_transmission` and, for solid bodies,
-//! `KHR_materials_volume`.
+//! Transmitted light in a material: `KHR_materials_transmission` and, for solid bodies, `KHR_materials_volume`.
 //!
-//! Both are approximate. Of the light that falls on a film, glTF lets the share 1 − max(R, G, B) of the reflectance
-//! through, equal in all channels, where a clear film lets through 1 − R of each. A refracted ray follows the index of
-//! `KHR_materials_ior`, which was fitted to reflected colours. Renderers that draw triangles do not follow rays into a
-//! body, but take its thickness from the material.
+//! Both are approximate. glTF transmits the share 1 − max(R, G, B) of the light, equal in all channels, where R, G, B
+//! are the reflectance; a clear film transmits 1 − R, 1 − G and 1 − B. A refracted ray follows the index of
+//! `KHR_materials_ior`, which was fitted to reflected colours. Rasterisers do not trace rays into a body, but take its
+//! thickness from the material.
 
 use serde_json::{Value, json};
 
@@ -12,11 +11,10 @@ use super::body::MEAN_CHORD;
 use super::film::{Base, Behind};
 use super::fit::{Parameters, round};
 
-/// Less than this share of light, swallowed on its way through the body, is not written: distances would grow beyond
-/// numbers.
-const UNSEEN: f64 = 1e-6;
+/// Smallest share of light absorbed in the body that is written: below, attenuation distances would overflow.
+const MIN_ABSORBED: f64 = 1e-6;
 
-/// Adds to a material what becomes of transmitted light.
+/// Adds the extensions for transmitted light to a material.
 pub fn add(material: &mut Value, behind: Behind) {
     if behind == Behind::Opaque {
         return;
@@ -29,17 +27,17 @@ pub fn add(material: &mut Value, behind: Behind) {
         Behind::Air => material["doubleSided"] = json!(true),
         Behind::Body { absorption_per_m, .. } => {
             let mut volume = json!({ "thicknessFactor": round(MEAN_CHORD) });
-            let most = absorption_per_m.into_iter().fold(0.0, f64::max);
-            if most * MEAN_CHORD > UNSEEN {
-                volume["attenuationDistance"] = json!(1.0 / most);
-                volume["attenuationColor"] = json!(absorption_per_m.map(|a| round((-a / most).exp())));
+            let max = absorption_per_m.into_iter().fold(0.0, f64::max);
+            if max * MEAN_CHORD > MIN_ABSORBED {
+                volume["attenuationDistance"] = json!(1.0 / max);
+                volume["attenuationColor"] = json!(absorption_per_m.map(|a| round((-a / max).exp())));
             }
             extensions["KHR_materials_volume"] = volume;
         }
     }
 }
 
-/// In one line, how light passes and what is approximate in it.
+/// A line of text on how light is transmitted, and what is approximate in it.
 #[must_use]
 pub fn words(behind: Behind, base: Base) -> String {
     let grey = "transmitted light is grey, 1 less the largest of R, G, B, where a clear film lets 1 less each through";
@@ -52,7 +50,7 @@ pub fn words(behind: Behind, base: Base) -> String {
     }
 }
 
-/// The share of light that glTF lets through at an angle, equal in all channels; 0 for opaque bases.
+/// The share of light that glTF transmits at an angle, equal in all channels; 0 for metals.
 #[must_use]
 pub fn transmitted(parameters: &Parameters, theta_deg: f64) -> f64 {
     let largest = |rgb: [f32; 3]| rgb.into_iter().fold(0.0, f32::max);

@@ -26,9 +26,9 @@ fn direction_deg(theta: f64, phi: f64) -> Vec3 {
 const AROUND: u32 = 48;
 
 /// The table's colour, smooth at the normal. A table holds its last row of bins on to the normal, where all azimuths
-/// meet: drawn so, the bins would be spokes. Inside the circle of that row's middles the picture is the harmonic function with the
-/// circle's values, which has neither peak nor edge of its own. Its value is a mean over the circle by Poisson's kernel, a
-/// Cauchy distribution wrapped around it: equal steps of its quantiles weigh equally.
+/// meet: drawn so, the bins would be spokes. Inside the circle of that row's middles the picture is the harmonic
+/// function with the circle's values, which has neither peak nor edge of its own. Its value is a mean over the circle
+/// by Poisson's kernel, a Cauchy distribution wrapped around it: equal steps of its quantiles weigh equally.
 fn smooth(lookup: &Lookup<'_>, wi: Vec3, theta_deg: f64, phi_deg: f64) -> [f32; 3] {
     let rows = f64::from(lookup.layout().bins().cos);
     let circle_deg = (1.0 - 0.5 / rows).acos().to_degrees();

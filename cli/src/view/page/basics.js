@@ -1,4 +1,4 @@
-// Vectors, and numbers from text.
+// Vectors, and arrays of numbers from base64 text.
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -22,7 +22,7 @@ const halves = (text) => Float32Array.from(new Uint16Array(bytes(text)), float);
 const signed = (text) => new Int16Array(bytes(text));
 const indices = (text) => new Uint16Array(bytes(text));
 
-/** The value of the 16 bits of a half. */
+/** The value of a half-precision number of these 16 bits. */
 function float(half) {
   const [sign, exponent, fraction] = [half & 0x8000 ? -1 : 1, (half >> 10) & 31, half & 1023];
   if (exponent === 0) return sign * fraction * 2 ** -24;
@@ -30,7 +30,7 @@ function float(half) {
   return sign * (1 + fraction / 1024) * 2 ** (exponent - 15);
 }
 
-/** The place of `x` among increasing numbers: the one below, and how far it is to the next; held at the ends. */
+/** The neighbours of `x` among increasing numbers, and the weight of the second; held at the ends. */
 function place(x, numbers) {
   let [low, high] = [0, numbers.length - 1];
   while (high - low > 1) {

@@ -18,12 +18,12 @@ class Camera {
     this.elevation = clamp(this.elevation - up, -89.9, 89.9);
   }
 
-  /** The distance that fits the body into the picture, divided by `zoom`. */
+  /** Zooms by a factor; the distance is the one that fits the body into the picture, over `zoom`. */
   zoomBy(factor) {
     this.zoom = clamp(this.zoom * factor, 0.4, 4);
   }
 
-  /** Eye and axes for a picture of a size. */
+  /** Eye and axes of the camera for a picture of a size. */
   at(width, height) {
     const [azimuth, elevation] = [radians(this.azimuth), radians(this.elevation)];
     const backward = [
@@ -41,7 +41,7 @@ class Camera {
       up: cross(backward, right),
       backward,
       distance,
-      /** Pixels from the middle, of a direction one unit aside for one forward, over half the picture. */
+      /** Distance from the middle, over half the picture, of a direction one unit aside for one forward. */
       scale: [scale / width, scale / height],
     };
   }

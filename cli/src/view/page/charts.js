@@ -1,4 +1,4 @@
-// The spectrum and the disc.
+// The charts of the page: the spectrum and the disc.
 
 const SVG = document.querySelector("svg").namespaceURI;
 
@@ -33,13 +33,13 @@ class SpectrumChart {
 
   y(value) {
     const { top, bottom } = this.area;
-    return bottom - (value / this.table.most) * (bottom - top);
+    return bottom - (value / this.table.max) * (bottom - top);
   }
 
   drawAxes() {
     const { left, right, top, bottom } = this.area;
     for (let tick = 0; tick <= 4; tick += 1) {
-      const value = (this.table.most * tick) / 4;
+      const value = (this.table.max * tick) / 4;
       const y = this.y(value);
       element(this.svg, "line", { x1: left, x2: right, y1: y, y2: y, class: "grid" });
       element(this.svg, "text", { x: left - 7, y: y + 4, "text-anchor": "end" }, value.toFixed(2));
@@ -63,7 +63,7 @@ class SpectrumChart {
 
   draw(curves, theta) {
     this.lines.replaceChildren();
-    // The mean lies on top.
+    // The mean is drawn last, on top.
     for (const { name, values } of [...curves].reverse()) {
       const points = values.map((value, i) => `${this.x(this.table.wavelength[i]).toFixed(1)},${this.y(value).toFixed(1)}`);
       element(this.lines, "polyline", { points: points.join(" "), class: `curve ${name}` });
@@ -119,7 +119,7 @@ class Disc {
     context.putImageData(image, 0, 0);
   }
 
-  /** θ and φ at a place of the page, or `null` outside. */
+  /** θ and φ under the pointer, or `null` outside the disc. */
   at(event) {
     const box = this.canvas.getBoundingClientRect();
     const x = (2 * (event.clientX - box.left)) / box.width - 1;

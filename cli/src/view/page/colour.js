@@ -1,16 +1,16 @@
-// From linear RGB to the screen, under the gamut policy of all pictures: what is out of gamut is mixed with grey of its own
-// luminance, then scaled.
+// Encoding of linear RGB for the screen, under the gamut policy of all pictures: colours out of gamut are mixed with
+// the grey of their luminance, then scaled.
 
 const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 function srgb(rgb) {
   const light = luminance(rgb);
   if (!(light > 0 && Number.isFinite(light))) return [0, 0, 0];
-  const least = Math.min(...rgb);
-  const saturation = least < 0 ? light / (light - least) : 1;
+  const min = Math.min(...rgb);
+  const saturation = min < 0 ? light / (light - min) : 1;
   const inside = rgb.map((c) => Math.max(light + saturation * (c - light), 0));
-  const most = Math.max(1, ...inside);
-  return inside.map((c) => Math.round(255 * encoded(c / most)));
+  const max = Math.max(1, ...inside);
+  return inside.map((c) => Math.round(255 * encoded(c / max)));
 }
 
 const encoded = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);

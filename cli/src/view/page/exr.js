@@ -1,9 +1,9 @@
-// OpenEXR images: scan lines of R, G, B or Y, in halves, floats or whole numbers, uncompressed or ZIP.
+// Decoder of OpenEXR images: scan lines of R, G, B or Y, in halves, floats or whole numbers, uncompressed or ZIP.
 
 const EXR_COMPRESSIONS = ["none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"];
-const MOST_TEXELS = 50e6;
+const MAX_TEXELS = 50e6;
 
-/** Width, height and linear RGB of the bytes of a file. */
+/** Decodes the bytes of a file: width, height, linear RGB and primaries. */
 async function decodeExr(buffer) {
   const header = exrHeader(new DataView(buffer));
   const { channels, compression, width, height } = header;
@@ -41,8 +41,8 @@ async function decodeExr(buffer) {
 }
 
 /**
- * Which of R, G, B each channel fills. As in `render`, a name is that of a layer, a point, and its own; channels without a layer
- * come first, then the layer that Blender calls Combined, then the only one.
+ * The components among R, G, B that each channel fills. As in `render`, a channel is named by its layer, a point, and
+ * its own name. Channels without a layer are preferred, then the layer that Blender calls Combined, then the only one.
  */
 function exrSources(channels) {
   const names = channels.map((channel) => channel.name);
@@ -102,7 +102,7 @@ function exrHeader(view) {
     at = end;
   }
   found.end = at + 1;
-  if (!(found.channels && found.width > 0 && found.height > 0 && found.width * found.height <= MOST_TEXELS)) {
+  if (!(found.channels && found.width > 0 && found.height > 0 && found.width * found.height <= MAX_TEXELS)) {
     throw new Error("this EXR file is damaged, or larger than 50 million pixels");
   }
   if (found.whole && (found.whole.width !== found.width || found.whole.height !== found.height)) {
@@ -122,7 +122,7 @@ async function inflated(data) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Undoes what ZIP does before: differences of bytes, of which the even ones stand first. */
+/** Undoes the predictor of ZIP compression: bytes are differences, and even ones are stored first. */
 function unpredicted(data) {
   for (let i = 1; i < data.length; i += 1) data[i] = (data[i - 1] + data[i] - 128) & 255;
   const whole = new Uint8Array(data.length);

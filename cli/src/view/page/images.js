@@ -1,6 +1,6 @@
-// Environments from files: Radiance HDR, OpenEXR, or an ordinary picture. All are lat-long images.
+// Environments from files of lat-long images: Radiance HDR, OpenEXR, or any picture that the browser reads.
 
-/** Width, height, linear RGB, and what had to be mended. */
+/** Decodes a file: width, height, linear RGB, and the number of components that were repaired. */
 async function decodeImage(file) {
   const buffer = await file.arrayBuffer();
   const start = new Uint8Array(buffer, 0, Math.min(4, buffer.byteLength));
@@ -18,22 +18,22 @@ async function decodeImage(file) {
   return image;
 }
 
-/** Chromaticities x and y of red, green, blue and white. */
+/** Chromaticities x and y of red, green, blue and white in Rec. 709. */
 const REC_709 = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329];
-/** Files round primaries to two digits, and Radiance puts green at 0.29. */
-const SAME_PRIMARY = 0.015;
-/** The cone responses of Bradford. */
+/** Largest difference of a primary that is still Rec. 709: files round to two digits, and Radiance puts green at 0.29. */
+const MAX_PRIMARY_DIFFERENCE = 0.015;
+/** Bradford's cone responses, row by row. */
 const BRADFORD = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
 /** Converts R, G, B of other primaries to Rec. 709, as `render` does; white stays white. */
 function convert(rgb, primaries) {
-  if (REC_709.slice(0, 6).every((x, i) => Math.abs(x - primaries[i]) <= SAME_PRIMARY)) return;
+  if (REC_709.slice(0, 6).every((x, i) => Math.abs(x - primaries[i]) <= MAX_PRIMARY_DIFFERENCE)) return;
   const matrix = toRec709(primaries);
   if (!matrix.flat().every(Number.isFinite)) throw new Error("the primaries of this file span no colours");
   for (let i = 0; i < rgb.length; i += 3) rgb.set(matrix.map((row) => dot(row, rgb.subarray(i, i + 3))), i);
 }
 
-/** The matrix, of rows. */
+/** The matrix, row by row, that converts R, G, B of primaries to Rec. 709. */
 function toRec709(primaries) {
   const transposed = (m) => [0, 1, 2].map((i) => m.map((row) => row[i]));
   const product = (a, b) => a.map((row) => transposed(b).map((column) => dot(row, column)));
@@ -50,7 +50,7 @@ function toRec709(primaries) {
   return product(inverse(toXyz(REC_709)), product(adapted, toXyz(primaries)));
 }
 
-/** No radiance is negative, no number or infinite. */
+/** Replaces components that are no radiance: negative, infinite or not a number; returns their count. */
 function mend(rgb) {
   let mended = 0;
   for (let i = 0; i < rgb.length; i += 1) {
@@ -64,8 +64,8 @@ function mend(rgb) {
 }
 
 /**
- * Radiance RGBE in any orientation, with or without run lengths, as `render` reads it: what programs multiplied pixels by, which
- * the header tells, is divided out.
+ * Decodes Radiance RGBE in any orientation, with or without run lengths, as `render` does. Factors by which programs
+ * multiplied the pixels, as the header tells, are divided out.
  */
 function decodeHdr(data) {
   let at = 0;
@@ -84,7 +84,7 @@ function decodeHdr(data) {
   const [width, height] = byColumns ? [count, length] : [length, count];
   // Y grows upwards, rows are counted from the top.
   const [signX, signY] = byColumns ? [size[1], size[4]] : [size[4], size[1]];
-  if (!(width > 0 && height > 0 && width * height <= MOST_TEXELS)) throw new Error("this HDR file has no pixels, or more than 50 million");
+  if (!(width > 0 && height > 0 && width * height <= MAX_TEXELS)) throw new Error("this HDR file has no pixels, or more than 50 million");
   const rgb = new Float32Array(3 * width * height);
   const stored = new Uint8Array(4 * length);
   for (let number = 0; number < count; number += 1) {
@@ -100,16 +100,16 @@ function decodeHdr(data) {
   return { width, height, rgb, primaries };
 }
 
-/** Reads a header to its empty line: by what R, G and B were multiplied, and which primaries they have. */
+/** Reads a header to its empty line: the factors that multiplied R, G and B, and their primaries. */
 function hdrHeader(line) {
   const multiplied = [1, 1, 1];
   let primaries;
   for (let text = line(); text !== ""; text = line()) {
-    // Lines that start with a blank tell what the inputs of a program were.
+    // Lines that start with a blank repeat the headers of a program's inputs.
     const [, key, value] = /^([A-Z]+)=(.*)$/.exec(text) ?? [];
-    const numbers = (count, least = Number.MIN_VALUE) => {
+    const numbers = (count, min = Number.MIN_VALUE) => {
       const found = value.trim().split(/\s+/).map(Number);
-      if (found.length !== count || !found.every((x) => x >= least && x < Infinity)) {
+      if (found.length !== count || !found.every((x) => x >= min && x < Infinity)) {
         throw new Error(`this HDR file is damaged: ${text} is not the ${count} numbers that belong there`);
       }
       return found;
@@ -128,7 +128,7 @@ function hdrHeader(line) {
   return { multiplied, primaries };
 }
 
-/** Fills the pixels of a scan line; where the next begins. */
+/** Reads the pixels of a scan line; returns the place at which the next begins. */
 function hdrLine(data, start, stored, length) {
   let at = start;
   const early = () => new Error("this HDR file ends too early");
@@ -152,7 +152,10 @@ function hdrLine(data, start, stored, length) {
   return at;
 }
 
-/** Pixels as they are; 1, 1, 1 and a number repeat the last that often, and what follows at once counts in the next byte. */
+/**
+ * Reads a scan line of plain pixels and runs of them: the pixel 1, 1, 1, n repeats the last one n times. The count of a
+ * run that directly follows another stands for 256 times as many pixels.
+ */
 function hdrOldLine(data, start, stored, length, early, wrong) {
   let at = start;
   let shift = 0;
@@ -173,7 +176,7 @@ function hdrOldLine(data, start, stored, length, early, wrong) {
   return at;
 }
 
-/** JPEG, PNG and what else the browser reads: sRGB, at most 1. */
+/** Decodes JPEG, PNG and other pictures that the browser reads: sRGB, at most 1. */
 async function decodePicture(file) {
   let bitmap;
   try {

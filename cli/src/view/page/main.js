@@ -1,4 +1,4 @@
-// The page: what the visitor does, and what follows.
+// The page: its controls, and the response to the visitor.
 
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
@@ -7,7 +7,7 @@ data.shapes = Object.fromEntries(Object.entries(data.shapes).map(([name, shape])
 const camera = new Camera(data.view);
 const stage = $("stage");
 const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false };
-/** What is read: a place of the stage, from −1 to 1, or a direction of the disc. */
+/** The pointer that reads the surface: a place of the stage, from −1 to 1, or a direction of the disc. */
 let pointed = { x: 0, y: 0 };
 let reading = { theta: 0, phi: 0 };
 let renderer = null;
@@ -18,7 +18,7 @@ const disc = new Disc($("disc"), $("disc-marks"), table);
 
 // ---- drawing
 
-/** While the visitor turns the body, pictures are small enough to follow the hand; at rest they have every pixel. */
+/** Milliseconds at rest after which pictures have all pixels; before, they are small enough to follow the hand. */
 const AT_REST = 600;
 const hand = { moved: -Infinity, scale: 1, timer: 0, frame: 0 };
 
@@ -27,7 +27,7 @@ function size(scale = 1) {
   return [Math.max(1, Math.round(stage.clientWidth * dense)), Math.max(1, Math.round(stage.clientHeight * dense))];
 }
 
-/** Milliseconds from one picture to the next tell how large pictures may be. */
+/** Adapts the size of pictures to the milliseconds from one to the next. */
 function adapt(took) {
   if (took > 90) hand.scale = Math.max(0.2, 0.75 * hand.scale);
   else if (took < 30) hand.scale = Math.min(1, 1.1 * hand.scale);
@@ -91,12 +91,12 @@ function read() {
   } else {
     const [width, height] = [stage.clientWidth || 1, stage.clientHeight || 1];
     const { origin, direction } = camera.ray(pointed.x, pointed.y, width, height);
-    const contact = data.shapes[state.shape].meet(origin, direction);
+    const hit = data.shapes[state.shape].intersect(origin, direction);
     $("crosshair").style.left = `${50 + 50 * pointed.x}%`;
     $("crosshair").style.top = `${50 - 50 * pointed.y}%`;
     $("crosshair").hidden = !renderer;
     // Beside the body the last reading stays.
-    if (contact) reading = anglesOf(contact, unit(plus(origin, contact.point, -1)));
+    if (hit) reading = anglesOf(hit, unit(plus(origin, hit.point, -1)));
   }
   showReading();
 }
@@ -116,7 +116,7 @@ function showReading() {
 }
 
 let announcing;
-/** Screen readers hear where the pointer has come to rest. */
+/** Announces the reading to screen readers once the pointer rests. */
 function announce() {
   clearTimeout(announcing);
   announcing = setTimeout(() => {

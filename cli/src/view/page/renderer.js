@@ -1,12 +1,13 @@
-// Draws the body by WebGL2: pictures a part of a pixel apart are summed in floats until the mean is smooth.
+// Renderer of the body in WebGL2: pictures, each moved by a part of a pixel, are summed in floats until the mean is
+// smooth.
 
 const LIGHTS = { white: 0, studio: 1, image: 2 };
 const ATTRIBUTES = ["position", "normal", "tangent"];
-/** Texels of a line of a long list; the shaders know it too. */
+/** Texels in a line of a long list; the shaders hold the same number. */
 const LINE = 2048;
 
 class Renderer {
-  /** Throws, in words, where the canvas cannot draw. */
+  /** Throws an error for the visitor if the browser cannot draw. */
   constructor(canvas, data, table) {
     this.canvas = canvas;
     const options = { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true };
@@ -17,7 +18,7 @@ class Renderer {
     else if (gl.getExtension("EXT_color_buffer_half_float")) this.format = gl.RGBA16F;
     else throw new Error("this graphics processor cannot draw into floats, which the page needs");
     this.scatters = table.scatters;
-    /** After so many pictures the mean is left as it is. */
+    /** Number of pictures after which the mean is smooth. */
     this.enough = this.scatters ? 512 : 32;
     this.draws = 1;
     this.prepare(data, table);
@@ -92,7 +93,7 @@ class Renderer {
     return texture;
   }
 
-  /** A long list of one or four floats each, in lines. */
+  /** A texture of a long list of one or four floats each, in lines. */
   list(values, channels) {
     const { gl } = this;
     const lines = Math.ceil(values.length / channels / LINE);
@@ -118,11 +119,11 @@ class Renderer {
     return { array, count: shape.triangles.length };
   }
 
-  /** A lat-long image as the light; too large ones are averaged down. */
+  /** Takes a lat-long image as the light; too large ones are averaged down. */
   setImage({ width, height, rgb }) {
     const { gl } = this;
-    const most = Math.min(gl.getParameter(gl.MAX_TEXTURE_SIZE), 4096);
-    const step = Math.ceil(Math.max(width, height) / most);
+    const max = Math.min(gl.getParameter(gl.MAX_TEXTURE_SIZE), 4096);
+    const step = Math.ceil(Math.max(width, height) / max);
     const [across, down] = [Math.ceil(width / step), Math.ceil(height / step)];
     const values = new Float32Array(4 * across * down);
     for (let y = 0; y < down; y += 1) {
@@ -144,7 +145,7 @@ class Renderer {
     this.restart();
   }
 
-  /** What was drawn so far no longer holds. */
+  /** Discards the pictures drawn so far. */
   restart() {
     this.drawn = 0;
   }
@@ -194,12 +195,13 @@ class Renderer {
     this.bind(3, this.surroundings, at("surroundings"));
   }
 
-  /** One more picture of the scene into the sum. */
+  /** Draws one more picture and adds it to the sum. */
   add(state, camera) {
     const { gl, programs } = this;
     const [width, height] = this.size;
     const seen = camera.at(width, height);
-    // The first two numbers of Roberts' R4 sequence; the shader takes the others. The first point is the middle of the pixel.
+    // The first two numbers of Roberts' R4 sequence; the shader takes the other two. The first point is the middle of
+    // the pixel.
     const within = [0.8566748838545029, 0.733891856627126].map((step) => (0.5 + this.drawn * step) % 1);
     const jitter = [(1 - 2 * within[0]) / width, (1 - 2 * within[1]) / height];
     gl.viewport(0, 0, width, height);
@@ -268,14 +270,14 @@ class Renderer {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  /** Draws one more picture if the mean is not smooth yet; whether there is more to do. */
+  /** Draws one more picture if the mean is not smooth yet; returns whether there is more to draw. */
   advance(state, camera) {
     if (this.drawn < this.enough) this.add(state, camera);
     this.show(state);
     return this.drawn < this.enough;
   }
 
-  /** A PNG of any size as a data URL. */
+  /** The data URL of a PNG of any size. */
   picture(state, camera, width, height, count = this.enough) {
     const before = this.size;
     this.resize(width, height);

@@ -1,6 +1,6 @@
-// A mesh in the unit sphere, and where a ray meets it.
+// Meshes in the unit sphere, and their intersection with rays.
 
-/** A ray along the edge of two triangles meets one of them, whatever the rounding. */
+/** Tolerance at edges: a ray along the edge of two triangles hits one of them, whatever the rounding. */
 const EDGE = 1e-9;
 
 class Shape {
@@ -11,8 +11,8 @@ class Shape {
     this.triangles = indices(data.triangles);
   }
 
-  /** The first contact of a ray: its frame, turned to the viewer; `null` if it misses. */
-  meet(origin, direction) {
+  /** The nearest hit of a ray: its point and its frame, turned to the viewer; `null` if the ray misses. */
+  intersect(origin, direction) {
     const vertex = (list, i) => [list[3 * i] / 32767, list[3 * i + 1] / 32767, list[3 * i + 2] / 32767];
     let [nearest, found] = [Infinity, null];
     for (let k = 0; k < this.triangles.length; k += 3) {
@@ -42,8 +42,8 @@ class Shape {
   }
 }
 
-/** θ and φ of the viewer in the frame of a contact, in degrees. */
-function anglesOf(contact, towardsViewer) {
-  const [x, y, z] = [contact.tangent, contact.binormal, contact.normal].map((axis) => dot(axis, towardsViewer));
+/** θ and φ of the viewer in the frame of a hit, in degrees. */
+function anglesOf(hit, towardsViewer) {
+  const [x, y, z] = [hit.tangent, hit.binormal, hit.normal].map((axis) => dot(axis, towardsViewer));
   return { theta: degrees(Math.atan2(Math.hypot(x, y), Math.max(z, 0))), phi: (degrees(Math.atan2(y, x)) + 360) % 360 };
 }

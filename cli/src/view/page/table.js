@@ -1,4 +1,4 @@
-// What a table says at an angle: colours, spectra, the disc.
+// Look-ups in a table: colours, spectra and the disc at an angle.
 
 class MirrorTable {
   constructor(data) {
@@ -8,7 +8,7 @@ class MirrorTable {
     this.s = floats(data.s);
     this.p = floats(data.p);
     this.lookup = floats(data.lookup);
-    this.most = Math.max(1, this.s.reduce((a, b) => Math.max(a, b), 0), this.p.reduce((a, b) => Math.max(a, b), 0));
+    this.max = Math.max(1, this.s.reduce((a, b) => Math.max(a, b), 0), this.p.reduce((a, b) => Math.max(a, b), 0));
     this.label = "Reflectance";
   }
 
@@ -37,7 +37,7 @@ class MirrorTable {
     ];
   }
 
-  /** Linear RGB at a direction of the disc; it does not depend on where one looks from. */
+  /** Linear RGB over the directions of the disc, whatever the direction of the reading. */
   disc() {
     return (theta) => this.rgb(theta);
   }
@@ -52,7 +52,7 @@ class ScatterTable {
     this.cumulative = floats(data.cumulative);
     this.albedo = floats(data.albedo);
     this.weights = floats(data.rgbWeights);
-    this.most = Math.max(1, this.albedo.reduce((a, b) => Math.max(a, b), 0));
+    this.max = Math.max(1, this.albedo.reduce((a, b) => Math.max(a, b), 0));
     this.label = "Albedo";
   }
 
@@ -60,7 +60,7 @@ class ScatterTable {
     return this.bins[0] * this.bins[1];
   }
 
-  /** Four neighbours, with their shares, on a grid held in rows and periodic in columns. */
+  /** The four neighbours and their weights on a grid, constant beyond the ends of rows and periodic in columns. */
   static nodes(row, rows, turns, columns) {
     const y = clamp(row, 0, rows - 1);
     const below = Math.min(Math.floor(y), Math.max(rows - 2, 0));
@@ -77,7 +77,7 @@ class ScatterTable {
     ];
   }
 
-  /** Angles in radians, as the core has them. */
+  /** Neighbours among incident directions, by angles in radians, as in the core. */
   incidentNodes(theta, phi) {
     const [rows, columns] = this.incident;
     const row = (theta / (Math.PI / 2)) * rows - 0.5;
@@ -89,7 +89,7 @@ class ScatterTable {
     return ScatterTable.nodes(cos * rows - 0.5, rows, phi / (2 * Math.PI), columns);
   }
 
-  /** What is reflected of light from all around, at each wavelength: the colour under white light, by reciprocity. */
+  /** Albedo at each wavelength: the colour under white light from all around, by reciprocity. */
   curves(theta, phi) {
     const nodes = this.incidentNodes(radians(theta), radians(phi));
     const width = this.wavelength.length;
@@ -102,15 +102,15 @@ class ScatterTable {
     return [0, 1, 2].map((c) => values.reduce((sum, value, w) => sum + value * this.weights[3 * w + c], 0));
   }
 
-  /** Linear RGB of f for light from (θ, φ) over the outgoing directions, scaled to its brightest component. */
+  /** Linear RGB of f over the outgoing directions for light from (θ, φ), scaled to its brightest component. */
   disc(theta, phi) {
     const mixed = new Float32Array(3 * this.binCount);
     for (const [i, share] of this.incidentNodes(radians(theta), radians(phi))) {
       const from = 3 * i * this.binCount;
       for (let k = 0; k < mixed.length; k += 1) mixed[k] += share * this.atlas[from + k];
     }
-    const most = mixed.reduce((a, b) => Math.max(a, b), 0);
-    const scale = most > 0 ? 1 / most : 0;
+    const max = mixed.reduce((a, b) => Math.max(a, b), 0);
+    const scale = max > 0 ? 1 / max : 0;
     return (thetaOut, phiOut) => {
       const rgb = [0, 0, 0];
       for (const [bin, share] of this.outgoingNodes(Math.cos(radians(thetaOut)), radians(phiOut - phi))) {
@@ -120,7 +120,7 @@ class ScatterTable {
     };
   }
 
-  /** f and each bin's probability, four floats a bin, as the shader wants it. */
+  /** f and the probability of each bin, four floats a bin, as the shader takes them. */
   packed() {
     const [rows, columns] = this.bins;
     const stride = 1 + rows + this.binCount;

@@ -1,4 +1,4 @@
-// The sum of the pictures so far and the latest.
+// Adds the latest picture to the sum of those before.
 uniform sampler2D sum, latest;
 out vec4 colour;
 

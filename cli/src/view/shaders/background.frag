@@ -1,4 +1,4 @@
-// The surroundings behind the body.
+// Draws the surroundings behind the body.
 in vec2 place;
 uniform vec3 right, up, backward;
 uniform vec2 scale, jitter;

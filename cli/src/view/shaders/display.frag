@@ -1,4 +1,5 @@
-// From scene-linear radiance to the screen: what is out of gamut is mixed with grey of its luminance, then scaled.
+// Encodes scene-linear radiance for the screen: colours out of gamut are mixed with the grey of their luminance, then
+// scaled.
 uniform sampler2D sum;
 uniform float factor, samples;
 out vec4 colour;
@@ -12,8 +13,8 @@ void main() {
         colour = vec4(0.0, 0.0, 0.0, coverage);
         return;
     }
-    float least = min(rgb.r, min(rgb.g, rgb.b));
-    float saturation = least < 0.0 ? luminance / (luminance - least) : 1.0;
+    float smallest = min(rgb.r, min(rgb.g, rgb.b));
+    float saturation = smallest < 0.0 ? luminance / (luminance - smallest) : 1.0;
     rgb = max(luminance + saturation * (rgb - luminance), 0.0);
     rgb /= max(1.0, max(rgb.r, max(rgb.g, rgb.b)));
     vec3 encoded = mix(1.055 * pow(rgb, vec3(1.0 / 2.4)) - 0.055, 12.92 * rgb, vec3(lessThanEqual(rgb, vec3(0.0031308))));

@@ -1,4 +1,4 @@
-// The frame that the viewer sees: behind a sheet n turns over; n stays at least at right angles to the viewer.
+// The normal that the viewer sees: it points to the viewer's side of a sheet, and never away from the viewer.
 in vec3 vPoint, vNormal, vTangent;
 uniform vec3 eye;
 

@@ -1,4 +1,4 @@
-// The light around the body, turned about z: 0 white, 1 the studio, 2 a lat-long image.
+// The light around the body, turned about z. `light` is 0 for white, 1 for the studio, 2 for a lat-long image.
 struct Lamp { vec3 towards, right, up; vec2 halfExtent; float softness, radiance; };
 uniform int light;
 uniform vec2 turn; // sine and cosine
@@ -24,7 +24,7 @@ float studio(vec3 d) {
     return sum;
 }
 
-// Radiance of a direction of the world.
+// Radiance from a direction of the world.
 vec3 radiance(vec3 direction) {
     if (light == 0) return vec3(1.0);
     vec3 d = vec3(turn.y * direction.x + turn.x * direction.y, turn.y * direction.y - turn.x * direction.x, direction.z);

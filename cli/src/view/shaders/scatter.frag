@@ -1,7 +1,8 @@
-// A scattering table: directions are drawn by the table, f(wo, ·) cos θ, and now and then by the cosine, as `render` does;
-// the light is not sampled, which only costs noise. The atlas holds f, and in its fourth channel each bin's probability.
-uniform sampler2D atlas; // incident by incident, bin by bin, in lines of 2048
-uniform sampler2D cumulative; // per incident direction: what it reflects; sums of rows; sums of columns in each row
+// A scattering table. Directions are sampled by the table, f(wo, ·) cos θ, and with probability BY_COSINE by the
+// cosine, as in `render`. The light is not sampled, which only costs noise. The atlas holds f, and in its fourth
+// channel the probability of each bin.
+uniform sampler2D atlas; // by incident direction, then by bin, in lines of 2048
+uniform sampler2D cumulative; // per incident direction: its albedo; sums of rows; sums of columns in each row
 uniform ivec2 incident, bins; // θ × φ and cos θ × φ
 uniform uint sampleIndex;
 uniform int draws;
@@ -19,8 +20,8 @@ uvec2 hashed(uvec2 v) { // PCG 2D (Jarzynski and Olano, JCGT 2020)
     return v ^ (v >> 16u);
 }
 
-// The last two of the four numbers of Roberts' R4 sequence, of which the first two place the ray in its pixel, shifted by
-// numbers of the pixel's own.
+// The last two of the four numbers of Roberts' R4 sequence, of which the first two place the ray in its pixel, shifted
+// by numbers of the pixel's own.
 vec2 uniformly(uint n) {
     uvec2 shift = hashed(uvec2(gl_FragCoord.xy));
     return vec2(shift + n * uvec2(2700274805u, 2313257605u)) / 4294967296.0;
@@ -29,7 +30,7 @@ vec2 uniformly(uint n) {
 float polar(vec3 w) { return atan(length(w.xy), w.z); }
 float azimuth(vec3 w) { return w.x == 0.0 && w.y == 0.0 ? 0.0 : atan(w.y, w.x); }
 
-// Two neighbours of a place, held at the ends: the first, and the share of the second.
+// The two neighbours of a place, held at the ends, and the weight of the second.
 void held(float place, int count, out ivec2 at, out float share) {
     place = clamp(place, 0.0, float(count - 1));
     at.x = min(int(place), max(count - 2, 0));
@@ -37,6 +38,7 @@ void held(float place, int count, out ivec2 at, out float share) {
     at.y = min(at.x + 1, count - 1);
 }
 
+// The two neighbours of a place on a circle, and the weight of the second.
 void periodic(float turns, int count, out ivec2 at, out float share) {
     float place = fract(turns) * float(count);
     share = fract(place);
@@ -71,7 +73,7 @@ Nodes outgoingNodes(vec3 w, float from) {
     return product(rows, row, columns, column, bins.y);
 }
 
-// f in the first three, the density of each bin in the fourth, for one incident direction.
+// f in the first three components, the probability of each bin in the fourth, for one incident direction.
 vec4 between(int i, Nodes o) {
     vec4 sum = vec4(0.0);
     for (int k = 0; k < 4; ++k) sum += o.weight[k] * texel(atlas, i * bins.x * bins.y + o.index[k]);
@@ -80,8 +82,8 @@ vec4 between(int i, Nodes o) {
 
 float memory(int i, int at) { return texel(cumulative, i * (1 + bins.x + bins.x * bins.y) + at).r; }
 
-// Which of `count` cumulative probabilities a number falls into, and where in it.
-int take(int i, int from, int count, inout float u) {
+// Inverts cumulative probabilities: returns the cell that `u` falls into, and sets `u` to the place within the cell.
+int invertCdf(int i, int from, int count, inout float u) {
     int low = 0, high = count - 1;
     while (low < high) {
         int middle = (low + high) / 2;
@@ -93,10 +95,10 @@ int take(int i, int from, int count, inout float u) {
     return low;
 }
 
-// A tent from −1 to 1.
+// A number from −1 to 1 whose density is a tent, from a uniform one.
 float tent(float u) { return u < 0.5 ? sqrt(2.0 * u) - 1.0 : 1.0 - sqrt(2.0 - 2.0 * u); }
 
-// The same, where the side beyond the first or the last row is flat and ends after half a step.
+// A number whose density is a tent, but flat beyond the first or the last row, where it ends after half a step.
 float heldTent(float u, bool first, bool last) {
     if (first && last) return u - 0.5;
     if (first) return u < 0.5 ? u - 0.5 : 1.0 - sqrt(max(2.0 - 2.0 * u, 0.0));
@@ -108,7 +110,7 @@ vec3 fromTable(vec3 wo, Nodes mixture, vec2 u) {
     int chosen = mixture.index[3];
     float from = 0.0;
     for (int k = 0; k < 4; ++k) {
-        if (mixture.weight[k] <= 0.0) continue; // rounding must not choose what reflects nothing
+        if (mixture.weight[k] <= 0.0) continue; // rounding must not choose a direction that reflects nothing
         chosen = mixture.index[k];
         if (u.x < from + mixture.weight[k]) {
             u.x = clamp((u.x - from) / mixture.weight[k], 0.0, 0.9999999);
@@ -116,8 +118,8 @@ vec3 fromTable(vec3 wo, Nodes mixture, vec2 u) {
         }
         from += mixture.weight[k];
     }
-    int row = take(chosen, 1, bins.x, u.x);
-    int column = take(chosen, 1 + bins.x + row * bins.y, bins.y, u.y);
+    int row = invertCdf(chosen, 1, bins.x, u.x);
+    int column = invertCdf(chosen, 1 + bins.x + row * bins.y, bins.y, u.y);
     float c = clamp((float(row) + 0.5 + heldTent(u.x, row == 0, row + 1 == bins.x)) / float(bins.x), 1e-6, 1.0);
     float phi = azimuth(wo) + TAU * (float(column) + tent(u.y)) / float(bins.y);
     return vec3(sqrt(max(1.0 - c * c, 0.0)) * vec2(cos(phi), sin(phi)), c);
@@ -143,7 +145,7 @@ void main() {
         uint number = sampleIndex * uint(draws) + uint(draw);
         vec2 u = uniformly(number);
         vec3 wi;
-        // The first number chooses, and what is left of it is uniform again.
+        // The first number chooses; its remainder is uniform again.
         bool byCosine = u.x < BY_COSINE;
         u.x = byCosine ? u.x / BY_COSINE : (u.x - BY_COSINE) / (1.0 - BY_COSINE);
         if (byCosine) {
