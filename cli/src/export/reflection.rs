@@ -70,6 +70,9 @@ impl Reflection {
     }
 
     /// An evaluator of the BRDF, with working memory of its own.
+    ///
+    /// # Panics
+    /// If the table did not pass its check, so that its values do not fit its layout.
     #[must_use]
     pub fn evaluator(&self) -> Evaluator<'_> {
         let lookup = match self.kind {

@@ -155,8 +155,7 @@ mod tests {
         assert!(whole.svg().contains("as blue, green, red") && whole.svg().contains("Left half: A, right half: B"));
     }
 
-    // Powers of two are exact.
-    #[allow(clippy::float_cmp)]
+    #[allow(clippy::float_cmp, reason = "powers of two are exact")]
     #[test]
     fn profiles_are_interpolated_and_held_at_their_ends() {
         let at = |x| interpolated(&[10.0, 20.0, 40.0], &[1.0, 3.0, 5.0], x);

@@ -51,6 +51,9 @@ impl Raster {
     }
 
     /// The bytes of a PNG file.
+    ///
+    /// # Panics
+    /// Never: encoding into memory does not fail.
     #[must_use]
     pub fn png(&self) -> Vec<u8> {
         self.pixels.encode_png().expect("encoding into memory does not fail")

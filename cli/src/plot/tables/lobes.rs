@@ -1,4 +1,4 @@
-//! Pictures of tables of scattering cells: the outgoing hemisphere, lobes in the plane of incidence.
+//! Pictures of the directions of scattering cells: the outgoing hemisphere, and lobes in the plane of incidence.
 
 use std::f64::consts::PI;
 
@@ -14,21 +14,23 @@ use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::table::scatter::ScatterTable;
 
-/// Where the light of a direction goes unless the user names another.
+/// Angle of the light of which the outgoing hemisphere is shown, unless the user names another.
 const THETA_DEG: f64 = 30.0;
 
-/// The unit vector at angles in degrees.
+/// The unit vector of angles in degrees.
 fn direction_deg(theta: f64, phi: f64) -> Vec3 {
     direction(theta.to_radians(), phi.to_radians()).as_vec3()
 }
 
-/// Azimuths averaged where the last row of bins, which reaches the normal, is drawn.
+/// Number of azimuths averaged within the last row of bins, which reaches the normal.
 const AROUND: u32 = 48;
 
-/// The table's colour, smooth at the normal. A table holds its last row of bins on to the normal, where all azimuths
-/// meet: drawn so, the bins would be spokes. Inside the circle of that row's middles the picture is the harmonic
-/// function with the circle's values, which has neither peak nor edge of its own. Its value is a mean over the circle
-/// by Poisson's kernel, a Cauchy distribution wrapped around it: equal steps of its quantiles weigh equally.
+/// The table's colour, smooth at the normal.
+///
+/// A table is constant from its last row of bins to the normal, where all azimuths meet, so that these bins would look
+/// like spokes. Inside the circle through the middles of that row, the picture is therefore the harmonic function with
+/// the circle's values, which has neither peak nor edge of its own. Its value is a mean over the circle by Poisson's
+/// kernel, a Cauchy distribution wrapped around it: equal steps of its quantiles weigh equally.
 fn smooth(lookup: &Lookup<'_>, wi: Vec3, theta_deg: f64, phi_deg: f64) -> [f32; 3] {
     let rows = f64::from(lookup.layout().bins().cos);
     let circle_deg = (1.0 - 0.5 / rows).acos().to_degrees();

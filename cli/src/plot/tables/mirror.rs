@@ -22,6 +22,9 @@ pub fn disc(table: &MirrorTable, name: &str) -> Result<Picture> {
 }
 
 /// Reflectance against the wavelength at the angles of the table nearest to `theta_deg`: s, p and their mean.
+///
+/// # Panics
+/// If the table has no angle.
 pub fn spectra(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Picture {
     let width = table.wavelength_nm.len();
     let series = theta_deg.iter().zip(PALETTE.iter().cycle()).flat_map(|(&wanted, colour)| {

@@ -10,11 +10,11 @@ use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
 use crate::support::error::{Error, Result};
 use crate::table::scatter::ScatterTable;
 
-/// Steps of θ that maps and paths are drawn with; tables hold a dozen rows, linear in between.
+/// Steps of θ in maps and paths; tables hold a dozen rows, linear in between.
 const STEPS: u32 = 90;
 
-/// f against the wavelength, one curve for each angle of the light. The light comes from the first azimuth of `phi_deg`
-/// and goes towards the second, at `theta_out_deg` or else at the angle of the light.
+/// A picture of f against the wavelength, one curve for each angle of the light. The light comes from the first azimuth
+/// of `phi_deg` and goes towards the second, at `theta_out_deg` or else at the angle of the light.
 pub fn spectra(
     table: &ScatterTable,
     name: &str,

@@ -20,7 +20,7 @@ async function decodeImage(file) {
 
 /** Chromaticities x and y of red, green, blue and white in Rec. 709. */
 const REC_709 = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329];
-/** Largest difference of a primary that is still Rec. 709: files round to two digits, and Radiance puts green at 0.29. */
+/** Largest difference of a primary that is still Rec. 709: files round to two digits; Radiance has green at 0.29. */
 const MAX_PRIMARY_DIFFERENCE = 0.015;
 /** Bradford's cone responses, row by row. */
 const BRADFORD = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
