@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::plot::{PictureFormat, Picture};
+use crate::plot::{Picture, PictureFormat};
 use crate::scene::Scene;
 use crate::support::error::Result;
 use crate::support::output;

@@ -3,7 +3,7 @@
 use crate::commands::args::{PlotArgs, PlotKind};
 use crate::commands::pictures::save_picture;
 use crate::commands::table_source::TableSource;
-use crate::plot::{PictureFormat, Picture, tables};
+use crate::plot::{Picture, PictureFormat, tables};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::table::Table;
