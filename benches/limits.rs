@@ -12,7 +12,7 @@ use std::time::Duration;
 use goniochrome::simd::lanes::{F32, F64, Lanes};
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::counted::{Counted, Counts, OPERATIONS, Operation, count};
-use goniochrome_benches::stages::{Stage, Work, cell, coherence, interface, planar, stack, turns};
+use goniochrome_benches::stages::{Stage, Work, cell, coherence, interface, phase, planar, stack};
 
 /// Independent chains: as many as two units of latency 4 keep busy, and as registers hold in either precision.
 const CHAINS: usize = 8;
@@ -116,7 +116,7 @@ fn all<V: Lanes, C: Lanes>(lanes: &str) {
     }
     println!("{lanes}: peak {:.0} Gop/s", 2.0 * V::WIDTH as f64 / costs[Operation::Fused as usize][0] * 1e-9);
     for (stage, counting) in [
-        (turns::<V> as Stage, turns::<C> as Stage),
+        (phase::<V> as Stage, phase::<C> as Stage),
         (interface::<V>, interface::<C>),
         (stack::<V>, stack::<C>),
         (planar::<V>, planar::<C>),

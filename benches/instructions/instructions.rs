@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use goniochrome::simd::lanes::{F32, F64};
-use goniochrome_benches::stages::{Stage, Work, bvh, cell, coherence, colour, interface, planar, stack, table, turns};
+use goniochrome_benches::stages::{Stage, Work, bvh, cell, coherence, colour, interface, phase, planar, stack, table};
 
 /// Callgrind knows this by its name.
 #[inline(never)]
@@ -14,13 +14,13 @@ fn counted(run: &mut dyn FnMut()) {
 
 fn main() {
     let stages: [(&str, Stage); 15] = [
-        ("f32", turns::<F32>),
+        ("f32", phase::<F32>),
         ("f32", interface::<F32>),
         ("f32", stack::<F32>),
         ("f32", planar::<F32>),
         ("f32", coherence::<F32>),
         ("f32", cell::<F32>),
-        ("f64", turns::<F64>),
+        ("f64", phase::<F64>),
         ("f64", interface::<F64>),
         ("f64", stack::<F64>),
         ("f64", planar::<F64>),

@@ -24,7 +24,7 @@ pub fn bvh(visit: Visit<'_>) {
     let rays = incoherent(&mesh, RAYS);
     let hits = rays.iter().filter(|ray| bvh.intersect_nearest(ray, |_| true).is_some()).count();
     assert!((RAYS / 2..RAYS).contains(&hits), "{hits}");
-    visit(&Work { stage: "bvh", name: "closest hit", unit: "rays", amount: RAYS as f64 }, &mut || {
+    visit(&Work { stage: "bvh", name: "nearest hit", unit: "rays", amount: RAYS as f64 }, &mut || {
         for ray in black_box(&rays) {
             black_box(bvh.intersect_nearest(ray, |_| true));
         }
@@ -32,7 +32,7 @@ pub fn bvh(visit: Visit<'_>) {
     let mut found = vec![None; RAYS];
     bvh.intersect_batch(&rays, &mut found, |_, _| true);
     assert!(rays.iter().map(|ray| bvh.intersect_nearest(ray, |_| true)).eq(found.iter().copied()));
-    visit(&Work { stage: "bvh", name: "closest hits by turns", unit: "rays", amount: RAYS as f64 }, &mut || {
+    visit(&Work { stage: "bvh", name: "nearest hits, batch", unit: "rays", amount: RAYS as f64 }, &mut || {
         bvh.intersect_batch(black_box(&rays), &mut found, |_, _| true);
         black_box(&found);
     });

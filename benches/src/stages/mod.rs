@@ -6,20 +6,20 @@ mod cell;
 mod coherence;
 mod colour;
 mod interface;
+mod phase;
 mod planar;
 mod stack;
 mod table;
-mod turns;
 
 pub use bvh::{bvh, incoherent};
 pub use cell::cell;
 pub use coherence::coherence;
 pub use colour::colour;
 pub use interface::interface;
+pub use phase::phase;
 pub use planar::planar;
 pub use stack::stack;
 pub use table::table;
-pub use turns::turns;
 
 /// What one run of a piece of work does.
 #[derive(Clone, Debug)]

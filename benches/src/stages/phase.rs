@@ -7,13 +7,13 @@ use goniochrome::simd::phase::{cis, propagate};
 use super::{Visit, Work};
 
 /// sin and cos of a reduced phase, and whole propagators.
-pub fn turns<V: Lanes>(visit: Visit<'_>) {
-    let work = |name| Work { stage: "turns", name, unit: "wavelengths", amount: V::WIDTH as f64 };
-    let turn = V::from_fn(|i| 0.9 * (i as f64 / V::WIDTH as f64) - 0.45);
-    let check = cis(turn).norm_sqr().lane(0);
+pub fn phase<V: Lanes>(visit: Visit<'_>) {
+    let work = |name| Work { stage: "phase", name, unit: "wavelengths", amount: V::WIDTH as f64 };
+    let phase = V::from_fn(|i| 0.9 * (i as f64 / V::WIDTH as f64) - 0.45);
+    let check = cis(phase).norm_sqr().lane(0);
     assert!((check - 1.0).abs() < 8.0 * V::UNIT_ROUNDOFF, "{check}");
     visit(&work("cis"), &mut || {
-        black_box(cis(black_box(turn)));
+        black_box(cis(black_box(phase)));
     });
     let path = ComplexLanes::new(V::Precise::from_fn(|i| 700.3 + i as f64), V::Precise::from_fn(|i| 0.01 * i as f64));
     visit(&work("propagate"), &mut || {

@@ -3,11 +3,11 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use goniochrome::simd::lanes::{F32, F64};
 use goniochrome_benches::criterion::time;
-use goniochrome_benches::stages::turns;
+use goniochrome_benches::stages::phase;
 
 fn benches(c: &mut Criterion) {
-    turns::<F32>(&mut time(c, "f32"));
-    turns::<F64>(&mut time(c, "f64"));
+    phase::<F32>(&mut time(c, "f32"));
+    phase::<F64>(&mut time(c, "f64"));
 }
 
 criterion_group!(all, benches);
