@@ -1,4 +1,4 @@
-//! The stage of that name in `goniochrome_benches::stages`.
+//! Times the stage `bvh` of `goniochrome_benches::stages`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use goniochrome_benches::criterion::time;

@@ -1,18 +1,15 @@
-//! Ray tracing through planar stacks: loops closed, hit by hit, and the literal splitter that does not merge.
+//! Times ray tracing through planar stacks of more and more layers: with loops closed, hit by hit, and with the paper's
+//! literal list of rays, which merges none.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use goniochrome::simd::lanes::F32;
 use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
-use goniochrome::trace::waves::Limits;
-use goniochrome_benches::{Layered, MAX_PLANES, contrast, group};
+use goniochrome_benches::{LIMITS, Layered, MAX_PLANES, contrast, group};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
-/// Power in flight, enough for 1e-5 in reflectance.
-const LIMITS: Limits = Limits { in_flight: 1e-12, ..Limits::SINGLE };
-
-/// Growth with layers, one wavelength per lane; visits are printed, since they are what grows.
+/// Times each method for 2 to 60 layers, one wavelength in each lane, and prints the visits, since they are what grows.
 fn growth(c: &mut Criterion) {
     let mut workspace = Box::new(Workspace::<F32, MAX_PLANES>::new());
     let mut benches = c.benchmark_group("growth");
@@ -23,14 +20,14 @@ fn growth(c: &mut Criterion) {
         if layers <= 4 {
             literal = Some(Literal::new(&stack, 550.0));
         }
-        stack.with_optics::<F32, _>(0.0, &group::<F32>(), |optics| {
+        stack.with_prepared::<F32, _>(0.0, &group::<F32>(), |prepared| {
             for (method, summation) in
                 [("closed-loops", Summation::ClosedLoops), ("generations", Summation::Generations(LIMITS))]
             {
-                let traced = trace_planar(optics, summation, workspace.memory()).expect("the stack fits");
+                let traced = trace_planar(prepared, summation, workspace.memory()).expect("the stack fits");
                 eprintln!("{layers} layers, {method}: {} visits", traced.trace.visits);
                 benches.bench_function(BenchmarkId::new(method, layers), |b| {
-                    b.iter(|| trace_planar(black_box(optics), summation, workspace.memory()));
+                    b.iter(|| trace_planar(black_box(prepared), summation, workspace.memory()));
                 });
             }
         });
@@ -45,9 +42,12 @@ fn growth(c: &mut Criterion) {
     benches.finish();
 }
 
-/// The paper's list of rays, each hit replacing one by two, cut off at small amplitudes. Normal incidence, one wavelength.
+/// The paper's list of rays: each hit replaces a ray by two, and small amplitudes are cut off. Normal incidence, one
+/// wavelength.
 struct Literal {
+    /// Reflection coefficient of each plane, from above.
     r: Vec<f64>,
+    /// exp(i n k₀ d) of each layer.
     e: Vec<Complex64>,
     visits: u64,
 }

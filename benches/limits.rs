@@ -1,10 +1,10 @@
-//! `limits`: each stage against what this core can do at most, measured in the same run.
+//! `limits`: compares each stage with the most that this processor core can do, measured in the same run.
 //!
-//! Operations come from running the core's code with lanes that count. "of peak" is operations per second over those of fused
-//! products in registers. The two shares after it are the least time that products and sums, and divisions, roots and
-//! exponentials, would take with nothing waiting for another: units work side by side (many processors add beside multiplying),
-//! so a stage is at its limit where one of them is near 100 % or above. The rest waits for results, memory or branches, or does what
-//! is no floating-point arithmetic.
+//! Running the library's code with lanes that count gives the numbers of operations. "of peak" is operations per second
+//! over those of fused multiply-adds in registers. The two shares after it are the least time that products and sums,
+//! and that divisions, roots and exponentials, would take if none waited for another. Units work side by side (many
+//! processors add while they multiply), so a stage is at its limit where one share is near 100 % or above. The rest of
+//! the time goes to waiting for results, memory or branches, and to work that is not floating-point arithmetic.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -14,10 +14,12 @@ use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::counted::{Counted, Counts, OPERATIONS, Operation, count};
 use goniochrome_benches::stages::{Stage, Work, cell, coherence, interface, phase, planar, stack};
 
-/// Independent chains: as many as two units of latency 4 keep busy, and as registers hold in either precision.
+/// Number of independent chains of operations: two units of latency 4 need as many to be busy, and registers hold them
+/// in either precision.
 const CHAINS: usize = 8;
-/// Each measurement is the least of so many.
+/// Number of repetitions, of which a measurement takes the least.
 const REPEATS: usize = 5;
+/// A repetition runs the work as often as this takes.
 const MIN_TIME: Duration = Duration::from_millis(20);
 
 /// Least seconds of one run of `work`.
@@ -27,14 +29,14 @@ fn seconds(work: &mut dyn FnMut()) -> f64 {
         let mut time = || processor_time(|| (0..runs).for_each(|_| work())).1;
         let first = time();
         if first >= MIN_TIME {
-            let least = (1..REPEATS).map(|_| time()).fold(first, Duration::min);
-            return least.as_secs_f64() / f64::from(runs);
+            let min = (1..REPEATS).map(|_| time()).fold(first, Duration::min);
+            return min.as_secs_f64() / f64::from(runs);
         }
         runs *= 2;
     }
 }
 
-/// Least seconds of an operation on all lanes of one vector, many of which run side by side.
+/// Least seconds of an operation on all lanes of a vector, where many vectors are computed side by side.
 fn cost<V: Lanes>(operation: Operation) -> f64 {
     let m = black_box(V::splat(0.999_9));
     let a = black_box(V::splat(1e-4));
@@ -47,6 +49,7 @@ fn cost<V: Lanes>(operation: Operation) -> f64 {
     }
 }
 
+/// Least seconds of one call of `f` in several chains of calls.
 #[inline(always)]
 fn chained<V: Lanes>(f: impl Fn(V) -> V) -> f64 {
     const ROUNDS: usize = 1000;
@@ -63,11 +66,12 @@ fn chained<V: Lanes>(f: impl Fn(V) -> V) -> f64 {
     time / (ROUNDS * CHAINS) as f64
 }
 
-/// Costs of each operation, in working and in double precision, for a vector of `V`.
+/// The [`cost`] of each operation for a vector of `V`, in working and in double precision.
 fn costs<V: Lanes>() -> [[f64; 2]; OPERATIONS.len()] {
     OPERATIONS.map(|operation| [cost::<V>(operation), cost::<V::Precise>(operation)])
 }
 
+/// Number of operations, of which a fused multiply-add is two.
 fn operations(counts: &Counts) -> f64 {
     let of = |operation: Operation| counts[operation as usize].iter().sum::<u64>() as f64;
     2.0 * of(Operation::Fused)
@@ -83,20 +87,21 @@ fn report<V: Lanes>(lanes: &str, stage: Stage, counting: Stage, costs: &[[f64; 2
     let mut counted = counted.into_iter();
     stage(&mut |work: &Work, run: &mut dyn FnMut()| {
         let (counts, amount) = counted.next().expect("the same pieces of work");
-        // Lanes of a vector share one operation; a visit of the counting run is one lane.
+        // Lanes of a vector share one operation; the counting run has one lane.
         let vectors = work.amount / V::WIDTH as f64 / amount;
         let time = seconds(run);
         let per_unit = operations(&counts) / amount;
         let peak = 2.0 * V::WIDTH as f64 / costs[Operation::Fused as usize][0];
-        let least = |operations: &[Operation]| -> f64 {
+        let min_time = |operations: &[Operation]| -> f64 {
             let of =
                 |&o: &Operation| counts[o as usize].iter().zip(costs[o as usize]).map(|(&n, cost)| n as f64 * cost);
             operations.iter().flat_map(of).sum::<f64>() * vectors
         };
-        let products = least(&[Operation::Simple, Operation::Fused]);
-        let slow = least(&[Operation::Divide, Operation::Root, Operation::Exponential]);
+        let products = min_time(&[Operation::Simple, Operation::Fused]);
+        let slow = min_time(&[Operation::Divide, Operation::Root, Operation::Exponential]);
         println!(
-            "{:13} {:13} {lanes:4} {:8.2} ns per {:18} {per_unit:7.0} op {:6.1} Gop/s {:5.1} % of peak {:4.0} % of the time for products and sums, {:4.0} % for division and root",
+            "{:13} {:13} {lanes:4} {:8.2} ns per {:18} {per_unit:7.0} op {:6.1} Gop/s {:5.1} % of peak \
+             {:4.0} % of the time for products and sums, {:4.0} % for division and root",
             work.stage,
             work.name,
             time / work.amount * 1e9,

@@ -1,4 +1,4 @@
-//! The stage of that name in `goniochrome_benches::stages`, in single and double precision.
+//! Times the stage `phase` of `goniochrome_benches::stages`, in single and double precision.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use goniochrome::simd::lanes::{F32, F64};

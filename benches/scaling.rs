@@ -1,5 +1,5 @@
-//! `scaling [PLOT.svg]`: how cost grows with layers, wavelengths, polygons, rays and threads: exponents fitted by least squares to
-//! the logarithms, and a plot.
+//! `scaling [PLOT.svg]`: measures how cost grows with layers, wavelengths, polygons, rays and threads. Prints
+//! exponents, fitted to the logarithms by least squares, and plots the curves.
 
 use std::env;
 use std::error::Error;
@@ -15,8 +15,7 @@ use goniochrome::optics::interface::Model;
 use goniochrome::simd::lanes::F32;
 use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use goniochrome_benches::clock::processor_time;
-use goniochrome_benches::twenty_layers;
-use goniochrome_benches::{MAX_PLANES, contrast, group, stages};
+use goniochrome_benches::{LIMITS, MAX_PLANES, contrast, group, stages, twenty_layers};
 use goniochrome_cli::render::mesh::TriangleMesh;
 use goniochrome_cli::scene::load;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
@@ -25,7 +24,7 @@ use goniochrome_cli::solve::precision::Precision;
 use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, scatter};
 use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
 
-/// Cost in seconds against a size.
+/// Costs in seconds at several sizes.
 struct Curve {
     name: &'static str,
     points: Vec<[f64; 2]>,
@@ -33,9 +32,8 @@ struct Curve {
 
 impl Curve {
     fn of(name: &'static str, sizes: &[usize], mut cost: impl FnMut(usize) -> f64) -> Self {
-        let least =
-            |size: usize, cost: &mut dyn FnMut(usize) -> f64| (0..3).map(|_| cost(size)).fold(f64::MAX, f64::min);
-        Self { name, points: sizes.iter().map(|&size| [size as f64, least(size, &mut cost)]).collect() }
+        let points = sizes.iter().map(|&size| [size as f64, least(|| cost(size))]).collect();
+        Self { name, points }
     }
 
     /// The slope of ln cost over ln size.
@@ -48,14 +46,22 @@ impl Curve {
     }
 }
 
+/// The least of three measurements.
+fn least(mut cost: impl FnMut() -> f64) -> f64 {
+    (0..3).map(|_| cost()).fold(f64::MAX, f64::min)
+}
+
+/// Seconds of one trace through so many layers.
 fn layers(summation: Summation) -> impl FnMut(usize) -> f64 {
     move |layers| {
         let mut workspace = Box::new(Workspace::<F32, MAX_PLANES>::new());
-        contrast(layers).with_optics::<F32, _>(0.0, &group::<F32>(), |optics| {
+        contrast(layers).with_prepared::<F32, _>(0.0, &group::<F32>(), |prepared| {
             let repeats = 2000 / layers + 1;
             let run = || {
                 for _ in 0..repeats {
-                    black_box(trace_planar(black_box(optics), summation, workspace.memory()).expect("the stack fits"));
+                    black_box(
+                        trace_planar(black_box(prepared), summation, workspace.memory()).expect("the stack fits"),
+                    );
                 }
             };
             processor_time(run).1.as_secs_f64() / repeats as f64
@@ -63,6 +69,7 @@ fn layers(summation: Summation) -> impl FnMut(usize) -> f64 {
     }
 }
 
+/// Seconds of the 20-layer stack's spectra at so many wavelengths.
 fn wavelengths(count: usize) -> f64 {
     let scene = twenty_layers();
     let planar = PlanarScene::new(&scene).expect("a planar scene");
@@ -78,7 +85,7 @@ fn wavelengths(count: usize) -> f64 {
     processor_time(run).1.as_secs_f64() / 8.0
 }
 
-/// Seconds of a ray through a teapot of so many quads along a patch.
+/// Number of triangles of a teapot with `level` quads along each patch, and seconds of one ray through it.
 fn polygons(level: usize) -> [f64; 2] {
     let mesh = TriangleMesh::teapot(level as u32);
     let count = mesh.triangles.len();
@@ -91,14 +98,14 @@ fn polygons(level: usize) -> [f64; 2] {
             black_box(bvh.intersect_nearest(ray, |_| true));
         }
     };
-    let least = (0..3).map(|_| processor_time(run).1.as_secs_f64()).fold(f64::MAX, f64::min);
-    [count as f64, least / rays.len() as f64]
+    let seconds = least(|| processor_time(run).1.as_secs_f64());
+    [count as f64, seconds / rays.len() as f64]
 }
 
 /// Processor and wall-clock seconds of so many starting rays in the bumpy soap film.
 fn rays(count: usize, threads: usize) -> [f64; 2] {
     let scene = load("bumpy-soap-film").expect("a preset");
-    let bumpy = MeshScene::new(&scene).expect("a cell");
+    let mesh_scene = MeshScene::new(&scene).expect("a cell");
     let request = ScatterRequest {
         coherence: Coherence::None,
         rays: count as u32,
@@ -109,17 +116,16 @@ fn rays(count: usize, threads: usize) -> [f64; 2] {
     };
     let wi = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
     let start = Instant::now();
-    let (found, used) = processor_time(|| scatter(&bumpy, wi, &[450.0, 550.0, 650.0], &request, &|| ()));
+    let (found, used) = processor_time(|| scatter(&mesh_scene, wi, &[450.0, 550.0, 650.0], &request, &|| ()));
     black_box(found.expect("a good cell"));
     [used.as_secs_f64(), start.elapsed().as_secs_f64()]
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let plot = env::args().nth(1);
-    let few = goniochrome::trace::waves::Limits { in_flight: 1e-12, ..goniochrome::trace::waves::Limits::SINGLE };
     let curves = [
         Curve::of("layers, loops closed", &[4, 8, 15, 30, 60], layers(Summation::ClosedLoops)),
-        Curve::of("layers, hit by hit", &[4, 8, 15, 30, 60], layers(Summation::Generations(few))),
+        Curve::of("layers, hit by hit", &[4, 8, 15, 30, 60], layers(Summation::Generations(LIMITS))),
         Curve::of("wavelengths", &[16, 32, 64, 128, 256, 512], wavelengths),
         Curve { name: "polygons (one ray)", points: [9, 20, 40, 80, 125].map(polygons).to_vec() },
         Curve::of("starting rays", &[2048, 8192, 32768], |count| rays(count, 1)[0]),
@@ -130,7 +136,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             curve.points.iter().map(|[size, cost]| format!("{size:.0}: {:.3} µs", cost * 1e6)).collect();
         println!("{:22} {:5.2}   {}", curve.name, curve.exponent(), points.join(", "));
     }
-    let wall = |threads: usize| (0..3).map(|_| rays(32768, threads)[1]).fold(f64::MAX, f64::min);
+    let wall = |threads: usize| least(|| rays(32768, threads)[1]);
     println!("two threads are {:.2} times as fast as one (wall clock, 32768 starting rays)", wall(1) / wall(2));
     if let Some(plot) = plot {
         fs::write(Path::new(&plot), svg(&curves))?;
@@ -138,15 +144,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Both axes logarithmic, each curve from 1 at its first point.
+/// A plot with two logarithmic axes, in which each curve starts at 1.
 fn svg(curves: &[Curve]) -> String {
     const COLOURS: [&str; 5] = ["#0b6e99", "#c4472b", "#3f8f4f", "#8a5fb0", "#b5851a"];
     let (width, height, left, bottom, decade) = (760.0, 420.0, 60.0, 380.0, 80.0);
     let x = |growth: f64| left + decade * 1.7 * growth.log10();
     let y = |growth: f64| bottom - decade * growth.log10();
     let mut out = format!(
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' font-family='Inter, sans-serif' font-size='13'>\
-         <rect width='100%' height='100%' fill='white'/>"
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' font-family='Inter, sans-serif' \
+         font-size='13'><rect width='100%' height='100%' fill='white'/>"
     );
     for power in 0..=4 {
         let (at, label) = (10f64.powi(power), format!("×{}", 10u32.pow(power as u32)));
@@ -158,7 +164,8 @@ fn svg(curves: &[Curve]) -> String {
         );
         if power <= 3 {
             out += &format!(
-                "<path d='M{0:.1} 40V{bottom}' stroke='#ddd'/><text x='{0:.1}' y='{1}' text-anchor='middle'>{label}</text>",
+                "<path d='M{0:.1} 40V{bottom}' stroke='#ddd'/>\
+                 <text x='{0:.1}' y='{1}' text-anchor='middle'>{label}</text>",
                 x(at),
                 bottom + 18.0
             );
@@ -177,5 +184,6 @@ fn svg(curves: &[Curve]) -> String {
             60 + 22 * i
         );
     }
-    out + "<text x='290' y='414' text-anchor='middle'>size</text><text x='60' y='28'>cost, relative to the smallest</text></svg>"
+    out + "<text x='290' y='414' text-anchor='middle'>size</text>\
+           <text x='60' y='28'>cost, relative to the smallest</text></svg>"
 }

@@ -1,11 +1,12 @@
-//! `instructions`: runs each stage's work once to warm up and once inside `counted`, where callgrind counts; prints names in order.
+//! `instructions`: runs each stage's work once to warm up and once inside `counted`, where callgrind counts. Prints the
+//! names of the work in order.
 
 use std::hint::black_box;
 
 use goniochrome::simd::lanes::{F32, F64};
 use goniochrome_benches::stages::{Stage, Work, bvh, cell, coherence, colour, interface, phase, planar, stack, table};
 
-/// Callgrind knows this by its name.
+/// Runs what callgrind counts, which knows this function by its name.
 #[inline(never)]
 fn counted(run: &mut dyn FnMut()) {
     run();

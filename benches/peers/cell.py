@@ -1,12 +1,13 @@
-"""The bumpy soap film, light from a few of the directions of its 16 x 32 table: Mitsuba 3 and goniochrome in turn.
+"""Compares goniochrome with Mitsuba 3 on the bumpy soap film, in light from a few directions of its 16 x 32 table.
 
-First the light reflected, in total and in bins, must agree: within 4 combined standard errors, at most 1 % of bins beyond 3.
-Then both are timed on bins of 32 x 64 and 40 wavelengths. Usage: cell.py PROGRAM [--full] [--index N]; --index gives
-Mitsuba's film another index than ours, at which the comparison must fail.
+First the light that both reflect must agree, in total and in bins: within 4 combined standard errors, at most 1 % of
+the bins beyond 3. Then both are timed in turn, with bins of 32 x 64 and 40 wavelengths. Usage: cell.py PROGRAM [--full]
+[--index N]; --index gives Mitsuba's film another index than ours, and the comparison must fail.
 
-What is compared. A goniochrome starting ray is split into all its paths, in s and p light; a Mitsuba ray draws one path, for
-its four wavelengths, so 40 wavelengths are ten launches, of which one is timed. Neither time holds start-up or compilation.
-"Equal error" scales Mitsuba's time by the square of the ratio of standard errors of one wavelength, both taken over batches.
+What is compared: a starting ray of goniochrome is split into all its paths, in s and p light. A ray of Mitsuba draws
+one path for its four wavelengths, so 40 wavelengths are ten launches, of which one is timed. Neither time includes
+start-up or compilation. "Equal error" multiplies Mitsuba's time by the square of the ratio of the standard errors of
+one wavelength, both taken over batches.
 """
 import argparse
 import json
@@ -20,7 +21,7 @@ SCENE = "bumpy-soap-film"
 INCIDENT = (16, 32)
 WAVELENGTHS = [385.0 + 10 * i for i in range(40)]
 COMPARED = 19  # 575 nm: near the wavelength at which Mitsuba's constant indices hold
-BEYOND, MOST, SHARE = 3.0, 4.0, 0.01
+BEYOND, MAX_DEVIATION, MAX_SHARE = 3.0, 4.0, 0.01
 
 parser = argparse.ArgumentParser()
 parser.add_argument("program")
@@ -71,17 +72,20 @@ def agree(rows):
         power = power[0]
         got, error = np.array(found["bins"][0]).T
         want, want_error = over_batches(power)
-        # A path carries about the light of its ray, so n of them are known to 1/sqrt(n) at best, even where batches saw few.
+        # A path carries about the light of its ray, so n of them are known to 1/sqrt(n) at best, even where batches
+        # hold few.
         counted = np.maximum(got, want) / (side * side * batches)
         deviations += list((got - want) / np.sqrt(error**2 + np.maximum(want_error**2, counted) + 1e-30))
         (got, error), (want, want_error) = found["reflected"][0], over_batches(power.sum(1))
         totals.append((got - want) / math.hypot(error, want_error))
         theta = math.degrees(direction(row)[0])
-        print(f"{theta:4.1f} deg: reflected {got:.5f} +- {error:.5f}, Mitsuba {want:.5f} +- {want_error:.5f}, lost {rest[1]:.1e}")
+        both = f"reflected {got:.5f} +- {error:.5f}, Mitsuba {want:.5f} +- {want_error:.5f}"
+        print(f"{theta:4.1f} deg: {both}, lost {rest[1]:.1e}")
     worst, worst_total = np.abs(deviations).max(), np.abs(totals).max()
     beyond = np.mean(np.abs(deviations) > BEYOND)
-    print(f"{len(deviations)} bins: worst {worst:.2f} standard errors, {beyond:.2%} beyond {BEYOND:g}; totals: {worst_total:.2f}")
-    if not (worst <= MOST and worst_total <= MOST and beyond <= SHARE):
+    bins = f"worst {worst:.2f} standard errors, {beyond:.2%} beyond {BEYOND:g}"
+    print(f"{len(deviations)} bins: {bins}; totals: {worst_total:.2f}")
+    if not (worst <= MAX_DEVIATION and worst_total <= MAX_DEVIATION and beyond <= MAX_SHARE):
         raise SystemExit("goniochrome and Mitsuba disagree")
 
 
@@ -90,7 +94,8 @@ def rms(errors):
 
 
 def time_both(rows, turns, threads, rays, side):
-    """Medians over alternating turns, for each direction: seconds (wall, processor) and errors (total, bins) of each."""
+    """Medians over alternating turns for each direction and program: seconds (wall, processor), errors (total,
+    bins)."""
     bins, batches = (32, 64), 32
     dr.set_thread_count(threads)
     cell.trace(*direction(rows[0]), side, batches, bins, seed=0)  # compiles
@@ -121,7 +126,8 @@ def report(rows, threads, turns, rays, side):
         rate = counts * len(WAVELENGTHS) * len(rows) / results[:, :, clock].sum(0) / 1e6
         time = peer[:, clock].sum() / mine[:, clock].sum()
         equal = [time * np.mean(peer[:, of] ** 2) / np.mean(mine[:, of] ** 2) for of in (2, 3)]
-        print(f"| {name} | {rate[0]:.3f} | {rate[1]:.3f} | {rate[0] / rate[1]:.3f} | {equal[0]:.2f} x | {equal[1]:.2f} x |")
+        rates = f"{rate[0]:.3f} | {rate[1]:.3f} | {rate[0] / rate[1]:.3f}"
+        print(f"| {name} | {rates} | {equal[0]:.2f} x | {equal[1]:.2f} x |")
     scale = INCIDENT[0] * INCIDENT[1] / len(rows)
     seconds = mine[:, 0].sum() * scale
     factor = [np.mean(peer[:, of] ** 2) / np.mean(mine[:, of] ** 2) for of in (2, 3)]
@@ -135,8 +141,8 @@ def report(rows, threads, turns, rays, side):
     for row, a, b in zip(rows, mine, peer):
         times = [b[1] / a[1] * (b[of] / a[of]) ** 2 if a[1] and a[of] else math.inf for of in (2, 3)]
         print(
-            f"| {math.degrees(direction(row)[0]):.1f} | {a[1]:.2f} | {a[2]:.1e}, {a[3]:.1e} | {b[1]:.2f} | {b[2]:.1e}, {b[3]:.1e} "
-            f"| {times[0]:.3g} x | {times[1]:.3g} x |"
+            f"| {math.degrees(direction(row)[0]):.1f} | {a[1]:.2f} | {a[2]:.1e}, {a[3]:.1e} "
+            f"| {b[1]:.2f} | {b[2]:.1e}, {b[3]:.1e} | {times[0]:.3g} x | {times[1]:.3g} x |"
         )
     print("(processor seconds in this table)")
 
@@ -151,6 +157,7 @@ if options.full:
     spent = [ours(row, 256, (32, 64), 2, "ray") for row in rows]
     wall, used = (sum(of[key] for of in spent) for key in ("seconds", "processor_seconds"))
     work = 256 * len(WAVELENGTHS) * len(rows) / 1e6
-    print(f"\ncoherence ray, 2 threads: {work / wall:.4f} x 10^6 rays x wavelengths/s by the wall, {work / used:.4f} of a processor")
+    rates = f"{work / wall:.4f} x 10^6 rays x wavelengths/s in wall-clock time, {work / used:.4f} in processor time"
+    print(f"\ncoherence ray, 2 threads: {rates}")
 worker.stdin.close()
 worker.wait()

@@ -1,5 +1,6 @@
-//! `cell mesh SCENE` prints the mesh of a cell as JSON, for other tracers to read; `cell scatter SCENE …` reads tasks, one
-//! JSON object a line, from standard input, scatters light from each direction, and prints seconds and histograms.
+//! `cell mesh SCENE` prints the mesh of a cell as JSON, for other tracers to read. `cell scatter SCENE` reads tasks
+//! from standard input, one JSON object a line. It scatters light from the direction of each, and prints seconds and
+//! histograms.
 
 use std::env;
 use std::error::Error;
@@ -10,6 +11,7 @@ use glam::DVec3;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::optics::interface::Below;
 use goniochrome::optics::medium::MediumIndex;
+use goniochrome_benches::clock::processor_time;
 use goniochrome_cli::scene::{Scene, load};
 use goniochrome_cli::solve::mesh_scene::MeshScene;
 use goniochrome_cli::solve::precision::Precision;
@@ -17,7 +19,7 @@ use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, Scattered, scat
 use goniochrome_cli::table::statistics::MeanWithError;
 use serde_json::{Value, json};
 
-/// Mitsuba's dielectrics have one index for all wavelengths; ours lend them theirs at this one, in nanometres.
+/// Wavelength, in nanometres, of the indices that Mitsuba's dielectrics get: they have one for all wavelengths.
 const INDEX_WAVELENGTH_NM: f64 = 580.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -35,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Vertices, and the triangles and media of each interface.
+/// The mesh of a scene as JSON: vertices, and the triangles and media of each interface.
 fn mesh(scene: &Scene) -> Result<Value, Box<dyn Error>> {
     let cell = scene.shape.polygons().ok_or("no polygons")?;
     let (mesh, period_nm, interfaces) = (cell.mesh(), cell.period_nm(), cell.interfaces());
@@ -58,7 +60,7 @@ fn mesh(scene: &Scene) -> Result<Value, Box<dyn Error>> {
     Ok(json!({ "period_nm": period_nm, "vertices": mesh.vertices, "sheets": sheets? }))
 }
 
-/// One direction of the light.
+/// The result of a task: the light that a scene scatters from one direction.
 fn task(scene: &Scene, task: &Value) -> Result<Value, Box<dyn Error>> {
     let number = |key: &str| task[key].as_f64().ok_or_else(|| format!("no number {key}"));
     let whole = |key: &str| number(key).map(|value| value as u32);
@@ -78,27 +80,19 @@ fn task(scene: &Scene, task: &Value) -> Result<Value, Box<dyn Error>> {
     let (theta, azimuth) = (number("theta_i")?, number("phi_i")?);
     let wi = DVec3::new(theta.sin() * azimuth.cos(), theta.sin() * azimuth.sin(), theta.cos());
     let wavelengths: Vec<f64> = serde_json::from_value(task["wavelengths"].clone())?;
-    let bumpy = MeshScene::new(scene)?;
-    let (start, used) = (Instant::now(), processor_seconds());
-    let found = scatter(&bumpy, wi, &wavelengths, &request, &|| ())?;
-    let (seconds, used) = (start.elapsed().as_secs_f64(), processor_seconds() - used);
+    let mesh_scene = MeshScene::new(scene)?;
+    let start = Instant::now();
+    let (found, used) = processor_time(|| scatter(&mesh_scene, wi, &wavelengths, &request, &|| ()));
+    let (found, seconds) = (found?, start.elapsed().as_secs_f64());
     let both = |of: &MeanWithError| [of.value, of.std_error];
     let total = |of: fn(&Scattered) -> MeanWithError| found.iter().map(|found| both(&of(found))).collect::<Vec<_>>();
     let bins: Vec<Vec<[f64; 2]>> = found.iter().map(|found| found.bins.iter().map(both).collect()).collect();
     Ok(json!({
         "seconds": seconds,
-        "processor_seconds": used,
+        "processor_seconds": used.as_secs_f64(),
         "reflected": total(|found| found.reflected),
         "transmitted": total(|found| found.transmitted),
         "truncated": total(|found| found.truncated),
         "bins": bins,
     }))
-}
-
-/// Of all threads so far, in steps of a hundredth; what else runs on the machine does not count. 0 where Linux does not tell.
-fn processor_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // Fields 14 and 15, user and system; the second is a name in brackets.
-    let fields = stat.rsplit(')').next().into_iter().flat_map(str::split_whitespace).skip(11).take(2);
-    fields.filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
 }

@@ -1,7 +1,7 @@
-"""The 20-layer stack at 90 angles x 81 wavelengths, R of s and p, one thread: other people's programs and goniochrome.
+"""Times goniochrome and its peers on the 20-layer stack: 90 angles x 81 wavelengths, R of s and p, one thread.
 
-`closed_form.py PROGRAM [PEER ...]`; without names all peers. The programs take turns; seconds are of processor time, and each ratio is of
-medians within this run. Fails if results differ.
+`closed_form.py PROGRAM [PEER ...]`; without names all peers. The programs take turns. Seconds are of processor time,
+and each ratio is of medians within this run. Fails if results differ.
 """
 import importlib.metadata
 import json
@@ -22,11 +22,11 @@ WAVELENGTHS = np.arange(380.0, 781.0, 5.0)
 FILMS = [80.0, 100.0] * 10
 THICKNESS = [np.inf] + FILMS + [np.inf]
 INDICES = [1.0] + [1.73 + 0.01j, 1.4] * 10 + [1.56 + 0.06j]
-# All compute in double precision: their own roundings, and those of 20 layers.
+# Rounding in double precision, in which all peers compute 20 layers.
 BETWEEN_PEERS = 1e-11
 
 
-# Each peer's function computes R, and T with it where that comes in the same call; it returns R of [s, p][theta, wavelength].
+# Each peer's function computes R, and T too where the same call gives it. It returns R of [s, p][theta, wavelength].
 
 
 def tmm_faster():
@@ -91,8 +91,8 @@ def pymoosh():
     return run
 
 
-# Name on PyPI: what makes the function, how it computes, and the angles that are compared. colour-science's Snell's law drops the
-# imaginary part, so with absorbing layers it is right at normal incidence alone (elsewhere off by up to 0.08).
+# Name on PyPI: what makes the function, how it computes, and the angles that are compared. colour-science's Snell's law
+# drops the imaginary part, so with absorbing layers it is right at normal incidence only (elsewhere off by up to 0.08).
 EVERY, NORMAL = slice(None), slice(1)
 PEERS = {
     "tmm_faster": (tmm_faster, "C++", EVERY),
@@ -134,12 +134,15 @@ for _ in range(TURNS):
                 sys.exit(f"{name}: differs by {difference:.1e}")
 
 median = {name: statistics.median(values) for name, values in seconds.items()}
-print(f"{len(THETA) * len(WAVELENGTHS)} angle-wavelengths, s and p, R and T, 1 thread, milliseconds of processor time; ratios to ours")
+work = f"{len(THETA) * len(WAVELENGTHS)} angle-wavelengths, s and p, R and T, 1 thread"
+print(f"{work}, milliseconds of processor time; ratios to ours")
 columns = [name for *_, name in OURS]
 print(f"{'':44}{'median':>10}" + "".join(f"{column:>18}" for column in columns))
 for name in names:
     label = f"{name} {importlib.metadata.version(name)} ({PEERS[name][1]}, double)"
-    print(f"{label:44}{median[name] * 1e3:10.2f}" + "".join(f"{median[name] / median[column]:17.0f}x" for column in columns))
+    ratios = "".join(f"{median[name] / median[column]:17.0f}x" for column in columns)
+    print(f"{label:44}{median[name] * 1e3:10.2f}{ratios}")
 for column in columns:
     print(f"{'goniochrome ' + column:44}{median[column] * 1e3:10.3f}")
-print(f"ray tracing takes {median['ray tracing, f32'] / median['closed form, f32']:.2f} times the closed form's time (f32)")
+ratio = median["ray tracing, f32"] / median["closed form, f32"]
+print(f"ray tracing takes {ratio:.2f} times the closed form's time (f32)")

@@ -1,7 +1,8 @@
-"""A polygon cell in Mitsuba 3: light from one direction, its own dielectrics, intersection and Stokes vectors.
+"""A polygon cell in Mitsuba 3: light from one direction, with Mitsuba's dielectrics, intersections and Stokes vectors.
 
-One mesh holds one period; rays that pass its sides come in on the other one, inside a symbolic Dr.Jit loop. At each hit
-the BSDF draws reflection or refraction. Unpolarised light, powers alone: Mitsuba has no interference.
+One mesh holds one period. Rays that leave it at one side come in at the opposite one, inside a symbolic Dr.Jit loop. At
+each hit the BSDF draws reflection or refraction. The light is unpolarised and only powers count: Mitsuba has no
+interference.
 """
 import math
 import time
@@ -18,7 +19,7 @@ mi.set_variant(VARIANT)
 LANES = 4
 # Micrometres: coordinates near 1 round best against Mitsuba's offset of ray origins.
 UNIT_NM = 1000.0
-MOST_HITS = 10_000
+MAX_HITS = 10_000
 
 
 class Cell:
@@ -48,8 +49,8 @@ class Cell:
         self.scene = mi.load_dict(scene)
 
     def trace(self, theta, phi, side, batches, bins, seed):
-        """`batches` of side x side rays, jittered on a grid over the period. Returns wall and processor seconds, the power
-        reflected in [wavelength, batch, bin], and totals [transmitted, lost]."""
+        """Traces `batches` of side x side rays, jittered on a grid over the period. Returns wall-clock and processor
+        seconds, the power reflected in [wavelength, batch, bin], and totals [transmitted, lost]."""
         wi = [math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta)]
         direction = mi.Vector3f(*[-component for component in wi])
         number = mi.UInt64(seed)
@@ -89,14 +90,14 @@ class Cell:
             leaves = dr.minimum(cross_x, cross_y)
             end = dr.select(direction.z > 0, self.top - position.z, self.bottom - position.z) / direction.z
             ray = mi.Ray3f(position, direction, leaves, 0.0, wavelengths)
-            meeting = self.scene.ray_intersect(ray, active)
-            hit = active & meeting.is_valid()
-            sample, weight = meeting.bsdf(ray).sample(
-                context, meeting, random.next_float32(), mi.Point2f(0.5, 0.5), hit
+            interaction = self.scene.ray_intersect(ray, active)
+            hit = active & interaction.is_valid()
+            sample, weight = interaction.bsdf(ray).sample(
+                context, interaction, random.next_float32(), mi.Point2f(0.5, 0.5), hit
             )
-            weight = meeting.to_world_mueller(weight, -meeting.wi, sample.wo)
+            weight = interaction.to_world_mueller(weight, -interaction.wi, sample.wo)
             after = [sum(weight[row, column] * stokes[column] for column in range(4)) for row in range(4)]
-            onward = meeting.spawn_ray(meeting.to_world(sample.wo))
+            onward = interaction.spawn_ray(interaction.to_world(sample.wo))
             wrapped = ray(leaves)
             wrapped.x = dr.select(cross_x <= cross_y, -dr.copysign(half[0], direction.x), wrapped.x)
             wrapped.y = dr.select(cross_y <= cross_x, -dr.copysign(half[1], direction.y), wrapped.y)
@@ -105,19 +106,19 @@ class Cell:
             direction = dr.select(hit, onward.d, direction)
             stokes = [dr.select(hit, new, old) for new, old in zip(after, stokes)]
             hits += mi.UInt32(1)
-            return active & ~out & (hits < MOST_HITS), position, direction, stokes, random, hits
+            return active & ~out & (hits < MAX_HITS), position, direction, stokes, random, hits
 
         active, position, direction, stokes, random, hits = dr.while_loop(
-            (mi.Bool(True) & (index < count), position, direction, stokes, random, mi.UInt32(0) + dr.zeros(mi.UInt32, count)),
+            (mi.Bool(True) & (index < count), position, direction, stokes, random, dr.zeros(mi.UInt32, count)),
             lambda active, *rest: active,
             body,
         )
         power = stokes[0]
         up = ~active & (direction.z > 0)
-        turn = dr.atan2(direction.y, direction.x) / dr.two_pi
-        turn = dr.select(turn < 0, turn + 1, turn)
+        azimuth = dr.atan2(direction.y, direction.x) / dr.two_pi
+        azimuth = dr.select(azimuth < 0, azimuth + 1, azimuth)
         row = dr.minimum(mi.UInt32(direction.z * bins[0]), bins[0] - 1)
-        column = dr.minimum(mi.UInt32(turn * bins[1]), bins[1] - 1)
+        column = dr.minimum(mi.UInt32(azimuth * bins[1]), bins[1] - 1)
         place = (index // (side * side) * bins[0] + row) * bins[1] + column
         histograms = []
         for lane in range(LANES):

@@ -1,11 +1,12 @@
-//! `peer METHOD PRECISION REPEATS`: times the estimate of the 20-layer stack, and prints seconds of processor time and results as JSON.
+//! `peer METHOD PRECISION REPEATS`: times the spectra of the 20-layer stack, and prints seconds of processor time and
+//! results as JSON.
 
 use goniochrome::optics::interface::Model;
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::twenty_layers;
 use goniochrome_cli::solve::planar_scene::PlanarScene;
 use goniochrome_cli::solve::precision::Precision;
-use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
+use goniochrome_cli::solve::spectra::{Method, Sample, SpectraRequest, spectra};
 use std::env;
 use std::error::Error;
 use std::hint::black_box;
@@ -35,8 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         result = found?;
         seconds.push(time.as_secs_f64());
     }
-    let column =
-        |of: fn(&goniochrome_cli::solve::spectra::Sample) -> f64| result.samples.iter().map(of).collect::<Vec<_>>();
+    let column = |of: fn(&Sample) -> f64| result.samples.iter().map(of).collect::<Vec<_>>();
     let out = serde_json::json!({
         "seconds": seconds,
         "R_s": column(|sample| sample.reflectance.s),

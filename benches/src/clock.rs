@@ -1,10 +1,10 @@
-//! Processor time, which other programs on the machine do not lengthen as they do wall-clock time.
+//! Processor time, which other programs on the machine lengthen less than wall-clock time.
 
 use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// Runs `work` and returns its result and the processor time that all threads of the process spent meanwhile.
+/// Runs `work`. Returns its result and the processor time that all threads of the process took meanwhile.
 pub fn processor_time<R>(work: impl FnOnce() -> R) -> (R, Duration) {
     let used = || Duration::try_from(clock_gettime(ClockId::ProcessCPUTime)).unwrap_or_default();
     let before = used();

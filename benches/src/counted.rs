@@ -1,5 +1,5 @@
-//! Lanes that count what is done with them: the core's own code, run once with these, tells how many floating-point operations
-//! a wavelength costs.
+//! Lanes that count the operations on them. Running the core's own code once with these tells how many floating-point
+//! operations a wavelength costs.
 
 use std::array;
 use std::cell::Cell;
@@ -7,7 +7,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use goniochrome::simd::lanes::Lanes;
 
-/// What is counted.
+/// A kind of operation that is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     /// Sums, products, negations, comparisons, choices, roundings, conversions: one operation each.
@@ -22,22 +22,22 @@ pub enum Operation {
     Exponential,
 }
 
-/// Operations in the order of [`Counts`].
+/// All kinds of operations, in the order of [`Counts`].
 pub const OPERATIONS: [Operation; 5] =
     [Operation::Simple, Operation::Fused, Operation::Divide, Operation::Root, Operation::Exponential];
 
-/// Of each operation, how often in working and in double precision.
+/// How often each operation was done, in working and in double precision.
 pub type Counts = [[u64; 2]; OPERATIONS.len()];
 
 thread_local! {
     static COUNTS: Cell<Counts> = const { Cell::new([[0; 2]; OPERATIONS.len()]) };
 }
 
-/// One wavelength; `PRECISE` lanes are the companions in double precision.
+/// A vector of one lane that counts operations in this thread. `PRECISE` ones are the companions in double precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Counted<const PRECISE: bool>(f64);
 
-/// What `work` does, in this thread.
+/// Counts the operations of `work` in this thread.
 pub fn count(work: impl FnOnce()) -> Counts {
     let before = COUNTS.get();
     work();

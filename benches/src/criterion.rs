@@ -1,10 +1,10 @@
-//! Criterion's view of the stages.
+//! Timing of the stages by criterion.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 
 use crate::stages::Work;
 
-/// Times each piece of work of a stage under its name and the kind of lanes.
+/// A visitor that times each piece of work of a stage, under its name and the kind of lanes.
 pub fn time(c: &mut Criterion, lanes: &'static str) -> impl FnMut(&Work, &mut dyn FnMut()) {
     move |work, run| {
         let mut group = c.benchmark_group(work.stage);

@@ -1,9 +1,8 @@
-//! What several benches share.
+//! Stacks, scenes, stages and clocks that several benches share.
 
 pub mod clock;
 pub mod counted;
 pub mod criterion;
-pub mod random;
 pub mod stages;
 
 use goniochrome::optics::interface::{Below, Model};
@@ -11,20 +10,24 @@ use goniochrome::optics::medium::{MediaLanes, Medium, MediumIndex};
 use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack, StackArrays};
 use goniochrome::simd::complex::ComplexLanes;
 use goniochrome::simd::lanes::Lanes;
+use goniochrome::trace::waves::Limits;
 use goniochrome_cli::scene::{Scene, parse};
 use num_complex::Complex64;
 
-/// Planes for which the benches have room.
+/// Number of planes for which the benches have memory.
 pub const MAX_PLANES: usize = 64;
 
-/// A stack of few media, each layer naming its own.
+/// Limits of a sum hit by hit that leave 1e-5 in reflectance.
+pub const LIMITS: Limits = Limits { in_flight: 1e-12, ..Limits::SINGLE };
+
+/// A planar stack and the few media that its layers name.
 #[derive(Debug, Clone)]
 pub struct Layered {
-    /// η of each medium.
+    /// Complex index n + ik of each medium.
     pub media: Vec<Complex64>,
     /// The medium from which light comes.
     pub ambient: MediumIndex,
-    /// From the top.
+    /// The layers, from the top.
     pub layers: Vec<Film>,
     /// The medium below.
     pub substrate: MediumIndex,
@@ -61,13 +64,6 @@ pub fn contrast(layers: usize) -> Layered {
     Layered { media: vec![1.0.into(), 1.56.into()], ambient: 0, layers: (0..layers).map(layer).collect(), substrate: 1 }
 }
 
-/// Three films of n = 2.4, 180 nm, with gaps of 180 nm: the paper's figure 4.
-#[must_use]
-pub fn three_films() -> Layered {
-    let layer = |i: usize| Film { medium: MediumIndex::from(i.is_multiple_of(2)), thickness_nm: 180.0 };
-    Layered { media: vec![1.0.into(), 2.4.into()], ambient: 0, layers: (0..5).map(layer).collect(), substrate: 0 }
-}
-
 impl Layered {
     /// Calls `f` with this stack and its media at one group of wavelengths.
     pub fn with<V: Lanes, R>(&self, wavelengths_nm: &[f64], f: impl FnOnce(Stack<'_>, &MediaLanes<'_, V>) -> R) -> R {
@@ -82,8 +78,8 @@ impl Layered {
         f(stack, &lanes)
     }
 
-    /// Calls `f` with the optics of this stack at one angle and group of wavelengths.
-    pub fn with_optics<V: Lanes, R>(
+    /// Calls `f` with this stack, prepared for one angle and group of wavelengths.
+    pub fn with_prepared<V: Lanes, R>(
         &self,
         sin_theta: f64,
         wavelengths_nm: &[f64],
@@ -96,7 +92,7 @@ impl Layered {
     }
 }
 
-/// As many wavelengths as lanes, from 450 nm.
+/// A wavelength for each lane: 450 nm and up, in steps of 10 nm.
 #[must_use]
 pub fn group<V: Lanes>() -> Vec<f64> {
     (0..V::WIDTH).map(|i| 450.0 + 10.0 * i as f64).collect()

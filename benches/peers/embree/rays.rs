@@ -1,8 +1,9 @@
-//! `rays FOLDER REPEATS LEVEL primary|incoherent`: traces rays on a teapot of `LEVEL`² quads a patch, one thread, and writes mesh,
-//! rays and hits as raw little-endian arrays for another program to repeat; prints seconds as JSON.
+//! `rays FOLDER REPEATS LEVEL primary|incoherent`: finds nearest hits on a teapot of `LEVEL`² quads a patch, one
+//! thread. Writes the mesh, the rays and the hits as raw little-endian arrays, with which another program can repeat
+//! it, and prints seconds as JSON.
 //!
-//! Primary rays are those of the default camera. Incoherent ones start at random points of the mesh's bounding sphere and run
-//! through random points of its box, in random order.
+//! Primary rays are those of the default camera. Incoherent ones run from random points of the mesh's bounding sphere
+//! through random points of its box.
 
 use std::env;
 use std::error::Error;
@@ -33,23 +34,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bvh = Bvh::build(&mesh.positions, &mesh.triangles, &mut nodes, &mut order, &mut corners)?;
     let build = start.elapsed().as_secs_f64();
 
-    // Both programs shall see the same rays, and the other one sees single precision.
+    // Both programs get the same rays: in single precision, which is what the other one takes.
     let rays: Vec<Ray> = if kind == "primary" { primary(&mesh)? } else { stages::incoherent(&mesh, INCOHERENT) };
-    let (mut one_by_one, mut by_turns) = (Vec::new(), Vec::new());
+    let (mut one_by_one, mut batch) = (Vec::new(), Vec::new());
     let mut hits: Vec<Option<Hit>> = Vec::new();
     for _ in 0..repeats.parse::<usize>()? {
         let (found, time) = processor_time(|| {
             black_box(&rays).iter().map(|ray| bvh.intersect_nearest(ray, |_| true)).collect::<Vec<_>>()
         });
         one_by_one.push(time.as_secs_f64());
-        let (found_by_turns, time) = processor_time(|| {
+        let (found_in_batch, time) = processor_time(|| {
             let mut hits = vec![None; rays.len()];
             bvh.intersect_batch(black_box(&rays), &mut hits, |_, _| true);
             hits
         });
-        by_turns.push(time.as_secs_f64());
-        if found != found_by_turns {
-            return Err("hits differ by turns".into());
+        batch.push(time.as_secs_f64());
+        if found != found_in_batch {
+            return Err("hits differ in a batch".into());
         }
         hits = found;
     }
@@ -63,15 +64,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     write("origins.f32", points(&mut rays.iter().map(|ray| ray.origin.to_array())))?;
     write("directions.f32", points(&mut rays.iter().map(|ray| ray.direction.to_array())))?;
     write("distances.f64", hits.iter().flat_map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t).to_le_bytes()).collect())?;
-    println!("{}", serde_json::json!({ "one by one": one_by_one, "by turns": by_turns, "build": build }));
+    println!("{}", serde_json::json!({ "one by one": one_by_one, "batch": batch, "build": build }));
     Ok(())
 }
 
+/// A ray from `origin`, rounded to single precision.
 fn ray(origin: DVec3, direction: DVec3) -> Ray {
     let single = |v: DVec3| v.as_vec3().as_dvec3();
     Ray { origin: single(origin), direction: single(direction), t_min: 0.0, t_max: f64::INFINITY }
 }
 
+/// The rays of the default camera, through the middle of each pixel.
 fn primary(mesh: &TriangleMesh) -> Result<Vec<Ray>, Box<dyn Error>> {
     let (centre, radius) = mesh.bounding_sphere();
     let camera = Camera::new(&View::default(), centre, radius)?;

@@ -3,14 +3,14 @@ use std::hint::black_box;
 
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node, Ray};
+use goniochrome::trace::random::Random;
 use goniochrome_cli::render::mesh::TriangleMesh;
 
 use super::{Visit, Work};
-use crate::random::Random;
 
 const RAYS: usize = 1000;
 
-/// Building the hierarchy of a teapot of 5112 triangles, and incoherent rays through it.
+/// The hierarchy of a teapot of 5112 triangles: building it, and incoherent rays through it.
 pub fn bvh(visit: Visit<'_>) {
     let mesh = TriangleMesh::teapot(9);
     let count = mesh.triangles.len();
@@ -38,21 +38,21 @@ pub fn bvh(visit: Visit<'_>) {
     });
 }
 
-/// Rays from random points of the mesh's bounding sphere through random points of its box, in random order.
+/// Incoherent rays: from random points of the mesh's bounding sphere, through random points of its box.
 #[must_use]
 pub fn incoherent(mesh: &TriangleMesh, count: usize) -> Vec<Ray> {
     let (centre, radius) = mesh.bounding_sphere();
-    let least = mesh.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let most = mesh.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let mut random = Random::new(1);
+    let min = mesh.positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let max = mesh.positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let mut random = Random::new(0, 1);
     let single = |v: DVec3| v.as_vec3().as_dvec3();
     (0..count)
         .map(|_| {
-            let (z, phi) = (2.0 * random.unit() - 1.0, TAU * random.unit());
+            let (z, phi) = (2.0 * random.next() - 1.0, TAU * random.next());
             let s = (1.0 - z * z).sqrt();
             let origin = single(centre + radius * DVec3::new(s * phi.cos(), s * phi.sin(), z));
-            let through = DVec3::new(random.unit(), random.unit(), random.unit());
-            let direction = single((least + through * (most - least) - origin).normalize());
+            let through = DVec3::new(random.next(), random.next(), random.next());
+            let direction = single((min + through * (max - min) - origin).normalize());
             Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
         })
         .collect()

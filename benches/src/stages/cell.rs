@@ -24,7 +24,7 @@ const PATHS: usize = 28;
 const PATH_LIMITS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
 const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 10_000 };
 
-/// Power that came out.
+/// The power that leaves, in the first lane.
 struct Total(f64);
 
 impl Histogram for Total {
@@ -33,37 +33,37 @@ impl Histogram for Total {
     }
 }
 
-/// Starting rays through the bumpy soap film at 30 degrees, whose paths add as powers or interfere.
+/// Starting rays through the bumpy soap film at 30 degrees: their paths add as powers, or interfere.
 pub fn cell<V: Lanes>(visit: Visit<'_>) {
     let scene = load("bumpy-soap-film").expect("a preset");
-    let bumpy = MeshScene::new(&scene).expect("a cell");
-    let mut buffer = bumpy.buffer();
-    let cell = bumpy.cell(&mut buffer).expect("a good cell");
-    let media = bumpy.media();
+    let mesh_scene = MeshScene::new(&scene).expect("a cell");
+    let mut buffer = mesh_scene.buffer();
+    let cell = mesh_scene.cell(&mut buffer).expect("a good cell");
+    let media = mesh_scene.media();
     let mut eta = vec![ComplexLanes::zero(); media.len()];
     let media = MediaLanes::<V>::evaluate(&media, &group::<V>(), &mut eta).expect("media with data");
     let wi = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
     let bins = DirectionBins { cos: 8, phi: 16 };
     let (mut waves, mut paths) = (vec![free_slot(); WAVES], vec![incoherent_mesh::free_slot(); PATHS]);
     let mut memory = vec![ExitRecord::none(); 512];
-    for (name, coherent) in [("powers", false), ("waves", true)] {
+    for (name, interference) in [("powers", false), ("waves", true)] {
         let mut run = || {
             let light = IncidentWave::new(wi, media.eta()[usize::from(cell.above())]);
-            let (mut polygons, mut geometric) =
+            let (mut coherent, mut incoherent) =
                 (CoherentMesh::new(cell, media, light), IncoherentMesh::new(cell, media, light));
             let mut exits = ExitBuffer::new(&mut memory, bins, &media);
             let (mut total, mut visits) = (Total(0.0), 0);
             for ray in 0..RAYS {
                 let [u, v] = sobol(ray, 1);
-                let (path, light) = geometric.start(u, v).expect("no hole");
+                let (path, light) = incoherent.start(u, v).expect("no hole");
                 exits.begin(path.at().point_nm);
                 let mut random = Random::new(ray, 1);
-                let done = if coherent {
-                    let (state, field) = polygons.start_at(path.at());
-                    let spill = IncoherentFallback::new(&mut geometric, &mut paths, PATH_LIMITS, &mut random);
-                    trace_with_fallback(&mut polygons, state, field, &mut waves, WAVE_LIMITS, spill, &mut exits)
+                let done = if interference {
+                    let (state, field) = coherent.start_at(path.at());
+                    let fallback = IncoherentFallback::new(&mut incoherent, &mut paths, PATH_LIMITS, &mut random);
+                    trace_with_fallback(&mut coherent, state, field, &mut waves, WAVE_LIMITS, fallback, &mut exits)
                 } else {
-                    follow_paths(&mut geometric, path, light, &mut paths, PATH_LIMITS, &mut random, &mut exits)
+                    follow_paths(&mut incoherent, path, light, &mut paths, PATH_LIMITS, &mut random, &mut exits)
                 };
                 visits += done.visits;
                 exits.flush(&mut total);
@@ -71,8 +71,8 @@ pub fn cell<V: Lanes>(visit: Visit<'_>) {
             (total.0 / f64::from(RAYS), visits)
         };
         let (power, visits) = run();
-        // Without loss powers add to 1 in every ray; waves do so on average alone.
-        assert!((power - 1.0).abs() < if coherent { 0.2 } else { 1e-4 }, "{name}: {power}");
+        // Without loss the powers of every ray add to 1; those of waves do so on average only.
+        assert!((power - 1.0).abs() < if interference { 0.2 } else { 1e-4 }, "{name}: {power}");
         let amount = visits as f64 * V::WIDTH as f64;
         visit(&Work { stage: "trace cell", name, unit: "wavelength·states", amount }, &mut || {
             black_box(run());

@@ -10,7 +10,7 @@ use super::{Visit, Work};
 
 const EXITS: usize = 64;
 
-/// Rays that leave in one direction, added as amplitudes.
+/// The coherent sum of 64 rays that leave in two directions, added as amplitudes.
 pub fn coherence<V: Lanes>(visit: Visit<'_>) {
     let amplitude = |i: usize| ComplexLanes::new(V::splat(1.0 / (i + 1) as f64), V::splat(-0.5 / (i + 1) as f64));
     let fields: Vec<_> = (0..EXITS).map(|i| Polarised::both(amplitude(i))).collect();
@@ -21,7 +21,7 @@ pub fn coherence<V: Lanes>(visit: Visit<'_>) {
         }
         sum.response()
     };
-    // 1 + 1/3 + 1/5 … of 32 terms.
+    // 1 + 1/3 + 1/5 + …, 32 terms.
     let odd: f64 = (0..EXITS).step_by(2).map(|i| 1.0 / (i + 1) as f64).sum();
     assert!((run().reflection.s.lane(0).re - odd).abs() < 64.0 * V::UNIT_ROUNDOFF * odd);
     let amount = (EXITS * V::WIDTH) as f64;

@@ -4,7 +4,7 @@ use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 
 use super::{Visit, Work};
 
-/// Reducing the observer to a grid of 81 wavelengths, and a spectrum to RGB.
+/// Colour: the observer's weights on a grid of 81 wavelengths, and the RGB of a spectrum.
 pub fn colour(visit: Visit<'_>) {
     let grid: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();
     let mut weights = vec![[0.0; 3]; grid.len()];

@@ -6,7 +6,7 @@ use goniochrome::simd::lanes::Lanes;
 
 use super::{Visit, Work};
 
-/// A medium as a plane wave sees it, and Fresnel's formulas between two.
+/// An interface: a plane wave's normal component in a medium, and Fresnel's coefficients between two media.
 pub fn interface<V: Lanes>(visit: Visit<'_>) {
     let work = |name| Work { stage: "interface", name, unit: "wavelengths", amount: V::WIDTH as f64 };
     let eta = |re: f64, im: f64| ComplexLanes::new(V::Precise::splat(re), V::Precise::splat(im));

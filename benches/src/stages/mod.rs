@@ -1,5 +1,5 @@
-//! The stages of an estimate as pieces of work: defined once, then timed by criterion, counted in instructions, and set against
-//! the machine's limits. Each checks its result before it is measured.
+//! The stages of an estimate as pieces of work. Criterion times them, callgrind counts their instructions, and `limits`
+//! compares them with the machine's limits. Each checks its result before it is measured.
 
 mod bvh;
 mod cell;
@@ -21,21 +21,21 @@ pub use planar::planar;
 pub use stack::stack;
 pub use table::table;
 
-/// What one run of a piece of work does.
+/// A piece of work of a stage, and the amount that one run does.
 #[derive(Clone, Debug)]
 pub struct Work {
-    /// Such as "stack".
+    /// The stage's name, such as "stack".
     pub stage: &'static str,
-    /// Within the stage.
+    /// The name within the stage, such as "prepare".
     pub name: &'static str,
-    /// What is counted: "wavelength·layers", "rays".
+    /// The unit of the amount, such as "wavelength·layers" or "rays".
     pub unit: &'static str,
-    /// Units of one run.
+    /// The number of units that one run does.
     pub amount: f64,
 }
 
-/// Called with each piece of work of a stage and what runs it once.
+/// A visitor of a stage: it is called with each piece of work and a function that runs it once.
 pub type Visit<'v> = &'v mut dyn FnMut(&Work, &mut dyn FnMut());
 
-/// A stage with one kind of lanes.
+/// A stage for one kind of lanes.
 pub type Stage = fn(Visit<'_>);

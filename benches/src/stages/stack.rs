@@ -7,7 +7,7 @@ use goniochrome::simd::lanes::Lanes;
 use super::{Visit, Work};
 use crate::{MAX_PLANES, beetle, group};
 
-/// The closed form of the 20-layer stack at 30 degrees: preparation of the stack, and the recursion.
+/// The closed form of the 20-layer stack at 30 degrees: preparing the stack, and the recursion.
 pub fn stack<V: Lanes>(visit: Visit<'_>) {
     let stack = beetle();
     let amount = (V::WIDTH * stack.layers.len()) as f64;
@@ -18,17 +18,17 @@ pub fn stack<V: Lanes>(visit: Visit<'_>) {
             black_box(PreparedStack::new(stack, media, black_box(0.5), Model::Physical, memory.memory()).model());
         });
     });
-    stack.with_optics::<V, _>(0.5, &group::<V>(), |optics| {
-        let r = optics.reflectance(optics.reflection()).s.lane(0);
+    stack.with_prepared::<V, _>(0.5, &group::<V>(), |prepared| {
+        let r = prepared.reflectance(prepared.reflection()).s.lane(0);
         assert!((0.0..1.0).contains(&r));
         visit(&work("reflection"), &mut || {
-            black_box(black_box(optics).reflection());
+            black_box(black_box(prepared).reflection());
         });
         visit(&work("response"), &mut || {
-            black_box(black_box(optics).response());
+            black_box(black_box(prepared).response());
         });
         visit(&work("response and rounding"), &mut || {
-            black_box(black_box(optics).response_and_rounding());
+            black_box(black_box(prepared).response_and_rounding());
         });
     });
 }

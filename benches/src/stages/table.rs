@@ -4,23 +4,23 @@ use std::hint::black_box;
 use glam::Vec3;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::trace::random::Random;
 use goniochrome_cli::export::gltf::iridescence::eval_iridescence;
 
 use super::{Visit, Work};
-use crate::random::Random;
 
 const LOOKUPS: usize = 1024;
-/// Angles of `estimate`'s default table.
+/// Number of angles of `estimate`'s default table.
 const ROWS: usize = 90;
 
 fn work(name: &'static str) -> Work {
     Work { stage: "table", name, unit: "look-ups", amount: LOOKUPS as f64 }
 }
 
-/// RGB of 2D and 4D tables in random directions, and what they replace: glTF's formula for a film.
+/// Table look-ups: RGB of 2D and 4D tables in random directions, and glTF's formula for a film, which they replace.
 pub fn table(visit: Visit<'_>) {
-    let mut random = Random::new(2);
-    let angles: Vec<f32> = (0..LOOKUPS).map(|_| (random.unit() * 1.55) as f32).collect();
+    let mut random = Random::new(0, 2);
+    let angles: Vec<f32> = (0..LOOKUPS).map(|_| (random.next() * 1.55) as f32).collect();
 
     let values: Vec<f32> = (0..3 * ROWS).map(|i| i as f32 / (3 * ROWS) as f32).collect();
     let table = MirrorTable::new(&values, 3, 1.55).expect("a good table");
@@ -31,7 +31,7 @@ pub fn table(visit: Visit<'_>) {
         }
     });
 
-    // As a shader does: the cosine is at hand. 400 nm of index 1.33 on glass.
+    // 400 nm of index 1.33 on glass. As in a shader, the cosine is known.
     let cosines: Vec<f32> = angles.iter().map(|theta| theta.cos()).collect();
     let film = |cos| eval_iridescence(1.0, 1.33, cos, 400.0, [0.04; 3]);
     assert!(film(0.5).iter().all(|c| (0.0..0.2).contains(c)));
@@ -47,7 +47,7 @@ pub fn table(visit: Visit<'_>) {
     let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
     let sampler = ScatterSampler::new(&table, &mut memory).expect("enough memory");
     let mut direction = || {
-        let (z, phi) = (0.02 + 0.98 * random.unit(), TAU * random.unit());
+        let (z, phi) = (0.02 + 0.98 * random.next(), TAU * random.next());
         let s = (1.0 - z * z).sqrt();
         Vec3::new((s * phi.cos()) as f32, (s * phi.sin()) as f32, z as f32)
     };
