@@ -1,4 +1,4 @@
-//! Every seed of the fuzz targets, and every input that once made one fail, replayed without a fuzzer.
+//! Replays the seeds of the fuzz targets, among them every input that once made one fail, without a fuzzer.
 
 #[path = "../fuzz/checks/mod.rs"]
 mod checks;

@@ -1,8 +1,8 @@
-//! Seeds of fuzz targets, without a fuzzer.
+//! Replay of a fuzz target's seeds without a fuzzer.
 
 use std::path::Path;
 
-/// Runs `check` on every file of a target's seeds, which must be some.
+/// Runs `check` on every seed of a target, of which there must be one at least.
 pub fn replay(target: &str, check: fn(&[u8])) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let seeds = root.ancestors().map(|folder| folder.join("fuzz/seeds")).find(|seeds| seeds.is_dir());

@@ -1,8 +1,8 @@
-//! Any bytes as an environment. What is read covers the sphere with radiance.
+//! Fuzzing of environment maps from any bytes. A map that can be read covers the sphere with finite radiance.
 
 use goniochrome_cli::render::decode::decode;
 
-/// Holds for any bytes.
+/// Checks any bytes.
 pub fn check(bytes: &[u8]) {
     match decode("fuzz.hdr", bytes) {
         Err(error) => assert!(!error.to_string().contains('\n')),

@@ -1,8 +1,9 @@
-//! Any bytes as a table. What is read is a sound table, and survives being written and read again.
+//! Fuzzing of table files from any bytes. A table that can be read is sound, and stays equal when written and read
+//! again.
 
 use goniochrome_cli::table::file::{decode, encode};
 
-/// Holds for any bytes.
+/// Checks any bytes.
 pub fn check(bytes: &[u8]) {
     match decode(bytes) {
         Err(error) => assert!(!error.to_string().contains('\n')),

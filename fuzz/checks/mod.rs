@@ -1,4 +1,4 @@
-//! What must hold for any input: the bodies of the fuzz targets, which the normal tests run on every seed.
+//! The bodies of the fuzz targets: checks that must hold for any input. The normal tests run them on every seed.
 #![allow(dead_code, reason = "each fuzz target uses one")]
 
 pub mod environment;

@@ -1,9 +1,10 @@
-//! Any text as a refractive index file of either kind. What is read is passive wherever it can be evaluated.
+//! Fuzzing of refractive index files of both formats from any text. A medium that can be read is passive wherever it
+//! can be evaluated.
 
 use goniochrome_cli::scene::{self, OwnedMedium};
 use goniochrome_cli::support::error::Error;
 
-/// Holds for any bytes; those that are no text are no input.
+/// Checks any bytes that are text.
 pub fn check(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     for read in [scene::parse_nk("fuzz.yml", text), scene::parse_columns("fuzz.csv", text)] {
@@ -11,6 +12,7 @@ pub fn check(bytes: &[u8]) {
     }
 }
 
+/// Checks that a medium, if it was read, is passive.
 fn passive(read: Result<OwnedMedium, Error>) {
     match read {
         Err(error) => assert!(!error.to_string().contains('\n')),

@@ -1,13 +1,13 @@
-//! Any text as a mesh to show, as a mesh of a cell, and then as a cell.
+//! Fuzzing of meshes from any text: as a mesh to render, as the mesh of a cell, and as a cell.
 
 use goniochrome::optics::interface::{Below, Interface};
 use goniochrome_cli::render::mesh::{Axes, TriangleMesh};
 use goniochrome_cli::scene::{self, NamedInterface, NamedMedium, OwnedMedium, Shape};
 
-/// Holds for any bytes; those that are no text are no input.
+/// Checks any bytes that are text.
 pub fn check(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    shown(text);
+    rendered(text);
     let mesh = match scene::parse_mesh("fuzz.obj", text, &["top", "mirror"]) {
         Err(error) => return assert!(!error.to_string().contains('\n')),
         Ok(mesh) => mesh,
@@ -29,8 +29,8 @@ pub fn check(bytes: &[u8]) {
     }
 }
 
-/// What can be shown has triangles with unit normals.
-fn shown(text: &str) {
+/// Checks that a mesh to render has triangles with unit normals.
+fn rendered(text: &str) {
     match TriangleMesh::from_obj("fuzz.obj", text, Axes::YUp) {
         Err(error) => assert!(!error.to_string().contains('\n')),
         Ok((mesh, repairs)) => {

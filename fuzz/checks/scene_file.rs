@@ -1,9 +1,9 @@
-//! Any text as a scene file. A scene that is read can be laid out and traced.
+//! Fuzzing of scene files from any text. A planar scene that can be read gives a stack.
 
 use goniochrome_cli::scene::{self, Shape};
 use goniochrome_cli::solve::planar_scene::PlanarScene;
 
-/// Holds for any bytes; those that are no text are no input.
+/// Checks any bytes that are text.
 pub fn check(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     match scene::parse("fuzz.toml", text) {

@@ -1,18 +1,20 @@
-//! Any bytes as a table blob. What is read gives numbers wherever it may be asked, draws directions by the density that it states, and is
-//! written again byte for byte.
+//! Fuzzing of table blobs from any bytes. A blob that can be read gives numbers at every look-up, draws directions with
+//! the density that it states, and is written again byte for byte.
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::trace::random::Random;
 
 const HEADER: usize = 64;
 const CHECKSUM: usize = 60;
-/// Most bytes of a blob that is mended or made.
+/// Largest number of bytes of a blob that is mended or made.
 const MAX: usize = 1 << 16;
 
-/// Holds for any bytes: as they are, with what no fuzzer guesses put right, and as the numbers of a table.
+/// Checks any bytes in three ways: as they are, with size and checksum put right, which no fuzzer guesses, and as the
+/// numbers of a table.
 pub fn check(bytes: &[u8]) {
     holds(bytes);
     if let Some(mended) = mended(bytes) {
@@ -24,7 +26,7 @@ pub fn check(bytes: &[u8]) {
     }
 }
 
-/// The bytes with the size that their dimensions ask for, and the checksum of that.
+/// The bytes with the size that their dimensions ask for, and with the right checksum.
 pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut bytes = bytes.to_vec();
     let word = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?) as usize);
@@ -45,7 +47,7 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// A blob of the numbers that the bytes spell, in a grid that the first of them choose; nothing if they hold what is no number.
+/// A blob of the numbers that the bytes spell, in a grid that the first four choose; nothing if no table takes them.
 pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
     let (&[kind, sides, shape, space], numbers) = bytes.split_first_chunk()?;
     let values: Vec<f32> = numbers.as_chunks().0.iter().map(|&bits| f32::from_le_bytes(bits)).collect();
@@ -66,7 +68,7 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
     let (theta, phi) = (1 + u32::from(sides & 7), 1 + u32::from(sides >> 3 & 3));
     let bins = DirectionBins { cos: 1 + u32::from(shape & 15), phi: phi * (1 + u32::from(shape >> 4)) };
     let layout = ScatterLayout::new(theta, phi, bins).expect("small sides");
-    // As many numbers as there are, again and again.
+    // The numbers that there are, repeated.
     let values: Vec<f32> = values.iter().copied().cycle().take(layout.count() * channels).collect();
     let table = ScatterTable::new(&values, layout, channels).ok()?;
     let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
@@ -80,7 +82,8 @@ fn holds(bytes: &[u8]) {
     let mut again = vec![0; blob.required_len(precision).expect("it has been that long")];
     blob.write(precision, &mut again).expect("what was read can be written");
     assert!(again == bytes, "written again, a blob differs");
-    let mut numbers = Numbers(u64::from(u32::from_le_bytes(*bytes[CHECKSUM..].first_chunk().expect("a header"))));
+    let checksum = u32::from_le_bytes(*bytes[CHECKSUM..].first_chunk().expect("a header"));
+    let mut numbers = Numbers(Random::new(0, checksum));
     match &blob.contents {
         Contents::Mirror(table) => mirror(table, &mut numbers),
         Contents::Scatter(table, sampler) => {
@@ -91,18 +94,17 @@ fn holds(bytes: &[u8]) {
     }
 }
 
-/// SplitMix64: where tables are asked, another place for each blob.
-struct Numbers(u64);
+/// Random numbers in single precision that choose where a table is looked up: another sequence for each blob.
+struct Numbers(Random);
 
 impl Numbers {
+    /// The next number, in [0, 1): cut to the 24 bits of single precision, since rounding might give 1.
     fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        const STEPS: f32 = (1 << 24) as f32;
+        (self.0.next() * f64::from(STEPS)).floor() as f32 / STEPS
     }
 
-    /// Above the horizon; now and then the normal, or all but the horizon.
+    /// A direction above the horizon; sometimes the normal, or almost the horizon.
     fn direction(&mut self) -> Vec3 {
         let cos = match (8.0 * self.next()) as u32 {
             0 => 1.0,
@@ -114,7 +116,7 @@ impl Numbers {
     }
 }
 
-/// Rounding of a number between two others, and of sums of sixteen shares, in single precision.
+/// Rounding, in single precision, of an interpolation between two numbers and of weighted sums of sixteen.
 const ROUNDINGS: f32 = 32.0 * f32::EPSILON;
 
 fn within(x: f32, [low, high]: [f32; 2]) {
@@ -167,7 +169,8 @@ fn scatter(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, numbers: &mut
 
 /// The density is linear in cos θ and in φ between half steps of the grid, where the trapezium rule is exact.
 fn density_is_one(bins: DirectionBins, sampler: &ScatterSampler<'_>, wi: Vec3) {
-    /// Of probabilities that are differences of cumulative ones near 1, each rounded, and of azimuths of some turns.
+    /// Rounding of the probabilities, which are differences of cumulative ones near 1, and of azimuths of several
+    /// turns.
     const ROUNDING: f32 = 64.0 * f32::EPSILON;
     const FEW: usize = 256;
     if bins.count() > FEW {
@@ -176,11 +179,11 @@ fn density_is_one(bins: DirectionBins, sampler: &ScatterSampler<'_>, wi: Vec3) {
     let [rows, columns] = [2 * bins.cos, 2 * bins.phi];
     let mut sum = 0.0;
     for row in 0..=rows {
-        // The horizon itself is not above the surface; the density is held there.
+        // The horizon itself is not above the surface, so the density just above it is taken.
         let cos = (row as f32 / rows as f32).max(f32::MIN_POSITIVE);
         let sin = (1.0 - cos * cos).sqrt();
         let end = if row == 0 || row == rows { 0.5 } else { 1.0 };
-        // At the normal there is one azimuth, and the density is not that of others: it is asked just beside it.
+        // At the normal all azimuths are one, so the density just beside it is taken.
         let sin = if row == rows { 1e-5 } else { sin };
         for column in 0..columns {
             let phi = wi.y.atan2(wi.x) + std::f32::consts::TAU * column as f32 / columns as f32;

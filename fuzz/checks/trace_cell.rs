@@ -1,5 +1,5 @@
-//! Any cell of one to three bumpy sheets: closed by its own check, followed to a ledger that closes; where it is flat, merged rays
-//! are the closed form.
+//! Fuzzing of the tracers with cells of one to three bumpy sheets: each is closed, and the ledger of its paths adds up
+//! to 1. Where a cell is flat, merged rays agree with the closed form.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use glam::DVec3;
@@ -21,10 +21,11 @@ use num_complex::Complex64;
 use super::height_field::{HeightField, Start, follow, with_cell};
 use super::scalar::Problem;
 
-/// As in the laws of `tests/cells`, of which these cells are stranger examples.
-/// Absorbing media lose no more: a path followed by itself hands on its power whole.
+/// Bound of rounding in the ledger. It also holds in absorbing media, since a path followed alone passes on all its
+/// power. It is larger than in the laws of `tests/cells`, since these cells are stranger.
 const ROUNDING: f64 = 1e-9;
-/// Waves are dropped below 1e-13 of the light: 2√1e-13 in reflectance for each of some that ring.
+/// Bound of dropped waves. Those below 1e-13 of the light are dropped: 2√1e-13 in reflectance for each of some that
+/// ring.
 const DROPPED: f64 = 2e-5;
 
 #[derive(Debug)]
@@ -35,7 +36,7 @@ struct Cell {
     start: Start,
 }
 
-/// A round number, from which degenerate cells are made, or any in the range.
+/// A number in the range: a round one, which makes degenerate cells, or any.
 fn number(u: &mut Unstructured<'_>, low: f64, high: f64) -> Result<f64> {
     let code: u8 = u.arbitrary()?;
     let steps = f64::from(code >> 1) / 100.0;
@@ -64,7 +65,7 @@ impl<'a> Arbitrary<'a> for Cell {
     }
 }
 
-/// Holds for any bytes from which a cell can be made.
+/// Checks any bytes from which a cell can be made.
 pub fn check(bytes: &[u8]) {
     let Ok(cell) = Cell::arbitrary_take_rest(Unstructured::new(bytes)) else { return };
     let scene = cell.field.scene();
@@ -87,7 +88,7 @@ fn ledger_closes(cell: &Cell, scene: &Scene) {
 }
 
 fn flat_is_closed_form(cell: &Cell, scene: &Scene) {
-    // Absorbing and evanescent waves may gain in a loop, and their sum by hits then has no end.
+    // Absorbing and evanescent waves may gain in a loop, and then their sum hit by hit diverges.
     let q_t = cell.field.media[0][0] * cell.start.wi.z.acos().sin();
     if cell.field.media.iter().any(|[n, k]| *k > 0.0 || *n <= 1.05 * q_t) {
         return;
@@ -101,12 +102,12 @@ fn flat_is_closed_form(cell: &Cell, scene: &Scene) {
     let closed =
         spectra(&planar, &[theta_deg], &[cell.wavelength_nm], &request, &|| ()).expect("a good stack").samples[0];
     let error = (reflected - closed.mean_reflectance()).abs();
-    let bound = DROPPED + still_to_come(cell, truncated);
+    let bound = DROPPED + truncation_bound(cell, truncated);
     assert!(error <= bound, "off by {error:e}, not {bound:e}; {truncated:e} truncated");
 }
 
-/// How much rays of the power `truncated`, the mean of both polarisations, may still change what a flat cell reflects.
-fn still_to_come(cell: &Cell, truncated: f64) -> f64 {
+/// Bound of the change of a flat cell's reflectance by rays of the power `truncated`, the mean of both polarisations.
+fn truncation_bound(cell: &Cell, truncated: f64) -> f64 {
     let eta: Vec<_> = cell.field.media.iter().map(|&[n, k]| Complex64::new(n, k)).collect();
     let sin_theta = cell.start.wi.x.hypot(cell.start.wi.y);
     let (thickness_nm, wavelength_nm) = (&cell.field.depths_nm, cell.wavelength_nm);
@@ -114,36 +115,37 @@ fn still_to_come(cell: &Cell, truncated: f64) -> f64 {
     twins.iter().map(|twin| 0.5 * twin.truncation(2.0 * truncated, 1.0)[0]).sum()
 }
 
-/// What one starting ray reflects, merged where waves meet, and what is truncated of it; nothing where all is, or the waves
-/// have no sum.
+/// The power that one starting ray reflects, with waves merged, and the power truncated. Nothing if the waves' sum
+/// diverges or nearly all power is truncated.
 fn merged(cell: &Cell, scene: &Scene) -> Option<[f64; 2]> {
-    /// What rings longer than this many generations is truncated, as all that is not followed.
+    /// Limits of waves: those that ring for more generations are truncated.
     const WAVES: Limits = Limits { in_flight: 1e-13, generations: 1000 };
     const PATHS: Limits = Limits { in_flight: 0.1, generations: 1000 };
-    const SPILLED: usize = 10;
+    /// Number of paths that the incoherent fall-back holds.
+    const FALLBACK_PATHS: usize = 10;
     let Start { wi, u, v, seed } = cell.start;
     with_cell(scene, cell.wavelength_nm, |mesh, media| {
         let eta = media.eta()[usize::from(mesh.above())];
         let incident = IncidentWave::new(wi, eta);
-        let (mut polygons, mut geometric) =
+        let (mut coherent, mut incoherent) =
             (CoherentMesh::new(mesh, media, incident), IncoherentMesh::new(mesh, media, incident));
-        let (state, field) = polygons.start(u, v).expect("no hole");
-        // As the command line has: one for each side of each sheet, and two pairs.
+        let (state, field) = coherent.start(u, v).expect("no hole");
+        // As many as the command line has: one for each side of each sheet, and two pairs.
         let mut waves = vec![free_slot(); 2 * cell.field.sheets() + 4];
-        let mut paths = vec![incoherent_mesh::free_slot(); SPILLED];
+        let mut paths = vec![incoherent_mesh::free_slot(); FALLBACK_PATHS];
         let mut memory = [ExitRecord::<F64>::none(); 4];
         let mut exits = ExitBuffer::new(&mut memory, DirectionBins { cos: 1, phi: 1 }, &media);
         exits.begin(state.point_nm());
         let mut random = Random::new(seed, 0);
-        let spill = IncoherentFallback::new(&mut geometric, &mut paths, PATHS, &mut random);
-        let done = trace_with_fallback(&mut polygons, state, field, &mut waves, WAVES, spill, &mut exits);
+        let fallback = IncoherentFallback::new(&mut incoherent, &mut paths, PATHS, &mut random);
+        let done = trace_with_fallback(&mut coherent, state, field, &mut waves, WAVES, fallback, &mut exits);
         let mut reflected = Reflected(0.0);
-        let truncated = (done.truncated + exits.flush(&mut reflected) + polygons.lost() + geometric.lost()).lane(0);
+        let truncated = (done.truncated + exits.flush(&mut reflected) + coherent.lost() + incoherent.lost()).lane(0);
         (truncated <= 1.0).then_some([reflected.0, truncated])
     })
 }
 
-/// Power through the top at the first wavelength.
+/// The power that leaves through the top at the first wavelength.
 struct Reflected(f64);
 
 impl Histogram for Reflected {

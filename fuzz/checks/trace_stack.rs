@@ -1,5 +1,5 @@
-//! Any planar stack: the closed form and both sums of rays hold to the scalar twin, that of hits within what it says it
-//! truncated, and the ledger to energy.
+//! Fuzzing of the planar solvers with any stack. The closed form and both sums of rays agree with the scalar solver,
+//! the sum hit by hit within the truncation that it states, and the ledger adds up to 1.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use goniochrome::optics::interface::{Below, Model};
@@ -16,10 +16,10 @@ use super::scalar::{Problem, Twin};
 const MAX_PLANES: usize = 40;
 const MEDIA: usize = MAX_PLANES + 1;
 
-/// Beyond this the first-order bounds of the twin say nothing.
+/// Bound above which the scalar solver's first-order bounds say nothing.
 const FIRST_ORDER: f64 = 1e-3;
 
-/// Roundings of a difference of powers, relative to them.
+/// Rounding of a difference of powers, in unit roundoffs of their sum.
 const DIFFERENCE: f64 = 4.0;
 
 #[derive(Debug)]
@@ -31,7 +31,7 @@ struct Planes {
     slots: usize,
 }
 
-/// A round number, from which degenerate stacks are made, or any in the range.
+/// A number in the range: a round one, which makes degenerate stacks, or any.
 fn number(u: &mut Unstructured<'_>, low: f64, high: f64) -> Result<f64> {
     let code: u8 = u.arbitrary()?;
     let steps = f64::from(code >> 1);
@@ -54,8 +54,8 @@ impl<'a> Arbitrary<'a> for Planes {
         for _ in 0..u.int_in_range(0..=MAX_PLANES - 1)? {
             let code: u8 = u.arbitrary()?;
             media.push(if code.is_multiple_of(4) { media[usize::from(code / 4) % media.len()] } else { eta(u, true)? });
-            let most = [1e2, 1e3, 1e4, 1e5][usize::from(code / 64)];
-            thickness_nm.push(number(u, 0.0, most)?);
+            let max = [1e2, 1e3, 1e4, 1e5][usize::from(code / 64)];
+            thickness_nm.push(number(u, 0.0, max)?);
         }
         if !u.ratio(1, 4)? {
             media.push(eta(u, true)?);
@@ -82,17 +82,17 @@ fn holds<V: Lanes>(planes: &Planes, limits: Limits) {
     let mut arrays = StackArrays::<MAX_PLANES>::new();
     let stack = Stack::new(0, layers, substrate, arrays.memory()).expect("fits");
     let mut memory = PreparedStackArrays::<V, MEDIA>::new();
-    let optics = PreparedStack::new(stack, &media, planes.sin_theta, Model::Physical, memory.memory());
+    let prepared = PreparedStack::new(stack, &media, planes.sin_theta, Model::Physical, memory.memory());
 
-    let response = optics.response();
-    let closed = [optics.reflectance(response.reflection), optics.transmittance(response.transmission)];
+    let response = prepared.response();
+    let closed = [prepared.reflectance(response.reflection), prepared.transmittance(response.transmission)];
     let mut workspace = Workspace::<V, MAX_PLANES>::new();
-    let looped = trace_planar(&optics, Summation::ClosedLoops, workspace.memory()).expect("fits");
-    let hit_by_hit = trace_planar(&optics, Summation::Generations(limits), workspace.memory()).expect("fits");
+    let looped = trace_planar(&prepared, Summation::ClosedLoops, workspace.memory()).expect("fits");
+    let hit_by_hit = trace_planar(&prepared, Summation::Generations(limits), workspace.memory()).expect("fits");
     let few = workspace.memory();
     let few = TraceMemory { totals: few.totals, slots: &mut few.slots[..planes.slots] };
-    let cramped = trace_planar(&optics, Summation::Generations(limits), few).expect("fits");
-    // The paper's model promises nothing but numbers.
+    let cramped = trace_planar(&prepared, Summation::Generations(limits), few).expect("fits");
+    // The paper's model promises only finite numbers.
     let mut memory = PreparedStackArrays::<V, MEDIA>::new();
     let paper = PreparedStack::new(stack, &media, planes.sin_theta, Model::Paper, memory.memory());
     let paper_traced = trace_planar(&paper, Summation::ClosedLoops, workspace.memory()).expect("fits").ledger;
@@ -117,7 +117,7 @@ fn holds<V: Lanes>(planes: &Planes, limits: Limits) {
                 let bounds = twin.perturbed(V::UNIT_ROUNDOFF, media);
                 let parts = [(ledger.reflected, twin.reflectance), (ledger.transmitted, twin.transmittance)];
                 for ((got, want), bound) in parts.map(|(got, want)| (of(got), want)).into_iter().zip(bounds) {
-                    // Sums that diverge are large, and rounded as such.
+                    // Sums that diverge are large, and so is their rounding.
                     let rounding = DIFFERENCE * V::UNIT_ROUNDOFF * (got + want);
                     assert!(got.is_finite(), "{name}: {got}");
                     assert!(
@@ -145,10 +145,10 @@ fn compare(twin: &Twin, bounds: [f64; 2], closed: [f64; 2], looped: [f64; 2]) {
     }
 }
 
-/// Holds for any bytes from which planes can be made.
+/// Checks any bytes from which planes can be made.
 pub fn check(bytes: &[u8]) {
     let Ok(planes) = Planes::arbitrary_take_rest(Unstructured::new(bytes)) else { return };
-    // Many planes get fewer generations: what is left then is bounded like any other truncation, and an input takes a millisecond.
+    // Many planes get fewer generations, so that an input takes a millisecond. The bound of truncation covers the rest.
     let generations = (1600 / planes.eta.len() as u32).clamp(20, 200);
     holds::<F64>(&planes, Limits { in_flight: 1e-20, generations });
     holds::<F32>(&planes, Limits { in_flight: 1e-12, generations });

@@ -1,4 +1,4 @@
-//! Any sequence of calls of the C interface: a status for each, and results that obey the laws.
+//! Fuzz target: any sequence of calls of the C interface.
 #![no_main]
 
 #[path = "../checks/capi/mod.rs"]
@@ -7,7 +7,7 @@ mod capi;
 #[allow(dead_code, reason = "transmission is not in the C interface")]
 mod scalar;
 #[path = "../checks/table_blob.rs"]
-#[allow(dead_code, reason = "only what makes blobs is used here")]
+#[allow(dead_code, reason = "only blobs are made here")]
 mod table_blob;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| capi::check(bytes));

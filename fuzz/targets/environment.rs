@@ -1,4 +1,4 @@
-//! Any bytes as an environment.
+//! Fuzz target: any bytes as an environment map.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

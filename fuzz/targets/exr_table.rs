@@ -1,4 +1,4 @@
-//! Any bytes as a table. What is read is a sound table, and survives being written and read again.
+//! Fuzz target: any bytes as a table file.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

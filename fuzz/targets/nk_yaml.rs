@@ -1,4 +1,4 @@
-//! Any text as a refractive index file. What is read is passive wherever it can be evaluated.
+//! Fuzz target: any text as a refractive index file.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

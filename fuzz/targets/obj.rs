@@ -1,4 +1,4 @@
-//! Any text as a mesh, and then as a cell of horizontal planes.
+//! Fuzz target: any text as a mesh.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

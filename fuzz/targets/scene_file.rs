@@ -1,4 +1,4 @@
-//! Any text as a scene file. A scene that is read can be laid out and traced.
+//! Fuzz target: any text as a scene file.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

@@ -1,4 +1,4 @@
-//! Any bytes as a table blob. What is read gives numbers wherever it may be asked.
+//! Fuzz target: any bytes as a table blob.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

@@ -1,4 +1,4 @@
-//! Any cell of one to three bumpy sheets: laws of physics hold.
+//! Fuzz target: the tracers on any cell of one to three bumpy sheets.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

@@ -1,4 +1,4 @@
-//! Any planar stack: the closed form and both sums of rays hold to the scalar twin, and the ledger to energy.
+//! Fuzz target: the planar solvers on any stack.
 #![no_main]
 
 #[path = "../checks/mod.rs"]

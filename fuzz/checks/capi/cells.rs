@@ -1,4 +1,4 @@
-//! Cells of polygons.
+//! Calls that make and trace cells of polygons.
 
 use super::media::Media;
 use super::out::Out;
@@ -11,7 +11,7 @@ use goniochrome_capi::cell::{
 use goniochrome_capi::stack::GONIO_MIRROR;
 use goniochrome_capi::status::Status;
 
-/// A cell that was made, and all that it points to.
+/// A cell that was made, and everything that it points to.
 pub struct Facets {
     object: Out<Cell>,
     _vertices: Vec<f64>,
@@ -42,7 +42,7 @@ fn sheets(program: &mut Program<'_>, period_nm: [f64; 2]) -> Shape {
     (vertices, triangles, kinds)
 }
 
-/// Any triangles, with holes and crossings, and now and then a vertex or an interface that is not there.
+/// Any triangles, with holes and crossings, and sometimes with a vertex or an interface that does not exist.
 fn soup(program: &mut Program<'_>, period_nm: [f64; 2], interfaces: usize) -> Shape {
     let count = program.below(10);
     let vertex = |program: &mut Program<'_>| {
@@ -89,7 +89,8 @@ pub fn make(program: &mut Program<'_>, cell: &mut Option<Facets>) {
         ambient: media.index(program),
     };
     let mut object = Out::new(1);
-    // SAFETY: pointers are NULL, misaligned, or to what the counts say; all that the object keeps is kept with it.
+    // SAFETY: pointers are NULL, misaligned, or to as much as the counts say. What the object points to is kept with
+    // it.
     let status = unsafe {
         gonio_cell_make(
             faults.pass_mut(object.pointer()),
@@ -100,7 +101,7 @@ pub fn make(program: &mut Program<'_>, cell: &mut Option<Facets>) {
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
     assert!(status != Status::Memory || size < needed, "the stated memory is too small");
-    if object.flush(status) {
+    if object.succeeded(status) {
         let (_vertices, _triangles, _media, _memory) = (vertices, triangles, media, memory);
         *cell = Some(Facets { object, _vertices, _triangles, _media, _memory });
     }
@@ -121,7 +122,7 @@ pub fn trace(program: &mut Program<'_>, cell: Option<&Facets>) {
         interference: program.below(3) as u32,
     };
     let with_bins = program.byte() & 1 == 0;
-    // SAFETY: it is there; its pointers are not followed.
+    // SAFETY: the light exists, and its pointers are not followed.
     let needed = unsafe { gonio_trace_memory_size(&raw const light) };
     let short = program.byte();
     let size = if short >= 0xf0 { needed / 2 } else { needed };
@@ -129,7 +130,7 @@ pub fn trace(program: &mut Program<'_>, cell: Option<&Facets>) {
     let mut memory = vec![0u8; needed + shift];
     let count = (light.bins_cos * light.bins_phi) as usize;
     let (nothing, mut power, mut bins) = (Out::new(1), Out::<Power>::new(nm.len()), Out::<f64>::new(nm.len() * count));
-    // SAFETY: pointers are NULL, misaligned, or to what the counts say.
+    // SAFETY: pointers are NULL, misaligned, or to as much as the counts say.
     let status = unsafe {
         gonio_cell_trace(
             faults.pass(cell.map_or(&nothing, |cell| &cell.object).object()),
@@ -142,11 +143,11 @@ pub fn trace(program: &mut Program<'_>, cell: Option<&Facets>) {
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
     assert!(cell.is_some() || status != Status::Ok, "nothing was made, and answered");
-    // Bins that cannot be have no memory.
+    // Impossible bins are stated to need no memory.
     assert!(status != Status::Memory || size < needed || needed == 0, "the stated memory is too small");
-    let done = power.flush(status);
+    let done = power.succeeded(status);
     if with_bins {
-        bins.flush(status);
+        bins.succeeded(status);
     }
     if done {
         for (wavelength, power) in power.results().iter().enumerate() {
@@ -159,11 +160,11 @@ pub fn trace(program: &mut Program<'_>, cell: Option<&Facets>) {
     }
 }
 
-/// All light is somewhere. Weak paths are drawn by their power in all lanes together, of which those beyond the last wavelength repeat
-/// it: so the lanes' mean is kept by every draw, and each wavelength's own power on average.
+/// Checks that the ledger adds up to 1. Weak paths are drawn by their power in all lanes together, and lanes beyond the
+/// last wavelength repeat it. So every draw keeps the mean over lanes, and each wavelength's own power only on average.
 fn ledger_closes(power: &[Power]) {
-    /// Trapped light meets facets ten thousand times, and each time its power is rounded: where it arrives, in both parts, and in
-    /// their fields.
+    /// Bound of rounding: trapped light hits facets ten thousand times, and each time its power is rounded where it
+    /// arrives, in both branches, and in their fields.
     const LEDGER: f64 = 1e4 * 4.0 * (f32::EPSILON as f64 / 2.0);
     let total = |p: &Power| p.reflected + p.transmitted + p.absorbed + p.truncated;
     let repeated = (F32::WIDTH - power.len()) as f64 * power.last().map_or(0.0, total);
@@ -172,9 +173,9 @@ fn ledger_closes(power: &[Power]) {
     assert!(power.iter().all(|p| p.absorbed >= -LEDGER), "power was gained");
 }
 
-/// Numbers, and bins that hold what is reflected.
+/// Checks that powers are finite, and that the bins hold the reflected power.
 fn holds(power: &Power, bins: Option<&[f64]>) {
-    /// Two sums of some hundred powers in double precision.
+    /// Rounding of two sums of some hundred powers in double precision.
     const SUM: f64 = 1e-12;
     let &Power { reflected, transmitted, absorbed, truncated } = power;
     let parts = [reflected, transmitted, absorbed, truncated];

@@ -1,4 +1,4 @@
-//! Planar stacks and their colours.
+//! Calls that make planar stacks and colours, and evaluate them.
 
 use super::media::Media;
 use super::out::Out;
@@ -16,7 +16,7 @@ use num_complex::Complex64;
 
 /// Unit roundoff of single precision.
 const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
-/// Beyond this the first-order bounds of the twin say nothing.
+/// Bound above which the scalar solver's first-order bounds say nothing.
 const FIRST_ORDER: f64 = 1e-3;
 
 /// A stack that was made.
@@ -28,7 +28,7 @@ pub struct Films {
     substrate: u16,
 }
 
-/// Weights that were made.
+/// The weights of a colour space that were made.
 pub struct Colours {
     object: Out<Colour>,
     illuminant: Illuminant,
@@ -47,7 +47,7 @@ pub fn make_films(program: &mut Program<'_>, films: &mut Option<Films>) {
     let layers: Vec<Layer> = (0..count).map(|_| layer()).collect();
     let substrate = if program.byte() & 3 == 0 { GONIO_MIRROR } else { media.index(program) };
     let mut object = Out::new(1);
-    // SAFETY: pointers are NULL, misaligned, or to what the counts say; all is kept with the object.
+    // SAFETY: pointers are NULL, misaligned, or to as much as the counts say. Everything is kept with the object.
     let status = unsafe {
         gonio_stack_make(
             faults.pass_mut(object.pointer()),
@@ -60,7 +60,7 @@ pub fn make_films(program: &mut Program<'_>, films: &mut Option<Films>) {
         )
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if object.flush(status) {
+    if object.succeeded(status) {
         *films = Some(Films { object, media, ambient, layers, substrate });
     }
 }
@@ -72,7 +72,7 @@ pub fn make_colours(program: &mut Program<'_>, colours: &mut Option<Colours>) {
     // SAFETY: the pointer is NULL, misaligned, or to room for an object.
     let status = unsafe { gonio_colour_make(faults.pass_mut(object.pointer()), illuminant, space) };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if object.flush(status) {
+    if object.succeeded(status) {
         let illuminant = if illuminant == GONIO_ILLUMINANT_D65 { Illuminant::D65 } else { Illuminant::E };
         let space = match space {
             GONIO_SPACE_SRGB => RgbSpace::Srgb,
@@ -102,7 +102,7 @@ pub fn reflectance(program: &mut Program<'_>, films: Option<&Films>) {
         )
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if s.flush(status) & p.flush(status) {
+    if s.succeeded(status) & p.succeeded(status) {
         let films = films.expect("nothing was made, and answered");
         for ((&nm, &s), &p) in nm.iter().zip(s.results()).zip(p.results()) {
             films.holds(cos_theta, nm, [s, p].map(f64::from));
@@ -114,7 +114,7 @@ pub fn rgb(program: &mut Program<'_>, films: Option<&Films>, colours: Option<&Co
     let mut faults = program.faults();
     let cos_theta = program.number(0.0, 1.0);
     let (no_stack, no_colour, mut rgb) = (Out::new(1), Out::new(1), Out::<f32>::new(3));
-    // SAFETY: pointers are NULL, misaligned, or to an object or what is none, and to three numbers.
+    // SAFETY: pointers are NULL, misaligned, to an object, to memory that holds none, or to three numbers.
     let status = unsafe {
         gonio_stack_rgb(
             faults.pass(films.map_or(&no_stack, |films| &films.object).object()),
@@ -124,10 +124,10 @@ pub fn rgb(program: &mut Program<'_>, films: Option<&Films>, colours: Option<&Co
         )
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if rgb.flush(status) {
+    if rgb.succeeded(status) {
         let (films, colours) = (films.expect("a stack"), colours.expect("colours"));
         for (&got, [colour, weight]) in rgb.results().iter().zip(colours.of(films, cos_theta)) {
-            // The reflectances are rounded before they are summed here, and after it there.
+            // Here the reflectances are rounded before they are summed, there after it.
             let bound = ROUNDOFF * (weight + colour.abs());
             assert!((f64::from(got) - colour).abs() <= bound, "{got:e}, not {colour:e} within {bound:e}");
         }
@@ -135,7 +135,7 @@ pub fn rgb(program: &mut Program<'_>, films: Option<&Films>, colours: Option<&Co
 }
 
 impl Films {
-    /// R of s and p is that of the scalar twin, as far as that can say.
+    /// Checks R of s and p against the scalar solver, within its bounds.
     fn holds(&self, cos_theta: f64, nm: f64, got: [f64; 2]) {
         assert!(got.iter().all(|r| r.is_finite() && *r >= 0.0), "R = {got:?}");
         let media = self.media.eta(nm);
@@ -148,7 +148,7 @@ impl Films {
         let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
         let problem = Problem { eta: &eta, thickness_nm: &thickness_nm, sin_theta, wavelength_nm: nm };
         for (got, twin) in got.into_iter().zip(problem.solve()) {
-            // What is returned is rounded to single precision once more.
+            // The returned value is rounded to single precision once more.
             let [bound, _] = twin.perturbed(ROUNDOFF, problem.kept_off(ROUNDOFF));
             let bound = bound + ROUNDOFF * got;
             let near = (got - twin.reflectance).abs() <= bound && got <= 1.0 + bound;
@@ -159,8 +159,8 @@ impl Films {
 }
 
 impl Colours {
-    /// The colour of the reflectances that the interface itself gives, and the sum of the sizes of its terms, for each
-    /// of R, G, B.
+    /// The colour of the reflectances that the interface itself gives, and the sum of the absolute values of its terms,
+    /// for each of R, G and B.
     fn of(&self, films: &Films, cos_theta: f64) -> [[f64; 2]; 3] {
         let nm: [f64; 81] = std::array::from_fn(|i| 380.0 + 5.0 * i as f64);
         let mut weights = [[0.0; 3]; 81];

@@ -1,18 +1,18 @@
-//! Media for C, and what they are.
+//! Media in the form of the C interface, and their indices by the core.
 
 use super::program::{Faults, Program};
 use goniochrome::optics::medium::{Dispersion, Extrapolate, Medium};
 use goniochrome_capi::media::{GONIO_MAX_MEDIA, Medium as CMedium};
 use num_complex::Complex64;
 
-/// Media and the arrays that they point to.
+/// Media of the C interface, and the arrays that they point to.
 pub struct Media {
     columns: Vec<[Vec<f64>; 3]>,
     pub list: Vec<CMedium>,
 }
 
 impl Media {
-    /// Up to four; the first is as a rule one that light may come from. `GONIO_MAX_MEDIA` + 1 now and then.
+    /// Up to four media, or sometimes `GONIO_MAX_MEDIA` + 1.
     pub fn new(program: &mut Program<'_>, faults: &mut Faults) -> Self {
         let count = match program.byte() {
             255 => GONIO_MAX_MEDIA + 1,
@@ -22,7 +22,7 @@ impl Media {
         for _ in 0..count {
             let kind = program.byte();
             let entries = usize::from(kind & 3);
-            // One entry is the rule.
+            // Most have one entry.
             let entries = [1, 2, 3, 0][if kind & 0x40 != 0 { entries } else { 0 }];
             let mut column = |low: f64, high: f64| (0..entries).map(|_| program.number(low, high)).collect::<Vec<_>>();
             let wavelength_nm = if entries > 1 { column(200.0, 1500.0) } else { Vec::new() };
@@ -40,7 +40,7 @@ impl Media {
         Self { columns, list }
     }
 
-    /// A medium's index; now and then one that is not there.
+    /// The index of a medium, or sometimes of one that does not exist.
     pub fn index(&self, program: &mut Program<'_>) -> u16 {
         (program.byte() as usize % (8 * self.list.len() + 1) / 8) as u16
     }

@@ -1,5 +1,6 @@
-//! Any sequence of calls of the C interface, with pointers that are NULL or misaligned, numbers out of range and memory too small
-//! among them: each is answered by a status, results are written only with the good one, and then obey the laws.
+//! Fuzzing of the C interface with any sequence of calls, among them NULL and misaligned pointers, numbers out of range
+//! and too little memory. Each call returns a status. Results are written only on success, and obey the laws of
+//! physics.
 
 mod cells;
 mod films;
@@ -12,14 +13,14 @@ use goniochrome_capi::status::gonio_status_text;
 use program::Program;
 use std::ffi::CStr;
 
-/// Most calls of one sequence.
-const MAX: usize = 24;
+/// Largest number of calls in one sequence.
+const MAX_CALLS: usize = 24;
 
-/// Holds for any bytes: a program of letters, each with its arguments.
+/// Checks any bytes as a program of letters, each with its arguments.
 pub fn check(bytes: &[u8]) {
     let mut program = Program(bytes);
     let (mut films, mut colours, mut cell, mut table) = (None, None, None, None);
-    for _ in 0..MAX {
+    for _ in 0..MAX_CALLS {
         let Some(operation) = program.next() else { return };
         let program = &mut program;
         match operation {
@@ -42,7 +43,7 @@ pub fn check(bytes: &[u8]) {
 }
 
 fn status_text(status: i32) {
-    // SAFETY: the interface answers with a text, whatever the number.
+    // SAFETY: the interface returns a text for any number.
     let text = unsafe { CStr::from_ptr(gonio_status_text(status)) };
     assert!(text.to_str().is_ok_and(|text| !text.is_empty() && !text.contains('\n')));
 }

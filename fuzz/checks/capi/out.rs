@@ -1,11 +1,11 @@
-//! Memory for results, which shows whether it has been written.
+//! Memory for results that shows whether it has been written.
 
 use goniochrome_capi::status::Status;
 use std::mem::MaybeUninit;
 
 const UNTOUCHED: u8 = 0xa5;
 
-/// Room for some results and one more, which nobody may write.
+/// Memory for some results, and for one more that no call may write.
 pub struct Out<T>(Box<[MaybeUninit<T>]>);
 
 impl<T> Out<T> {
@@ -25,13 +25,13 @@ impl<T> Out<T> {
     }
 
     fn is_untouched(places: &[MaybeUninit<T>]) -> bool {
-        // SAFETY: `new` has written all bytes, and this is asked of those that no call should have written since.
+        // SAFETY: `new` has written all bytes.
         let bytes = unsafe { std::slice::from_raw_parts(places.as_ptr().cast::<u8>(), size_of_val(places)) };
         bytes.iter().all(|byte| *byte == UNTOUCHED)
     }
 
-    /// Whether the call succeeded; if it did not, it has written nothing, and in no case beyond the end.
-    pub fn flush(&self, status: Status) -> bool {
+    /// Whether the call succeeded. Checks that it wrote nothing if it failed, and never beyond the end.
+    pub fn succeeded(&self, status: Status) -> bool {
         let (spare, places) = self.0.split_last().expect("one more");
         assert!(Self::is_untouched(std::slice::from_ref(spare)), "written beyond the end");
         assert!(status == Status::Ok || Self::is_untouched(places), "written in spite of {status:?}");
@@ -41,7 +41,7 @@ impl<T> Out<T> {
     /// The results of a call that succeeded.
     pub fn results(&self) -> &[T] {
         let (_, places) = self.0.split_last().expect("one more");
-        // SAFETY: any bytes are such numbers, and `new` has written all.
+        // SAFETY: any bytes are valid numbers, and `new` has written all.
         unsafe { std::slice::from_raw_parts(places.as_ptr().cast(), places.len()) }
     }
 }

@@ -1,6 +1,6 @@
 //! Bytes as a program of calls: each operation is a letter, each argument the next byte.
 
-/// What is left of it.
+/// The bytes of a program that are still to be read.
 pub struct Program<'a>(pub &'a [u8]);
 
 impl<'a> Program<'a> {
@@ -15,18 +15,19 @@ impl<'a> Program<'a> {
         self.next().unwrap_or(0)
     }
 
+    /// A whole number from 0 to `n` − 1.
     pub fn below(&mut self, n: usize) -> usize {
         usize::from(self.byte()) % n
     }
 
-    /// As many bytes as there are, up to `n`.
+    /// The next `n` bytes, or fewer at the end.
     pub fn bytes(&mut self, n: usize) -> &'a [u8] {
         let (head, rest) = self.0.split_at(n.min(self.0.len()));
         self.0 = rest;
         head
     }
 
-    /// In 250 steps from one end to the other; the last few bytes are numbers that nobody means.
+    /// A number in the range, in 250 steps, or one of five that no caller means.
     pub fn number(&mut self, low: f64, high: f64) -> f64 {
         match self.byte() {
             255 => f64::NAN,
@@ -38,8 +39,8 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// What is wrong with the pointers of a call: nothing after a dot or a digit; the `n`-th is NULL after the `n`-th letter from @,
-    /// misaligned after the `n`-th from H.
+    /// The fault in the pointers of a call, by the next byte. A dot or a digit stands for none. The `n`-th letter from
+    /// @ makes the `n`-th pointer NULL, the `n`-th letter from H misaligns it.
     pub fn faults(&mut self) -> Faults {
         let code = self.byte();
         let place = (code & 0xc0 == 0x40).then_some(usize::from(code & 7));
@@ -47,7 +48,7 @@ impl<'a> Program<'a> {
     }
 }
 
-/// Spoils one pointer of a call.
+/// A fault in one pointer of a call, or none.
 pub struct Faults {
     place: Option<usize>,
     misaligned: bool,
@@ -78,7 +79,7 @@ impl Faults {
         self.pass(pointer.cast_const()).cast_mut()
     }
 
-    /// A list, which a call needs unless it is empty.
+    /// The pointer to a list, which the call needs unless the list is empty.
     pub fn list<T>(&mut self, list: &[T]) -> *const T {
         let before = self.hit;
         let pointer = self.pass(list.as_ptr());

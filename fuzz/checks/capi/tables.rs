@@ -1,4 +1,4 @@
-//! Tables at run time.
+//! Calls that view, look up and sample tables.
 
 use super::out::Out;
 use super::program::{Faults, Program};
@@ -9,7 +9,7 @@ use goniochrome_capi::table::{
     gonio_table_reflectance, gonio_table_rgb, gonio_table_sample, gonio_table_view,
 };
 
-/// A view and the bytes that it looks at.
+/// A view of a table, and the table's bytes.
 pub struct View {
     object: Out<Table>,
     _bytes: Vec<u8>,
@@ -30,17 +30,19 @@ pub fn view(program: &mut Program<'_>, table: &mut Option<View>) {
     let mut memory = vec![0; shift];
     memory.extend(bytes.as_deref().unwrap_or(given));
     let mut object = Out::new(1);
-    // SAFETY: pointers are NULL, misaligned, or to room for an object and as many bytes as stated; they are kept with the object.
+    // SAFETY: pointers are NULL, misaligned, to memory for an object, or to as many bytes as stated. The bytes are kept
+    // with the object.
     let status = unsafe {
         gonio_table_view(faults.pass_mut(object.pointer()), faults.list(&memory[shift..]), memory.len() - shift)
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    if object.flush(status) {
+    if object.succeeded(status) {
         *table = Some(View { object, _bytes: memory });
     }
 }
 
-/// Calls `call` with the table, or with what is none, and room for `count` results; the results if it succeeded.
+/// Calls `call` with the table, or with memory that holds none, and with memory for `count` results. Returns the
+/// results if it succeeded.
 fn ask<T>(
     table: Option<&View>,
     faults: &mut Faults,
@@ -53,10 +55,10 @@ fn ask<T>(
     let status = call(faults, object, place);
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
     assert!(table.is_some() || status != Status::Ok, "nothing was made, and answered");
-    results.flush(status).then_some(results)
+    results.succeeded(status).then_some(results)
 }
 
-/// A direction, of unit length or of any.
+/// A direction, of unit length or of any other.
 fn direction(program: &mut Program<'_>) -> [f32; 3] {
     let unit = program.byte() & 1 == 0;
     let v = [-1.0, -1.0, -0.2].map(|low| program.number(low, 1.0));
@@ -120,6 +122,6 @@ pub fn sample(program: &mut Program<'_>, table: Option<&View>) {
     let Sample { wo, pdf, weight } = sample.results()[0];
     assert!(wi[2] > 0.0 && u.iter().all(|u| (0.0..1.0).contains(u)));
     assert!(wo.iter().all(|x| x.is_finite()) && wo[2] > 0.0, "{wo:?}");
-    // Where the sampler of a blob is not of its table, a weight may be beyond single precision, but never no number.
+    // If a blob's sampler does not belong to its table, a weight may exceed single precision, but it is never NaN.
     assert!(pdf >= 0.0 && pdf.is_finite() && !weight.iter().any(|w| w.is_nan()), "{pdf} {weight:?}");
 }

@@ -1,4 +1,4 @@
-//! Cells of polygons through the C interface.
+//! Tests of polygon cells through the C interface.
 
 use goniochrome_capi::cell::{
     Cell, GONIO_CELL_SIZE, Interface, Light, Mesh, Power, gonio_cell_make, gonio_cell_memory_size, gonio_cell_trace,
@@ -9,11 +9,11 @@ use goniochrome_capi::status::Status;
 
 const PERIOD_NM: [f64; 2] = [10_000.0, 8_000.0];
 
-/// Air, film, glass.
+/// Refractive indices of air, film and glass.
 const INDICES: [f64; 3] = [1.0, 1.6, 1.5];
 
-/// What becomes of light from 20 degrees without interference. `kinds` are 0 for air over film and 1 for film over
-/// glass.
+/// The powers of light from 20 degrees without interference. An interface of `kinds` is 0 for air over film, 1 for film
+/// over glass.
 fn trace(vertices: &[f64], triangles: &[u32], kinds: &[u16]) -> Power {
     let medium = |n: &f64| Medium { wavelength_nm: std::ptr::null(), n, k: std::ptr::null(), count: 1 };
     let media: Vec<Medium> = INDICES.iter().map(medium).collect();
@@ -34,7 +34,7 @@ fn trace(vertices: &[f64], triangles: &[u32], kinds: &[u16]) -> Power {
     let mut cell = vec![0u64; GONIO_CELL_SIZE / 8];
     let cell = cell.as_mut_ptr().cast::<Cell>();
     let mut memory = vec![0u8; gonio_cell_memory_size(kinds.len(), interfaces.len())];
-    // SAFETY: every pointer is to what the counts say.
+    // SAFETY: every pointer is to as much as the counts say.
     let status = unsafe { gonio_cell_make(cell, &raw const mesh, memory.as_mut_ptr(), memory.len()) };
     assert_eq!(status, Status::Ok);
     let (sin, cos) = 20f64.to_radians().sin_cos();
@@ -49,10 +49,10 @@ fn trace(vertices: &[f64], triangles: &[u32], kinds: &[u16]) -> Power {
         bins_phi: 1,
         interference: 0,
     };
-    // SAFETY: the light is there.
+    // SAFETY: the light exists.
     let mut workspace = vec![0u8; unsafe { gonio_trace_memory_size(&raw const light) }];
     let mut power = Power { reflected: 0.0, transmitted: 0.0, absorbed: 0.0, truncated: 0.0 };
-    // SAFETY: the cell was made, and every pointer is to what the counts say.
+    // SAFETY: the cell was made, and every pointer is to as much as the counts say.
     let status = unsafe {
         let (memory, size) = (workspace.as_mut_ptr(), workspace.len());
         gonio_cell_trace(cell, &raw const light, memory, size, &raw mut power, std::ptr::null_mut())
@@ -61,7 +61,7 @@ fn trace(vertices: &[f64], triangles: &[u32], kinds: &[u16]) -> Power {
     power
 }
 
-/// A rectangle at a height from x = 0 to `x`.
+/// The corners of a rectangle from x = 0 to `x`, at height `z`.
 fn sheet(x: f64, z: f64) -> [f64; 12] {
     let y = PERIOD_NM[1];
     [0.0, 0.0, z, x, 0.0, z, x, y, z, 0.0, y, z]

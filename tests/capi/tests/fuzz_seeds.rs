@@ -1,4 +1,4 @@
-//! The seeds of the fuzz target `capi`, and every input that once made it fail, replayed without a fuzzer.
+//! Replays the seeds of the fuzz target `capi`, among them every input that once made it fail, without a fuzzer.
 
 #[path = "../../../fuzz/checks/capi/mod.rs"]
 mod capi;
@@ -8,7 +8,7 @@ mod replay;
 #[allow(dead_code, reason = "transmission is not in the C interface")]
 mod scalar;
 #[path = "../../../fuzz/checks/table_blob.rs"]
-#[allow(dead_code, reason = "only what makes blobs is used here")]
+#[allow(dead_code, reason = "only blobs are made here")]
 mod table_blob;
 
 #[test]
