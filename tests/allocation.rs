@@ -1,4 +1,4 @@
-//! The core does not allocate: every heap allocation of the process is counted, per thread.
+//! Tests that the core does not allocate. Every heap allocation of the process is counted, per thread.
 
 use crate::reference::{Layered, planar};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
@@ -13,11 +13,11 @@ fn trace_all<V: Lanes>(limits: Limits) -> u64 {
     let mut counted = 0;
     for case in planar() {
         let stack = Layered::from(&case);
-        stack.with_optics::<V, _>(60.0, &case.wavelength_nm[..V::WIDTH.min(8)], Model::Physical, |optics| {
+        stack.with_prepared::<V, _>(60.0, &case.wavelength_nm[..V::WIDTH.min(8)], Model::Physical, |prepared| {
             counted += allocation_counter::measure(|| {
-                black_box(optics.response());
+                black_box(prepared.response());
                 for summation in [Summation::ClosedLoops, Summation::Generations(limits)] {
-                    black_box(trace_planar(optics, summation, workspace.memory()).expect("the stack fits"));
+                    black_box(trace_planar(prepared, summation, workspace.memory()).expect("the stack fits"));
                 }
             })
             .count_total;

@@ -1,4 +1,4 @@
-//! Colours of films against an independent colour library.
+//! Tests of the colours of films against an independent colour library.
 
 use crate::reference::{Layered, reflectance, visible};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
@@ -12,7 +12,7 @@ struct Colours {
 }
 
 #[derive(Deserialize)]
-#[allow(non_snake_case)]
+#[allow(non_snake_case, reason = "keys of the reference")]
 struct ColourCase {
     name: String,
     XYZ_E: [f64; 3],
@@ -77,7 +77,7 @@ fn every_sample_of_a_thick_film_counts() {
     // 100 µm of 1.5 on 3.5: more fringes than nanometres. Integrated by an independent program over 0.01 nm.
     let stack = Layered { eta: [1.0, 1.5, 3.5].map(Complex64::from).to_vec(), thickness_nm: vec![1e5] };
     const WANTED: [f64; 3] = [0.1791, 0.1884, 0.2051];
-    /// The digits that are given.
+    /// Half of the last digit that is given.
     const DIGITS: f64 = 0.5e-4;
     for step_nm in [0.05, 0.04] {
         let wavelengths = visible(step_nm);

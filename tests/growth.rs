@@ -1,4 +1,4 @@
-//! What ray tracing costs as layers grow.
+//! Tests of how the cost of ray tracing grows with the number of layers.
 
 use crate::reference::Layered;
 use goniochrome::optics::interface::Model;
@@ -13,11 +13,12 @@ fn stack(layers: usize) -> Layered {
     Layered { eta: (0..=layers).map(eta).chain([1.56.into()]).collect(), thickness_nm: vec![100.0; layers] }
 }
 
+/// Number of visits of a trace through so many layers; its reflectance must agree with the closed form.
 fn visits(layers: usize, summation: Summation) -> f64 {
     let mut workspace = Box::new(Workspace::<F64, 64>::new());
-    stack(layers).with_optics::<F64, _>(0.0, &[550.0], Model::Physical, |optics| {
-        let traced = trace_planar(optics, summation, workspace.memory()).expect("the stack fits");
-        let closed = optics.reflectance(optics.reflection());
+    stack(layers).with_prepared::<F64, _>(0.0, &[550.0], Model::Physical, |prepared| {
+        let traced = trace_planar(prepared, summation, workspace.memory()).expect("the stack fits");
+        let closed = prepared.reflectance(prepared.reflection());
         let difference = Lanes::lane(traced.ledger.reflected.s - closed.s, 0);
         assert!(difference.abs() < 1e-9, "{layers} layers: {difference:e}");
         traced.trace.visits as f64

@@ -1,4 +1,4 @@
-//! The one integration binary: physics against independent references, the command line, the shape of the source.
+//! Tests of the core against independent references and the laws of physics, and tests of the form of the source.
 
 mod allocation;
 mod colour;
@@ -9,6 +9,7 @@ mod paper;
 mod planar;
 mod precise;
 mod prose;
+mod random;
 mod reference;
 mod scalar;
 mod scatter_table;

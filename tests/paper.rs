@@ -1,11 +1,11 @@
-//! The colours of the paper's figures 3 and 4, in both models.
+//! Tests of the colours of the paper's figures 3 and 4, in both models.
 
 use crate::reference::{Layered, reflectance, visible};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use goniochrome::optics::interface::Model;
 use num_complex::Complex64;
 
-/// The expected colours are stated to two digits.
+/// Tolerance of colours that are stated to two digits.
 const STATED_DIGITS: f64 = 0.01;
 
 fn colour(stack: &Layered, model: Model, theta_deg: f64) -> [f64; 3] {

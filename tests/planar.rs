@@ -1,4 +1,4 @@
-//! Closed form and ray tracing against the independent transfer-matrix results.
+//! Tests of the closed form and of ray tracing against independent transfer-matrix results.
 
 use crate::reference::{Layered, PlanarCase, planar, weak_ambient};
 use goniochrome::optics::interface::Model;
@@ -9,12 +9,13 @@ use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use goniochrome::trace::waves::Limits;
 use num_complex::Complex64;
 
-/// The reference is printed to 12 significant digits.
+/// Rounding of a reference that is printed to 12 significant digits.
 const PRINTED: f64 = 1e-12;
 const SINGLE: f64 = 1e-5;
 const DOUBLE_CLOSED_FORM: f64 = 1e-11;
 const DOUBLE_TRACED: f64 = 1e-9;
 
+/// The largest error, truncation and imbalance of a case.
 struct Worst {
     error: f64,
     truncated: f64,
@@ -27,13 +28,13 @@ fn worst<V: Lanes>(case: &PlanarCase, summation: Option<Summation>) -> Worst {
     let mut workspace = Box::new(Workspace::<V>::new());
     for (row, &theta) in case.theta_deg.iter().enumerate() {
         for (group, wavelengths) in case.wavelength_nm.chunks(V::WIDTH).enumerate() {
-            let (r, t) = stack.with_optics::<V, _>(theta, wavelengths, Model::Physical, |optics| match summation {
+            let (r, t) = stack.with_prepared::<V, _>(theta, wavelengths, Model::Physical, |prepared| match summation {
                 None => {
-                    let response = optics.response();
-                    (optics.reflectance(response.reflection), optics.transmittance(response.transmission))
+                    let response = prepared.response();
+                    (prepared.reflectance(response.reflection), prepared.transmittance(response.transmission))
                 }
                 Some(summation) => {
-                    let traced = trace_planar(optics, summation, workspace.memory()).expect("the stack fits");
+                    let traced = trace_planar(prepared, summation, workspace.memory()).expect("the stack fits");
                     let Polarised { s, p } = traced.ledger.imbalance;
                     for lane in 0..V::WIDTH {
                         worst.truncated = worst.truncated.max(traced.ledger.truncated.lane(lane));
@@ -93,7 +94,8 @@ fn ray_tracing_hit_by_hit_f64() {
     holds::<F64>(Some(Summation::Generations(Limits::DOUBLE)), DOUBLE_TRACED);
 }
 
-/// The reference is printed to 14 digits; a plasmon's resonance amplifies the rounding of 41 boundaries.
+/// Bound of rounding: the reference is printed to 14 digits, and a plasmon's resonance amplifies the rounding of 41
+/// planes.
 const WEAK_AMBIENT: f64 = 1e-11;
 
 #[test]
@@ -112,7 +114,8 @@ fn light_that_arrives_through_faint_absorption_agrees_with_the_reference() {
     }
 }
 
-/// The ledger lacks the power that the incident and the reflected wave exchange, and nothing else.
+/// Under an absorbing medium, the ledger lacks the power that the incident and the reflected wave exchange, and nothing
+/// else.
 #[test]
 fn what_an_absorbing_ambient_leaves_out_is_the_exchange_of_two_waves() {
     let mut largest: f64 = 0.0;
@@ -121,8 +124,9 @@ fn what_an_absorbing_ambient_leaves_out_is_the_exchange_of_two_waves() {
         let mut workspace = Box::new(Workspace::<F64>::new());
         let eta = stack.eta[0];
         for &theta in &case.theta_deg {
-            stack.with_optics::<F64, _>(theta, &case.wavelength_nm, Model::Physical, |optics| {
-                let traced = trace_planar(optics, Summation::ClosedLoops, workspace.memory()).expect("the stack fits");
+            stack.with_prepared::<F64, _>(theta, &case.wavelength_nm, Model::Physical, |prepared| {
+                let traced =
+                    trace_planar(prepared, Summation::ClosedLoops, workspace.memory()).expect("the stack fits");
                 let (r, missing) = (traced.response.reflection, traced.ledger.imbalance);
                 let sin = theta.to_radians().sin();
                 let q = (eta * eta - Complex64::from(eta.re * sin).powi(2)).sqrt();
@@ -133,7 +137,7 @@ fn what_an_absorbing_ambient_leaves_out_is_the_exchange_of_two_waves() {
                         let missing = Lanes::lane(missing, lane);
                         assert!((missing + exchange).abs() <= WEAK_AMBIENT, "{}: {missing:e} {exchange:e}", case.name);
                         let bound = 2.0 * eta.im / eta.re / (theta.to_radians().cos().powi(2));
-                        // To first order in k/n; |r| exceeds 1 by as much.
+                        // The bound is of first order in k/n; |r| exceeds 1 by as much.
                         let second = 1.0 + 2.0 * bound;
                         assert!(missing.abs() <= bound * second + WEAK_AMBIENT, "{}: {missing:e} {bound:e}", case.name);
                         largest = largest.max(missing.abs());

@@ -1,7 +1,7 @@
-//! 500 stacks against results of 80 digits: every precision is as exact as it says, narrow filters, critical angles and
-//! grazing incidence included.
+//! Tests of 500 stacks against results computed with 80 digits, among them narrow filters, critical angles and grazing
+//! incidence. Every precision is as exact as it says.
 
-use crate::laws::Random;
+use crate::random::Random;
 use crate::reference::Layered;
 use goniochrome::optics::incidence::Incidence;
 use goniochrome::optics::interface::Model;
@@ -10,7 +10,7 @@ use goniochrome::simd::lanes::{F32, F64, Lanes};
 use goniochrome::trace::planar::{Summation, TraceMemory, Workspace, rounding, trace_planar};
 use num_complex::Complex64;
 
-/// A line of `data/precise.txt`, which says how it was made.
+/// A case of `data/precise.txt`, which says how it was made.
 struct Case {
     name: &'static str,
     degrees: f64,
@@ -47,30 +47,30 @@ fn cases() -> impl Iterator<Item = Case> {
     lines.map(|line| Case::parse(line).unwrap_or_else(|| panic!("{line}")))
 }
 
-/// How a stack is solved.
+/// A method that solves a stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum By {
     ClosedForm,
     Trace,
 }
 
-/// R_s, R_p, T_s, T_p of a case, and how far rounding may have moved them.
+/// R_s, R_p, T_s, T_p of a case, and the estimate of their rounding.
 fn solve<V: Lanes>(case: &Case, by: By) -> ([f64; 4], f64) {
-    let (powers, estimated) = case.stack.with_optics_at::<V, _>(
+    let (powers, estimated) = case.stack.with_prepared_at::<V, _>(
         Incidence::from_degrees(case.degrees),
         &[case.nm],
         Model::Physical,
-        |optics| match by {
+        |prepared| match by {
             By::ClosedForm => {
-                let (response, estimated) = optics.response_and_rounding();
-                ([optics.reflectance(response.reflection), optics.transmittance(response.transmission)], estimated)
+                let (response, estimated) = prepared.response_and_rounding();
+                ([prepared.reflectance(response.reflection), prepared.transmittance(response.transmission)], estimated)
             }
             By::Trace => {
                 let mut workspace = Box::new(Workspace::<V, 64>::new());
                 let TraceMemory { totals, slots } = workspace.memory();
                 let memory = TraceMemory { totals: &mut *totals, slots };
-                let ledger = trace_planar(optics, Summation::ClosedLoops, memory).expect("the stack fits").ledger;
-                ([ledger.reflected, ledger.transmitted], rounding(optics, totals))
+                let ledger = trace_planar(prepared, Summation::ClosedLoops, memory).expect("the stack fits").ledger;
+                ([ledger.reflected, ledger.transmitted], rounding(prepared, totals))
             }
         },
     );
@@ -78,25 +78,26 @@ fn solve<V: Lanes>(case: &Case, by: By) -> ([f64; 4], f64) {
     ([r.s, r.p, t.s, t.p].map(|power| power.lane(0)), estimated.lane(0))
 }
 
-/// The largest error of R and T, and what was estimated.
+/// The largest error of R and T, and its estimate.
 fn error<V: Lanes>(case: &Case, by: By) -> (f64, f64) {
     let (got, estimated) = solve::<V>(case, by);
-    // At 90 degrees nothing arrives, and T is 0/0.
+    // At 90 degrees no light arrives, and T is 0/0.
     let defined = if case.degrees == 90.0 { 2 } else { 4 };
     let errors = got.iter().zip(case.power).take(defined).map(|(got, want)| (got - want).abs());
     (errors.fold(0.0, |worst, error| if error <= worst { worst } else { error }), estimated)
 }
 
-/// What is promised of R and T.
+/// Error of R and T that single precision promises.
 const SINGLE: f64 = 1e-5;
+/// Error of R and T that double precision promises.
 const DOUBLE: f64 = 1e-11;
 
-/// The share of what is promised up to which an estimated error is trusted, as on the command line.
+/// Share of the promised error up to which an estimate is trusted, as on the command line.
 const TRUSTED: f64 = 0.5;
 
 const WAYS: [By; 2] = [By::ClosedForm, By::Trace];
 
-/// Rounds of the reference to a double.
+/// Rounding of the reference to a double.
 const LAST_DIGIT: f64 = f64::EPSILON;
 
 #[test]
@@ -109,8 +110,8 @@ fn twice_the_digits_of_a_double_hold_in_every_stack() {
     }
 }
 
-/// The cases, each as it is and at other angles and wavelengths with results in twice the digits: tuned finely, so that
-/// narrow resonances and critical angles are met from near and far.
+/// The cases, each as it is and at other angles and wavelengths, where `DoubleDouble` gives the result. Some changes
+/// are small, so that light comes close to narrow resonances and critical angles.
 fn detuned() -> Vec<Case> {
     const COPIES: usize = 4;
     let mut random = Random(20);
@@ -131,8 +132,8 @@ fn detuned() -> Vec<Case> {
     all
 }
 
-/// Where the estimate is trusted the result is as exact as promised; returns of ordinary stacks the share that is
-/// trusted, and of all the share that is not although it could be.
+/// Checks that results whose estimate is trusted are as exact as promised. Returns the share of ordinary stacks that is
+/// trusted, and the share of all stacks that is not trusted although it is exact enough.
 fn holds<V: Lanes>(cases: &[Case], by: By, promised: f64) -> [f64; 2] {
     let (mut ordinary, mut trusted, mut wasted) = (0, 0, 0);
     let mut worst: f64 = 0.0;
@@ -162,10 +163,10 @@ fn holds<V: Lanes>(cases: &[Case], by: By, promised: f64) -> [f64; 2] {
     shares
 }
 
-/// Ordinary stacks of up to 12 layers are mostly as exact as they can be: an estimate that trusts nothing would be of
-/// no use.
+/// Least share of ordinary stacks that is trusted: an estimate that trusts nothing would be useless.
 const TRUSTED_OF_ORDINARY: f64 = 0.8;
-/// Two thirds of the cases are made to be hard, and half of those are hard.
+/// Largest share that is not trusted although it is exact enough. Two thirds of the cases are made to be hard, and half
+/// of those are.
 const WASTED: f64 = 0.4;
 
 #[test]
@@ -180,11 +181,11 @@ fn an_estimate_of_rounding_knows_the_stacks_that_a_precision_cannot_hold() {
 
 #[test]
 fn a_filters_inputs_in_double_precision_do_not_fix_eleven_digits_of_it() {
-    // The other wavelength is the next double: what R and T change is of the inputs, not of the computation.
+    // The other wavelength is the next double, so the change of R and T comes from the input, not from the computation.
     let moved = |name: &str| {
-        cases().filter(|case| case.name == name).fold(0.0, |most: f64, mut case| {
+        cases().filter(|case| case.name == name).fold(0.0, |max: f64, mut case| {
             case.nm = case.nm.next_up();
-            most.max(error::<DoubleDouble>(&case, By::ClosedForm).0)
+            max.max(error::<DoubleDouble>(&case, By::ClosedForm).0)
         })
     };
     let (ordinary, filter) = (moved("ordinary"), moved("narrow_filter"));

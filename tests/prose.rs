@@ -1,19 +1,19 @@
-//! The form of what people read: comments and Markdown of at most 120 characters a line, doc comments that stand alone,
-//! source files of at most 500 lines.
+//! Tests of the form of texts: lines of comments and Markdown have at most 120 characters, doc comments stand alone,
+//! and source files have at most 500 lines.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Characters of a line of a comment or of Markdown.
+/// Largest number of characters in a line of a comment or of Markdown.
 const MAX_WIDTH: usize = 120;
 
-/// Lines of a Rust source file.
+/// Largest number of lines in a Rust source file.
 const MAX_LINES: usize = 500;
 
-/// Openings of a doc comment that needs its neighbour, which rustdoc's lists do not show, to be understood.
+/// Openings of doc comments that cannot be understood without their neighbour, which rustdoc's lists do not show.
 const LEANING: [&str; 4] = ["The same", "Of ", "For ", "With "];
 
-/// Folders of what is made, downloaded or not prose.
+/// Folders of files that are generated, downloaded or not prose.
 const SKIPPED_FOLDERS: [&str; 8] =
     ["target", "node_modules", "data", "seeds", "corpus", "artifacts", "__pycache__", ".git"];
 
@@ -21,7 +21,7 @@ const SKIPPED_FOLDERS: [&str; 8] =
 enum Language {
     /// Comments are `// …` and `/* … */`.
     Slashes,
-    /// Comments are `# …`, and in Python what stands between three quotation marks.
+    /// Comments are `# …`, and in Python also texts between three quotation marks.
     Hashes,
     Markdown,
 }
@@ -38,7 +38,7 @@ fn language(file: &Path, text: &str) -> Option<Language> {
     }
 }
 
-/// Whether each line is prose, or holds a comment.
+/// The lines that are prose or hold a comment, with their numbers.
 fn prose_lines(text: &str, language: Language) -> impl Iterator<Item = (usize, &str)> {
     let mut in_block = false;
     let lines = text.lines().enumerate().filter(move |(_, line)| {
@@ -95,7 +95,7 @@ fn leaning_comments(source: &str) -> Vec<String> {
     found
 }
 
-/// Everything about a file that is to be mended, each as `LINE: WHAT`.
+/// All faults of a file, each as `LINE: WHAT`.
 fn faults(file: &Path, text: &str) -> Vec<String> {
     let mut found = language(file, text).map_or_else(Vec::new, |language| wide_lines(text, language));
     if file.extension().is_some_and(|extension| extension == "rs") {

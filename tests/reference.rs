@@ -9,19 +9,19 @@ use goniochrome::simd::lanes::{F64, Lanes};
 use num_complex::Complex64;
 use serde::Deserialize;
 
-/// Planes that the largest test stack has.
+/// Number of planes of the largest test stack.
 pub const MAX_PLANES: usize = 64;
 
 /// Power reflectance and transmittance of planar stacks from an independent transfer-matrix program in float64.
 #[derive(Deserialize)]
 pub struct Planar {
-    /// One stack each.
+    /// The cases, each a stack.
     pub cases: Vec<PlanarCase>,
 }
 
-/// Arrays are [theta][wavelength].
+/// A planar stack and its powers, in arrays [theta][wavelength].
 #[derive(Deserialize)]
-#[allow(non_snake_case)]
+#[allow(non_snake_case, reason = "keys of the reference")]
 pub struct PlanarCase {
     pub name: String,
     pub n: Vec<[f64; 2]>,
@@ -46,9 +46,10 @@ pub fn weak_ambient() -> Vec<PlanarCase> {
 
 /// A planar stack of constant indices.
 pub struct Layered {
-    /// Ambient first, then each layer, then the substrate; without it the stack stands on a perfect mirror.
+    /// Indices n + ik of the ambient medium, each layer and the substrate. Without a substrate the stack lies on a
+    /// perfect mirror.
     pub eta: Vec<Complex64>,
-    /// Of the layers.
+    /// Thicknesses of the layers.
     pub thickness_nm: Vec<f64>,
 }
 
@@ -62,19 +63,19 @@ impl From<&PlanarCase> for Layered {
 }
 
 impl Layered {
-    /// Calls `f` with the optics of this stack at one angle and group of wavelengths. Equal indices share a medium.
-    pub fn with_optics<V: Lanes, R>(
+    /// Calls `f` with this stack, prepared for one angle and group of wavelengths. Equal indices share a medium.
+    pub fn with_prepared<V: Lanes, R>(
         &self,
         theta_deg: f64,
         wavelengths_nm: &[f64],
         model: Model,
         f: impl FnOnce(&PreparedStack<'_, V>) -> R,
     ) -> R {
-        self.with_optics_at(theta_deg.to_radians().sin().into(), wavelengths_nm, model, f)
+        self.with_prepared_at(theta_deg.to_radians().sin().into(), wavelengths_nm, model, f)
     }
 
-    /// [`Layered::with_optics`] with all digits of the angle.
-    pub fn with_optics_at<V: Lanes, R>(
+    /// [`Layered::with_prepared`] with all digits of the angle.
+    pub fn with_prepared_at<V: Lanes, R>(
         &self,
         incidence: Incidence<V::Precise>,
         wavelengths_nm: &[f64],
@@ -114,14 +115,15 @@ pub fn reflectance(stack: &Layered, theta_deg: f64, wavelengths: &[f64], model: 
     wavelengths
         .chunks(F64::WIDTH)
         .flat_map(|group| {
-            let r =
-                stack.with_optics::<F64, _>(theta_deg, group, model, |optics| optics.reflectance(optics.reflection()));
+            let r = stack.with_prepared::<F64, _>(theta_deg, group, model, |prepared| {
+                prepared.reflectance(prepared.reflection())
+            });
             (0..group.len()).map(move |lane| 0.5 * (Lanes::lane(r.s, lane) + Lanes::lane(r.p, lane)))
         })
         .collect()
 }
 
-/// 380 to 780 nm.
+/// The visible wavelengths, 380 to 780 nm, in steps.
 pub fn visible(step_nm: f64) -> Vec<f64> {
     let count = (400.0 / step_nm).round() as u32;
     (0..=count).map(|i| 380.0 + f64::from(i) * step_nm).collect()

@@ -1,4 +1,5 @@
-//! BRDF tables of scattering surfaces: what look-up, albedo, density and drawing of directions owe each other.
+//! Tests of the BRDF tables of scattering surfaces: look-up, albedo, density and drawn directions agree with one
+//! another.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -30,7 +31,7 @@ fn layout() -> ScatterLayout {
     ScatterLayout::new(5, 4, DirectionBins { cos: 6, phi: 12 }).unwrap()
 }
 
-/// A lobe around the mirror direction on empty ground, that turns with the azimuth and has a negative component.
+/// A lobe around the mirror direction, 0 elsewhere, whose strength varies with the azimuth. One channel is negative.
 fn lobe([theta, phi, cos, relative]: [f64; 4], channel: usize) -> f64 {
     let around = (relative - PI).cos() * (1.0 - cos * cos).sqrt() * theta.sin() + cos * theta.cos();
     let strength = (1.0 + 0.5 * (2.0 * phi).cos()) * [1.0, 0.3, -0.05][channel];
@@ -39,7 +40,7 @@ fn lobe([theta, phi, cos, relative]: [f64; 4], channel: usize) -> f64 {
 
 const DIRECTIONS: [[f64; 2]; 6] = [[0.02, 0.3], [0.4, 1.0], [0.9, -2.0], [1.2, 3.1], [1.5, 0.0], [1.0, 6.2]];
 
-/// Sums g over a hemisphere: midpoints in cos θ and φ, so that each stands for the same solid angle.
+/// The integral of g over a hemisphere, by midpoints in cos θ and φ that each stand for the same solid angle.
 fn hemisphere(mut g: impl FnMut(Vec3) -> f64) -> f64 {
     const COS: u32 = 480;
     const PHI: u32 = 480;
@@ -125,7 +126,8 @@ fn directions_are_drawn_by_their_density() {
     let table = ScatterTable::new(&values, layout(), 3).unwrap();
     let mut memory = vec![0.0; ScatterSampler::required_len(&layout())];
     let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
-    // Not the table's own bins: a tent misplaced by half a bin would be seen. Both divide the quadrature's 480.
+    // These are not the table's own bins, so that a shift by half a bin shows. Both numbers divide the quadrature's
+    // 480.
     let grid = DirectionBins { cos: 10, phi: 15 };
     for (place, [theta, phi]) in DIRECTIONS.into_iter().enumerate() {
         let wi = direction(theta, phi);
@@ -173,8 +175,8 @@ fn directions_are_drawn_by_their_density() {
     }
 }
 
-/// Tables of which half of the bins are empty, some rows and incident directions among them, and whose others reach
-/// from 1 down to 10⁻³⁰.
+/// A table in which half of the bins are 0, among them whole rows and incident directions, and the others reach from 1
+/// down to 10⁻³⁰.
 fn sparse(layout: ScatterLayout, seed: u32) -> Vec<f32> {
     let mut random = Random::new(0, seed);
     let bins = layout.bins();
@@ -192,7 +194,7 @@ fn sparse(layout: ScatterLayout, seed: u32) -> Vec<f32> {
     values
 }
 
-/// Numbers at which a sampler's choice changes: the sums themselves and their neighbours, 0, and the largest below 1.
+/// Numbers at which a sampler's choice changes: the cumulative sums and their neighbours, 0, and the largest below 1.
 fn edges(sums: &[f32]) -> Vec<f32> {
     let around = |sum: &f32| [sum.next_down(), *sum, sum.next_up()];
     let inside = sums.iter().flat_map(around).filter(|u| (0.0..1.0).contains(u));

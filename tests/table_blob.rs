@@ -1,4 +1,4 @@
-//! Table blobs: what is written comes back where it lies, and what is damaged is refused, whatever the damage.
+//! Tests of table blobs: a written blob is read in place with equal results, and damaged ones are refused.
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
@@ -6,8 +6,9 @@ use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 
-/// Relative rounding of binary16, and its smallest step.
+/// Relative rounding of binary16.
 const HALF_RELATIVE: f32 = 1.0 / 2048.0;
+/// Half of the smallest step of binary16.
 const HALF_ABSOLUTE: f32 = 1.0 / 33_554_432.0;
 
 fn layout() -> ScatterLayout {
@@ -41,7 +42,7 @@ fn mirror(precision: Precision) -> Vec<u8> {
     written(Contents::Mirror(MirrorTable::new(&mirror_values(), 3, 1.5).unwrap()), precision)
 }
 
-/// With its checksum made right again: what only the other checks can find.
+/// The bytes with a right checksum, so that only the other checks can refuse them.
 fn resealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let mut crc = crc32fast::Hasher::new();
     crc.update(&bytes[..60]);
@@ -95,7 +96,7 @@ fn half_precision_rounds_values_and_nothing_else() {
     let Contents::Scatter(read, reader) = Blob::read(&bytes).unwrap().contents else { panic!("a scatter table") };
     let single = scatter(Precision::Single);
     let Contents::Scatter(table, sampler) = Blob::read(&single).unwrap().contents else { panic!("a scatter table") };
-    let largest = scatter_values().iter().fold(0.0f32, |most, x| most.max(x.abs()));
+    let largest = scatter_values().iter().fold(0.0f32, |max, x| max.max(x.abs()));
     for (wi, wo) in directions().zip(directions().skip(3)) {
         assert_eq!(reader.pdf(wi, wo), sampler.pdf(wi, wo));
         for (got, want) in read.rgb(wi, wo).into_iter().zip(table.rgb(wi, wo)) {
@@ -166,7 +167,7 @@ fn absurd_headers_are_refused_or_harmless() {
                 let mut damaged = bytes.clone();
                 damaged[at..at + 4].copy_from_slice(&word.to_le_bytes());
                 damaged[at + 4..at + 8].copy_from_slice(&other.to_le_bytes());
-                // Some are another table of equal size; then it must be safe to look up.
+                // Some headers describe another table of equal size, and looking that up must be safe.
                 match Blob::read(&resealed(damaged)).map(|blob| blob.contents) {
                     Ok(Contents::Mirror(table)) => assert!(table.rgb(0.3).iter().all(|x| x.is_finite())),
                     Ok(Contents::Scatter(table, sampler)) => {

@@ -1,15 +1,16 @@
-// The page shows what `render` draws: same camera, light and table.
+// Tests that the page shows what `render` draws with equal camera, light and table.
 
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { at, difference, fileUrl, launch, picture, run, skyHdr, visit } from "./browser.mjs";
 
-/** Mean difference of 8-bit values that the page may have on the body. */
+/** Largest mean difference of 8-bit values on the body. */
 const MEAN = 2;
 /**
- * Pixels of a side, pictures summed, and rays of `render`: mirrors only smooth their edges; scattering draws one direction
- * in each, and its noise falls with the root of their number (mean 4.7 at 128 on both sides, 2.9 at 512, 2.2 at 1024).
+ * Pixels of a side, number of pictures that the page sums, rays of `render`. Mirrors need many only to smooth edges.
+ * On a scattering body each draws one direction, so noise falls with the root of their number: the mean difference is
+ * 4.7 with 128 of both, 2.9 with 512, 2.2 with 1024.
  */
 const SIZE = { beetle: [256, 32, 32], bumps: [48, 2048, 8192] };
 
@@ -45,7 +46,8 @@ for (const light of ["white", "studio", "image"]) {
   test(`mirror-like, teapot, ${light}`, () => compare("beetle", "teapot", light));
 }
 test("mirror-like, sphere, studio", () => compare("beetle", "sphere", "studio", { azimuth: 20, elevation: 50 }));
-test("mirror-like, plane, studio, from below", () => compare("beetle", "plane", "studio", { azimuth: 100, elevation: -40 }));
+test("mirror-like, plane, studio, from below", () =>
+  compare("beetle", "plane", "studio", { azimuth: 100, elevation: -40 }));
 for (const light of ["white", "studio"]) {
   test(`scattering, teapot, ${light}`, () => compare("bumps", "teapot", light));
 }

@@ -1,4 +1,4 @@
-// A browser with software GL, pages in it, and pictures compared.
+// Helpers: a browser with software GL, its pages, and the comparison of pictures.
 
 import { execFileSync } from "node:child_process";
 import { readFileSync, statSync } from "node:fs";
@@ -15,13 +15,13 @@ const SOFTWARE_GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 export const at = (name) => join(work, name);
 export const bytesOf = (name) => statSync(at(name)).size;
 
-/** What the program writes to standard output. */
+/** Runs the program and returns what it writes to standard output. */
 export const run = (...words) => execFileSync(process.env.GONIOCHROME, words, { cwd: work, encoding: "utf8" });
 
 export const launch = (gl = SOFTWARE_GL) =>
   chromium.launch({ executablePath: "/usr/bin/chromium", args: [...ARGUMENTS, ...gl] });
 
-/** A page, and everything that the console said and the network was asked for. */
+/** Opens a page. Returns it with a list of complaints: messages of the console, and requests to the network. */
 export async function visit(browser, name, options = {}) {
   const context = await browser.newContext({ viewport: { width: 900, height: 640 }, ...options });
   const page = await context.newPage();
@@ -37,7 +37,7 @@ export async function visit(browser, name, options = {}) {
   return { page, complaints };
 }
 
-/** Sets what is shown, and returns it as a PNG in a data URL. */
+/** Sets the state and the camera, and returns the picture as a PNG in a data URL. */
 export const picture = (page, wanted, side, count) =>
   page.evaluate(({ wanted, side, count }) => {
     const { state, camera, renderer } = window.goniochrome;
@@ -49,7 +49,7 @@ export const picture = (page, wanted, side, count) =>
 
 export const fileUrl = (name) => `data:image/png;base64,${readFileSync(at(name)).toString("base64")}`;
 
-/** Mean and largest difference of the 8-bit values of two pictures of one size, where a third is opaque. */
+/** The mean and largest difference of 8-bit values of two pictures of one size, where the picture `mask` is opaque. */
 export async function difference(browser, a, b, mask) {
   const page = await browser.newPage();
   const result = await page.evaluate(async (urls) => {
@@ -78,7 +78,7 @@ export async function difference(browser, a, b, mask) {
   return result;
 }
 
-/** A Radiance HDR file of a coloured sky with a lamp in it, 64 × 32, without run lengths. */
+/** A Radiance HDR file of a coloured sky with a lamp, 64 × 32 pixels, without run-length coding. */
 export function skyHdr() {
   const [width, height] = [64, 32];
   const pixels = Buffer.alloc(4 * width * height);

@@ -1,4 +1,4 @@
-// The page's own readers of pictures, without a browser, against what the formats say.
+// Tests of the page's own readers of pictures against the formats' specifications, without a browser.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -6,9 +6,10 @@ import { test } from "node:test";
 import vm from "node:vm";
 
 const scripts = ["basics.js", "exr.js", "images.js"].map((name) => readFileSync(`${process.env.PAGE}/${name}`, "utf8"));
-const { decodeHdr, exrSources, toRec709 } = vm.runInNewContext(`${scripts.join("\n")};({ decodeHdr, exrSources, toRec709 })`, { Uint8Array, Float32Array });
+const program = `${scripts.join("\n")};({ decodeHdr, exrSources, toRec709 })`;
+const { decodeHdr, exrSources, toRec709 } = vm.runInNewContext(program, { Uint8Array, Float32Array });
 
-/** Stored pixels of mantissas 128, 64 and their number. */
+/** An HDR file of a header and stored pixels, whose default mantissas are 128, 64 and the pixel's number. */
 function hdr(header, resolution, stored = Buffer.from([...Array(8).keys()].flatMap((i) => [128, 64, i, 136]))) {
   return new Uint8Array(Buffer.concat([Buffer.from(`${header}\n${resolution}\n`), stored]));
 }
@@ -57,7 +58,8 @@ test("HDR runs of both codings", () => {
 test("EXR channels are found in layers", () => {
   const sources = (...names) => Object.fromEntries(exrSources(names.map((name) => ({ name }))));
   assert.deepEqual(JSON.stringify(sources("A", "B", "G", "R")), '{"R":[0],"G":[1],"B":[2]}');
-  assert.deepEqual(Object.keys(sources("V.Combined.R", "V.Combined.G", "V.Combined.B", "V.Emit.R", "V.Emit.G", "V.Emit.B"))[0], "V.Combined.R");
+  const passes = ["V.Combined.R", "V.Combined.G", "V.Combined.B", "V.Emit.R", "V.Emit.G", "V.Emit.B"];
+  assert.deepEqual(Object.keys(sources(...passes))[0], "V.Combined.R");
   assert.deepEqual(JSON.stringify(sources("grey.Y")), '{"grey.Y":[0,1,2]}');
   assert.throws(() => sources("a.R", "a.G", "a.B", "b.R", "b.G", "b.B"), /holds 2 pictures: a, b/);
   assert.throws(() => sources("N.X", "N.Y", "N.Z"), /this one has N.X, N.Y, N.Z/);

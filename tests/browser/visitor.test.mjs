@@ -1,13 +1,14 @@
-// What a visitor does: turn, point, switch, open files, use a phone or a browser without WebGL2.
+// Tests of the page by what visitors do: they turn the body, point, switch, open files, and use a phone or a browser
+// without WebGL2.
 
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { at, bytesOf, launch, run, skyHdr, visit } from "./browser.mjs";
 
-/** The page of a 2D table fits into a mail. */
-const MOST_BYTES = 2_000_000;
-/** Tables hold every degree, and are linear between; the chart's points are rounded to a tenth of a unit of 156. */
+/** Largest size of the page of a 2D table, which fits into an e-mail. */
+const MAX_BYTES = 2_000_000;
+/** Error of the chart: tables are linear between whole degrees, and points are rounded to a tenth of a unit of 156. */
 const BETWEEN_DEGREES = 0.01;
 
 let browser;
@@ -18,7 +19,7 @@ const view = (page) => page.evaluate(() => {
   const { camera, state } = window.goniochrome;
   return { azimuth: camera.azimuth, elevation: camera.elevation, zoom: camera.zoom, ...state };
 });
-/** What the stage shows; a few pictures are enough to tell. */
+/** The stage's picture as a data URL, after at least two pictures. */
 async function pixels(page) {
   await page.waitForFunction(() => Number(document.getElementById("stage").dataset.drawn) >= 2);
   return page.evaluate(() => document.getElementById("stage").toDataURL());
@@ -37,7 +38,7 @@ async function middle(page, selector) {
 
 test("the page of a 2D table is small", () => {
   console.log(`${bytesOf("beetle.html")} bytes; of a 4D table ${bytesOf("bumps.html")}`);
-  assert.ok(bytesOf("beetle.html") <= MOST_BYTES);
+  assert.ok(bytesOf("beetle.html") <= MAX_BYTES);
 });
 
 test("mouse, wheel and keyboard turn the body", async () => {
@@ -114,7 +115,7 @@ test("the pointer draws the spectrum and the colour of the table", async () => {
     });
     const code = run("colour", "jewel-beetle", "--theta", theta, "--csv", "-", "--quiet").trim().split("\n")[1].split(",").pop();
     const wanted = [1, 3, 5].map((from) => Number.parseInt(code.slice(from, from + 2), 16));
-    // Between whole degrees the colour is linear.
+    // The tolerance allows for linear interpolation between whole degrees.
     wanted.forEach((value, c) => assert.ok(Math.abs(value - read.swatch[c]) <= 3, `${theta}°: ${wanted} ${read.swatch}`));
   }
   await page.focus("#disc-field");

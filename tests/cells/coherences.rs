@@ -1,4 +1,4 @@
-//! What the four coherences say of a flat film, where each has a known answer.
+//! Tests of the four coherences on a flat film, where each has a known result, and on small cells.
 
 use goniochrome::colour::RgbSpace;
 use goniochrome::measure::bins::DirectionBins;
@@ -17,18 +17,18 @@ const THETA_DEG: f64 = 40.0;
 const WAVELENGTH_NM: f64 = 550.0;
 const INDEX: f64 = 1.5;
 const THICKNESS_NM: f64 = 300.0;
-/// Waves below 1e-13 are dropped; orders are followed for 64 hits, 0.2⁶⁴.
+/// Bound of dropped waves: those below 1e-13, and those of orders after 64 hits, 0.2⁶⁴.
 const DROPPED: f64 = 1e-6;
 
 fn found(coherence: Coherence) -> Scattered {
     let flat = extruded(&[[0.0, 0.0], [3000.0, 0.0]], 3000.0, &[("top", 0.0), ("bottom", THICKNESS_NM)]);
     let interfaces = [("top", between([1.0, 0.0], [INDEX, 0.0])), ("bottom", between([INDEX, 0.0], [1.0, 0.0]))];
     let scene = cell(&flat, [3000.0, 3000.0], &interfaces);
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let bins = DirectionBins { cos: 8, phi: 16 };
     let request = ScatterRequest { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
     let wi = towards(THETA_DEG, 100.0);
-    scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
+    scatter(&mesh_scene, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
 }
 
 /// R of s and p of one face.
@@ -50,7 +50,7 @@ fn where_paths_interfere_a_flat_film_is_airys() {
     for coherence in [Coherence::Ray, Coherence::Bin, Coherence::Cell] {
         let found = found(coherence);
         println!("{coherence:?}: {} for {expected}", found.reflected.value);
-        // Orders in which nothing leaves hold noise, of either sign.
+        // Orders without light hold noise of either sign.
         let allowed = DROPPED + 4.0 * found.reflected.std_error;
         assert!((found.reflected.value - expected).abs() < allowed, "{coherence:?}");
         let strongest = found.bins.iter().map(|bin| bin.value).fold(0.0, f64::max);
@@ -63,22 +63,23 @@ fn where_paths_interfere_a_flat_film_is_airys() {
 
 #[test]
 fn a_starting_ray_whose_waves_have_no_sum_is_followed_without_interference() {
-    // Glass, a gap of air, silver: beyond the critical angle the wave in the gap decays, and near the plasmon of silver its reflection is so
-    // strong that every loop through the gap gains.
+    // Glass, a gap of air, silver: beyond the critical angle the wave in the gap decays. Near silver's plasmon its
+    // reflection is so strong that every loop through the gap gains.
     let flat = extruded(&[[0.0, 0.0], [3000.0, 0.0]], 3000.0, &[("glass", 0.0), ("silver", 20.0)]);
     let interfaces = [("glass", between([1.5, 0.0], [1.0, 0.0])), ("silver", between([1.0, 0.0], [0.055, 3.32]))];
     let scene = cell(&flat, [3000.0, 3000.0], &interfaces);
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let bins = DirectionBins { cos: 8, phi: 16 };
     let request =
         |coherence| ScatterRequest { coherence, rays: 1024, seed: 3, bins, precision: Precision::F64, threads: 2 };
     let found = |coherence| {
-        let found = scatter(&bumpy, towards(THETA_DEG + 10.0, 100.0), &[WAVELENGTH_NM], &request(coherence), &|| ());
+        let found =
+            scatter(&mesh_scene, towards(THETA_DEG + 10.0, 100.0), &[WAVELENGTH_NM], &request(coherence), &|| ());
         found.expect("what has no sum is not an error").remove(0)
     };
     let (ray, none) = (found(Coherence::Ray), found(Coherence::None));
     assert_eq!((ray.without_interference.value, none.without_interference.value), (1.0, 0.0));
-    // Without interference the wave in the gap is alone, and everything comes back.
+    // Without interference the wave in the gap carries no power, and everything is reflected.
     for found in [&ray, &none] {
         assert!((found.reflected.value - 1.0).abs() < 1e-12 && found.imbalance.value.abs() < 1e-12, "{found:?}");
     }
@@ -88,23 +89,23 @@ fn a_starting_ray_whose_waves_have_no_sum_is_followed_without_interference() {
 fn without_interference_the_faces_add_as_powers() {
     let expected = fresnel().map(|r| 2.0 * r / (1.0 + r)).iter().sum::<f64>() / 2.0;
     let found = found(Coherence::None);
-    // Weak paths play roulette.
+    // Roulette on weak paths adds noise.
     let allowed = 4.0 * found.reflected.std_error + DROPPED;
     assert!((found.reflected.value - expected).abs() <= allowed, "{:?} for {expected}", found.reflected);
 }
 
-/// Incident directions of a table, and its bins.
+/// The bins of a table.
 const BINS: DirectionBins = DirectionBins { cos: 4, phi: 8 };
 
-/// The table of a cell at one wavelength, which is all of its luminance.
-fn table(bumpy: &MeshScene<'_>, incident_phi: u32, tracing: ScatterRequest) -> ScatterTable {
+/// The table of a cell at one wavelength, whose power is the luminance.
+fn table(mesh_scene: &MeshScene<'_>, incident_phi: u32, tracing: ScatterRequest) -> ScatterTable {
     let layout = ScatterLayout::new(2, incident_phi, BINS).expect("few directions");
     let (space, weights) = (RgbSpace::Srgb, [[0.0, 1.0, 0.0]]);
     let request = TableRequest { layout, tracing, target_error: None, weights: &weights, space, reciprocal: false };
-    estimate(bumpy, &[WAVELENGTH_NM], &request, None, &|| ()).expect("a good mesh")
+    estimate(mesh_scene, &[WAVELENGTH_NM], &request, None, &|| ()).expect("a good mesh")
 }
 
-/// Small cells of one sheet and of two, every height its own.
+/// Small cells of one sheet and of two, with different heights.
 fn small_cells() -> Vec<HeightField> {
     let cell = |i: usize| {
         let heights_nm = (0..4).map(|j| 40.0 * ((7 * i + 5 * j) % 11) as f64).collect();
@@ -119,22 +120,22 @@ fn small_cells() -> Vec<HeightField> {
 
 #[test]
 fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
-    /// Tables hold single precision, and of a power over a solid angle.
+    /// Rounding of tables, which hold powers over solid angles in single precision.
     const SINGLE: f64 = 1e-6;
     let mut lit = 0;
     for (number, field) in small_cells().iter().enumerate() {
         let scene = field.scene();
-        let bumpy = MeshScene::new(&scene).expect("a good mesh");
+        let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
         for coherence in [Coherence::Ray, Coherence::None, Coherence::Bin] {
             let tracing =
                 ScatterRequest { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
-            let table = table(&bumpy, 4, tracing);
+            let table = table(&mesh_scene, 4, tracing);
             let incident = 2 + number;
             let [theta, phi] = table.layout.incident(incident);
-            // A table's directions have seeds of their own.
+            // Each direction of a table has a seed of its own.
             let request = ScatterRequest { seed: incident as u32, ..tracing };
             let wi = towards(theta.to_degrees(), phi.to_degrees());
-            let found = scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0);
+            let found = scatter(&mesh_scene, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0);
             let energy = &table.energy[incident];
             for (a, b) in [
                 (energy.reflected.value, found.reflected.value),
@@ -161,11 +162,11 @@ fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
 #[test]
 fn the_coherences_of_a_bumpy_film_differ() {
     let scene = goniochrome_cli::scene::load("bumpy-soap-film").expect("a preset");
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let [ray, none, bin] = [Coherence::Ray, Coherence::None, Coherence::Bin].map(|coherence| {
         let request =
             ScatterRequest { coherence, rays: 128, seed: 0, bins: BINS, precision: Precision::F32, threads: 2 };
-        scatter(&bumpy, towards(0.0, 0.0), &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
+        scatter(&mesh_scene, towards(0.0, 0.0), &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0)
     });
     let far = |a: &Scattered, b: &Scattered| {
         (a.reflected.value - b.reflected.value).abs() > 5.0 * a.reflected.std_error.hypot(b.reflected.std_error)
@@ -173,7 +174,7 @@ fn the_coherences_of_a_bumpy_film_differ() {
     assert!(far(&ray, &none) && far(&none, &bin) && far(&ray, &bin), "{ray:?} {none:?} {bin:?}");
 }
 
-/// Where starting rays interfere, the azimuths of an isotropic table are averaged as powers.
+/// An isotropic table averages its azimuths as powers, also where starting rays interfere.
 #[test]
 fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
     let flat = HeightField {
@@ -184,7 +185,7 @@ fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
         media: vec![[1.0, 0.0], [INDEX, 0.0], [1.0, 0.0]],
     };
     let scene = flat.scene();
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let tracing = ScatterRequest {
         coherence: Coherence::Bin,
         rays: 64,
@@ -193,7 +194,7 @@ fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
         precision: Precision::F64,
         threads: 1,
     };
-    let [one, four] = [1, 4].map(|phi| table(&bumpy, phi, tracing));
+    let [one, four] = [1, 4].map(|phi| table(&mesh_scene, phi, tracing));
     for theta in 0..2 {
         let (one_azimuth, isotropic) = (four.energy[4 * theta], one.energy[theta]);
         assert!((one_azimuth.reflected.value - isotropic.reflected.value).abs() < DROPPED, "{isotropic:?}");
@@ -204,7 +205,7 @@ fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
 #[test]
 fn a_table_of_orders_is_refused_with_the_command_that_computes_them() {
     let scene = small_cells()[0].scene();
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let coherence = Coherence::Cell;
     let tracing = ScatterRequest { coherence, rays: 64, seed: 0, bins: BINS, precision: Precision::F64, threads: 1 };
     let layout = ScatterLayout::new(2, 4, BINS).expect("few directions");
@@ -217,26 +218,26 @@ fn a_table_of_orders_is_refused_with_the_command_that_computes_them() {
         space: RgbSpace::Srgb,
         reciprocal: false,
     };
-    let error = estimate(&bumpy, &[WAVELENGTH_NM], &request, None, &|| ()).unwrap_err();
+    let error = estimate(&mesh_scene, &[WAVELENGTH_NM], &request, None, &|| ()).unwrap_err();
     assert!(error.exit_code() == 2 && error.to_string().contains("use orders"), "{error}");
 }
 
 #[test]
 fn single_precision_is_honoured_where_starting_rays_interfere() {
-    /// Sums of some thousand fields of the size of 1.
+    /// Rounding of sums of some thousand fields of magnitude 1.
     const SINGLE: f64 = 1e-5;
     let scene = small_cells()[1].scene();
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let wi = towards(THETA_DEG, 100.0);
     let bins = [Precision::F32, Precision::F64].map(|precision| {
         let request =
             ScatterRequest { coherence: Coherence::Bin, rays: 256, seed: 3, bins: BINS, precision, threads: 1 };
-        scatter(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0).reflected.value
+        scatter(&mesh_scene, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh").remove(0).reflected.value
     });
     let orders = [Precision::F32, Precision::F64].map(|precision| {
         let request =
             diffraction::OrdersRequest { rays: 256, seed: 3, max_order: None, hits: 64, precision, threads: 1 };
-        let found = diffraction::orders(&bumpy, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh");
+        let found = diffraction::orders(&mesh_scene, wi, &[WAVELENGTH_NM], &request, &|| ()).expect("a good mesh");
         found.orders.iter().map(|order| order.efficiency.s.value).fold(0.0, f64::max)
     });
     for [single, double] in [bins, orders] {

@@ -1,4 +1,4 @@
-//! The general tracer where the answer is known: planes, conformal films, energy.
+//! Tests of the tracer of interfering paths where the result is known: planes, conformal films, energy.
 
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome_cli::scene::Scene;
@@ -17,7 +17,7 @@ fn traced(
     rays: u32,
     precision: Precision,
 ) -> Vec<Scattered> {
-    let bumpy = MeshScene::new(scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(scene).expect("a good mesh");
     let request = ScatterRequest {
         coherence: Coherence::Ray,
         rays,
@@ -26,10 +26,10 @@ fn traced(
         precision,
         threads: 2,
     };
-    scatter(&bumpy, towards(theta_deg, phi_deg), wavelengths, &request, &|| ()).expect("a good mesh")
+    scatter(&mesh_scene, towards(theta_deg, phi_deg), wavelengths, &request, &|| ()).expect("a good mesh")
 }
 
-/// As for the planar tracer. In double precision too, a thin metal film under a clear medium is 5e-6 off.
+/// Tolerance of the planar tracer. Even in double precision a thin metal film under a clear medium is 5e-6 off.
 const SINGLE: f64 = 1e-5;
 
 #[test]
@@ -73,7 +73,7 @@ fn planes_reflect_as(reference: &str, precision: Precision, tolerance: f64) {
         let second_order = |theta: f64| (n[0][1] / n[0][0] / theta.to_radians().cos().powi(2)).powi(2);
         let mut worst: f64 = 0.0;
         for (row, theta) in list(&case["theta_deg"]).into_iter().enumerate() {
-            // All starting rays are alike: one for each batch.
+            // All starting rays give the same: one for each batch is enough.
             let found = traced(&scene, theta, 37.0, &wavelengths, 32, precision);
             for (column, found) in found.iter().enumerate() {
                 let of = |key: &str| case[key][row][column].as_f64().expect("a number");
@@ -88,14 +88,14 @@ fn planes_reflect_as(reference: &str, precision: Precision, tolerance: f64) {
     }
 }
 
-/// Three conformal films on a slope, as polygons and as a coating of the lowest.
+/// Three conformal films on a slope: as polygons, and as a coating of the lowest facets.
 #[test]
 fn a_conformal_multilayer_is_its_coating() {
-    // A roof of 10 degrees whose facets are long against the films; edges see other films than their middles.
+    // A roof of 10 degrees with facets much longer than the films are thick, since the films differ at the edges.
     let slope = 10f64.to_radians().tan();
     let (half, thin) = (400_000.0, [120.0, 90.0, 150.0]);
     let points = [[0.0, 0.0], [half, half * slope], [2.0 * half, 0.0]];
-    // Thickness is measured across the film, heights along z.
+    // Thicknesses are measured across the film, heights along z.
     let heights = thin.map(|t| t * (1.0 + slope * slope).sqrt());
     let sheets =
         [("a", 0.0), ("b", heights[0]), ("c", heights[0] + heights[1]), ("d", heights[0] + heights[1] + heights[2])];

@@ -1,4 +1,4 @@
-//! Coherence `none` against an independent polarised path tracer, bin by bin.
+//! Tests of coherence `none` against an independent polarised path tracer, bin by bin.
 
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
@@ -10,10 +10,11 @@ use crate::scene::{between, cell, towards};
 
 /// Standard errors by which a total or a bin may differ.
 const SIGMAS: f64 = 4.0;
-/// Share of bins that may differ by more than three.
+/// Share of bins that may differ by more than three standard errors.
 const BEYOND_THREE: f64 = 0.01;
-/// What a lossless ledger may miss besides what was truncated.
+/// Allowed imbalance of a lossless ledger besides the power truncated.
 const LEDGER: f64 = 1e-4;
+/// Power that may be truncated.
 const TRUNCATED: f64 = 1e-4;
 const RAYS: u32 = 32_768;
 
@@ -22,7 +23,7 @@ fn holds(name: &str, obj: &str, reference: &str, interfaces: &[(&str, String)]) 
     let number = |value: &Value| value.as_f64().expect("a number");
     let period = [0, 1].map(|axis| number(&reference["period_nm"][axis]));
     let scene = cell(obj, period, interfaces);
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let grid = DirectionBins { cos: 8, phi: 16 };
     let (mut compared, mut beyond_three) = (0u32, 0u32);
     for case in reference["cases"].as_array().expect("cases") {
@@ -35,7 +36,7 @@ fn holds(name: &str, obj: &str, reference: &str, interfaces: &[(&str, String)]) 
             precision: Precision::F64,
             threads: 2,
         };
-        let found = &scatter(&bumpy, wi, &[550.0], &request, &|| ()).expect("a good mesh")[0];
+        let found = &scatter(&mesh_scene, wi, &[550.0], &request, &|| ()).expect("a good mesh")[0];
 
         // Rays that the reference lost at edges are missing from its totals.
         let lost = number(&case["lost_power"]) + number(&case["truncated_power"]);
@@ -55,7 +56,7 @@ fn holds(name: &str, obj: &str, reference: &str, interfaces: &[(&str, String)]) 
             let entry = |key: &str, bin: usize| number(&case[key][bin / 16][bin % 16]);
             let difference = sum(&|bin| found.bins[bin].value - entry("reflected", bin));
             let variance = sum(&|bin| found.bins[bin].std_error.powi(2) + entry("reflected_se", bin).powi(2));
-            // A bin into which no ray of ours fell may hold what one ray carries.
+            // A bin into which no ray fell may hold the power of one ray.
             let sigma = variance.sqrt().max(1.0 / f64::from(RAYS));
             let sigmas = (difference.abs() - lost).max(0.0) / sigma;
             assert!(sigmas <= SIGMAS, "{name}: bins {bins:?} are {sigmas:.1} standard errors off");
@@ -67,7 +68,7 @@ fn holds(name: &str, obj: &str, reference: &str, interfaces: &[(&str, String)]) 
     assert!(f64::from(beyond_three) <= BEYOND_THREE * f64::from(compared));
 }
 
-/// Bins to compare: each by itself, except those that share a lobe on their common edge.
+/// The groups of bins to compare: single bins, except those that share a lobe on their common edge.
 fn groups(case: &Value, grid: DirectionBins) -> Vec<Vec<usize>> {
     let place = |bin: &Value| {
         let [i, j] = [0, 1].map(|axis| bin[axis].as_u64().expect("a bin") as usize);

@@ -1,4 +1,4 @@
-//! Coherence `cell` against rigorous solvers: Fourier modal method, C method, finite elements.
+//! Tests of coherence `cell` against rigorous solvers: Fourier modal method, C method, finite elements.
 
 use goniochrome_cli::scene::Scene;
 use goniochrome_cli::solve::diffraction::{OrdersRequest, orders};
@@ -28,7 +28,7 @@ struct Profile {
 }
 
 #[derive(Deserialize)]
-#[allow(non_snake_case)]
+#[allow(non_snake_case, reason = "keys of the reference")]
 struct Data {
     wavelength_nm: f64,
     theta_deg: f64,
@@ -37,16 +37,16 @@ struct Data {
     R_p: Vec<f64>,
 }
 
-/// Orders below this are not compared.
+/// Efficiency below which orders are not compared.
 const STRONG: f64 = 0.005;
 const RAYS: u32 = 65_536;
-/// Single scattering, for which the weight was derived.
+/// Number of hits: single scattering, for which the weight was derived.
 const HITS: u32 = 1;
 
 fn scene(grating: &Grating) -> Scene {
     let mut points = grating.profile.points_nm.clone();
     let (first, last) = (points[0], points[points.len() - 1]);
-    // The wall at the end of the period.
+    // A wall at the end of the period closes the profile.
     if last[1] != first[1] {
         points.push([grating.period_nm, first[1]]);
     }
@@ -54,23 +54,23 @@ fn scene(grating: &Grating) -> Scene {
     cell(&obj, [grating.period_nm, 500.0], &[("s", between([1.0, 0.0], grating.n_substrate))])
 }
 
-/// Largest difference of unpolarised efficiency over the strong orders, for each angle.
+/// Each angle with the largest difference of unpolarised efficiency over the strong orders.
 fn worst(letter: &str) -> Vec<(f64, f64)> {
     let gratings: Gratings = serde_json::from_str(include_str!("../data/gratings.json")).expect("the reference");
     let grating = gratings.cases.iter().find(|g| g.name.starts_with(letter)).expect("the grating");
     let scene = scene(grating);
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let request =
         OrdersRequest { rays: RAYS, seed: 1, max_order: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
     let each = grating.data.iter().map(|data| {
         let wi = towards(data.theta_deg, 180.0);
-        let found = orders(&bumpy, wi, &[data.wavelength_nm], &request, &|| ()).expect("a good mesh").orders;
+        let found = orders(&mesh_scene, wi, &[data.wavelength_nm], &request, &|| ()).expect("a good mesh").orders;
         let mut worst: f64 = 0.0;
         for (place, &m) in data.orders_R.iter().enumerate() {
             let rigorous = 0.5 * (data.R_s[place] + data.R_p[place]);
             let order = found.iter().find(|order| order.index == [m, 0]).expect("every order that travels is found");
             let k_x = data.theta_deg.to_radians().sin() + f64::from(m) * data.wavelength_nm / grating.period_nm;
-            // The angle is printed from a cosine: near the normal its digits halve.
+            // The angle is computed from a cosine, which halves its digits near the normal.
             assert!((order.theta_deg.to_radians().sin() - k_x.abs()).abs() < 1e-7, "direction of order {m}");
             if rigorous > STRONG {
                 let ours = 0.5 * (order.efficiency.s.value + order.efficiency.p.value);
@@ -113,7 +113,7 @@ fn triangles_of_glass() {
 
 #[test]
 fn compact_disc_has_the_right_directions_and_unreliable_efficiencies() {
-    // As wide as λ, the grooves are no business of physical optics.
+    // Physical optics does not hold for grooves as wide as λ.
     assert!(worst("c_").iter().all(|(_, worst)| *worst < 0.2));
 }
 
@@ -121,10 +121,10 @@ fn compact_disc_has_the_right_directions_and_unreliable_efficiencies() {
 fn a_flat_interface_reflects_into_the_zeroth_order_alone() {
     let flat = extruded(&[[0.0, 0.0], [4000.0, 0.0]], 500.0, &[("s", 0.0)]);
     let scene = cell(&flat, [4000.0, 500.0], &[("s", between([1.0, 0.0], [1.5, 0.0]))]);
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let request =
         OrdersRequest { rays: 4096, seed: 1, max_order: None, hits: HITS, precision: Precision::F64, threads: 1 };
-    let found = orders(&bumpy, towards(0.0, 0.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
+    let found = orders(&mesh_scene, towards(0.0, 0.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     for order in found {
         let expected = if order.index == [0, 0] { 0.04 } else { 0.0 };
         assert!((order.efficiency.s.value - expected).abs() < 1e-4, "{order:?}");
@@ -138,10 +138,10 @@ fn a_shallow_mirror_keeps_its_power() {
         (0..=64).map(|i| [125.0 * f64::from(i), 40.0 * (f64::from(i) / 64.0 * std::f64::consts::TAU).cos()]).collect();
     let obj = extruded(&points, 500.0, &[("s", 0.0)]);
     let scene = cell(&obj, [8000.0, 500.0], &[("s", "above = 1.0\nbelow = \"mirror\"".into())]);
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let request =
         OrdersRequest { rays: RAYS, seed: 1, max_order: Some(40), hits: HITS, precision: Precision::F64, threads: 2 };
-    let found = orders(&bumpy, towards(20.0, 180.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
+    let found = orders(&mesh_scene, towards(20.0, 180.0), &[550.0], &request, &|| ()).expect("a good mesh").orders;
     let sum: f64 = found.iter().map(|order| 0.5 * (order.efficiency.s.value + order.efficiency.p.value)).sum();
     assert!((sum - 1.0).abs() < 0.01, "{sum}");
 }

@@ -1,5 +1,5 @@
-//! Random cells: a height field over a small grid, and copies of it further down, with any media between them. Such sheets are
-//! closed and never cross, so every one is a good scene.
+//! Cells of height fields for random tests: a height field over a small grid, and copies of it further down, with any
+//! media between them. Such sheets are closed and never cross, so every cell is a good scene.
 
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
@@ -16,17 +16,17 @@ use goniochrome_cli::scene::{Mesh, NamedInterface, NamedMedium, OwnedMedium, Sce
 use goniochrome_cli::solve::groups::Groups;
 use goniochrome_cli::solve::mesh_scene::MeshScene;
 
-/// Lengths in nanometres.
+/// A cell of one or more sheets with equal heights; lengths are in nanometres.
 #[derive(Clone, Debug)]
 pub struct HeightField {
     pub period_nm: [f64; 2],
-    /// Squares along x and y.
+    /// Number of squares along x and y.
     pub squares: [usize; 2],
-    /// One for each corner, row by row along x; the far borders repeat the near ones.
+    /// Heights of the corners, row by row along x; the far borders repeat the near ones.
     pub heights_nm: Vec<f64>,
-    /// Of each sheet below the one before it.
+    /// Depth of each sheet below the one before it.
     pub depths_nm: Vec<f64>,
-    /// n and k, from the top; one more than there are sheets, or as many over a mirror.
+    /// n and k of each medium, from the top: one more than there are sheets, or as many over a mirror.
     pub media: Vec<[f64; 2]>,
 }
 
@@ -74,7 +74,7 @@ impl HeightField {
     }
 }
 
-/// A cell whose vertices were moved, and its period with them.
+/// The cell of a scene with its vertices moved, and with another period.
 pub fn moved(scene: &Scene, period_nm: [f64; 2], to: impl Fn([f64; 3]) -> [f64; 3]) -> Scene {
     let cell = scene.shape.polygons().expect("a cell");
     let mut mesh = cell.mesh().clone();
@@ -83,16 +83,16 @@ pub fn moved(scene: &Scene, period_nm: [f64; 2], to: impl Fn([f64; 3]) -> [f64; 
     Scene { shape: shape.expect("still closed"), ..scene.clone() }
 }
 
-/// Where the light of one starting ray went, unpolarised; coherence `none`.
+/// The unpolarised powers of one starting ray with coherence `none`.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// Unit directions through the top and the power in each.
+    /// Unit directions of the light that leaves through the top, and the power in each.
     pub up: Vec<(DVec3, f64)>,
     pub transmitted: f64,
     pub absorbed: f64,
     pub truncated: f64,
-    /// Σ power × length of the ways between facets, in nanometres; what the ambient medium holds of them counts too.
-    pub way_nm: f64,
+    /// Σ power × length of the paths between facets, in nanometres, those in the ambient medium included.
+    pub path_nm: f64,
 }
 
 impl Outcome {
@@ -115,10 +115,10 @@ impl Sink<ExitPath<F64>, Coherency<F64>> for Outcome {
     }
 }
 
-/// Paths whose ways are measured.
+/// Paths whose lengths are measured.
 struct Measured<'a> {
     paths: IncoherentMesh<'a, F64>,
-    way_nm: f64,
+    path_nm: f64,
 }
 
 impl<'a> Paths<F64> for Measured<'a> {
@@ -147,7 +147,7 @@ impl<'a> Paths<F64> for Measured<'a> {
     ) -> Propagated<Self::State, Self::Exit, Self::Light> {
         let sent = self.paths.propagate(from, branch, light);
         if let Some((Target::State(to), _)) = &sent {
-            self.way_nm += Lanes::lane(light.power(), 0) * to.at().point_nm.distance(from.at().point_nm);
+            self.path_nm += Lanes::lane(light.power(), 0) * to.at().point_nm.distance(from.at().point_nm);
         }
         sent
     }
@@ -156,29 +156,30 @@ impl<'a> Paths<F64> for Measured<'a> {
 /// A starting ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// Unit, towards the light.
+    /// Unit vector towards the light.
     pub wi: DVec3,
-    /// Over the period.
+    /// Place along x, in periods.
     pub u: f64,
+    /// Place along y, in periods.
     pub v: f64,
-    /// Of the draws among weak branches.
+    /// Seed of the draws among weak branches.
     pub seed: u32,
 }
 
-/// Hands a scene's cell to `work`, and its media at one wavelength.
+/// Calls `work` with a scene's cell, and its media at one wavelength.
 pub fn with_cell<T>(scene: &Scene, wavelength_nm: f64, work: impl FnOnce(MeshCell<'_>, MediaLanes<'_, F64>) -> T) -> T {
-    let bumpy = MeshScene::new(scene).expect("a good mesh");
-    let mut buffer = bumpy.buffer();
-    let cell = bumpy.cell(&mut buffer).expect("a good mesh");
+    let mesh_scene = MeshScene::new(scene).expect("a good mesh");
+    let mut buffer = mesh_scene.buffer();
+    let cell = mesh_scene.cell(&mut buffer).expect("a good mesh");
     let wavelengths = [wavelength_nm];
     let mut groups = Groups::<F64>::new(scene, &wavelengths);
     let groups = groups.evaluate(scene, cell.above(), &wavelengths).expect("constant media");
     work(cell, groups[0].0)
 }
 
-/// Paths by themselves, one outcome for each start, in a workspace of so many states.
+/// Follows the paths of each starting ray without interference, in a workspace of so many states.
 pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]) -> Vec<Outcome> {
-    /// Paths below this power are no longer split. Light that a layer traps is counted as truncated in the end.
+    /// Limits: paths of less power are no longer split, and light that a layer traps is truncated in the end.
     const LIMITS: Limits = Limits { in_flight: 0.02, generations: 200 };
     let mut slots: Vec<Slot<Path<F64>, Coherency<F64>>> = vec![free_slot(); states];
     let mut one = |cell: MeshCell<'_>, media: MediaLanes<'_, F64>, start: &Start| {
@@ -187,12 +188,12 @@ pub fn follow(scene: &Scene, wavelength_nm: f64, states: usize, starts: &[Start]
         let mut outcome = Outcome::default();
         let (path, light) = paths.start(start.u, start.v).expect("no hole");
         let mut random = Random::new(start.seed, 0);
-        let mut measured = Measured { paths, way_nm: 0.0 };
+        let mut measured = Measured { paths, path_nm: 0.0 };
         let done = follow_paths(&mut measured, path, light, &mut slots, LIMITS, &mut random, &mut outcome);
-        let Measured { paths, way_nm } = measured;
+        let Measured { paths, path_nm } = measured;
         outcome.truncated += done.truncated.lane(0) + paths.lost().lane(0);
         outcome.absorbed += paths.absorbed().lane(0);
-        outcome.way_nm = way_nm;
+        outcome.path_nm = path_nm;
         outcome
     };
     with_cell(scene, wavelength_nm, |cell, media| starts.iter().map(|start| one(cell, media, start)).collect())

@@ -1,4 +1,4 @@
-//! Laws of cells of tilted facets, on many random ones: no reference but physics itself.
+//! Laws of physics that cells of tilted facets obey, tested on many random ones.
 
 use std::f64::consts::TAU;
 
@@ -13,33 +13,17 @@ use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, scatter};
 use goniochrome_cli::solve::spectra::{Method, SpectraRequest, spectra};
 
 use crate::height_field::{HeightField, Outcome, Start, follow, moved};
+use crate::random::Random;
 
 const SCENES: u64 = 10_000;
 const RAYS: u32 = 4;
-/// More states than the paths of a starting ray ever wait in.
+/// Number of states: more than a starting ray's paths ever occupy.
 const STATES: usize = 64;
-/// A power is a product of some hundred factors, each rounded to 1e-16, and the sum of a thousand.
+/// Bound of rounding: a power is a product of some hundred factors, each rounded to 1e-16, and a sum of a thousand
+/// terms.
 const ROUNDING: f64 = 1e-11;
 
-/// SplitMix64.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
+impl Random {
     fn height_field(&mut self, absorbs: bool) -> HeightField {
         let period_nm = [self.between(500.0, 5000.0), self.between(500.0, 5000.0)];
         let squares = [1 + self.below(3) as usize, 1 + self.below(3) as usize];
@@ -55,7 +39,7 @@ impl Numbers {
         HeightField { period_nm, squares, heights_nm, depths_nm, media }
     }
 
-    /// A direction as likely as light from it is on a horizontal plane: ∝ cos θ dω.
+    /// A random direction, with a density ∝ cos θ per solid angle.
     fn direction(&mut self) -> DVec3 {
         let (sin2, phi) = (self.between(0.0, 0.999), self.between(0.0, TAU));
         DVec3::new(sin2.sqrt() * phi.cos(), sin2.sqrt() * phi.sin(), (1.0 - sin2).sqrt())
@@ -69,23 +53,25 @@ impl Numbers {
 }
 
 /// Calls `check` with each of the random scenes.
-fn each(seed: u64, absorbs: bool, mut check: impl FnMut(&mut Numbers, &HeightField, &Scene)) {
-    let mut numbers = Numbers(seed);
+fn each(seed: u64, absorbs: bool, mut check: impl FnMut(&mut Random, &HeightField, &Scene)) {
+    let mut random = Random(seed);
     for _ in 0..SCENES {
-        let field = numbers.height_field(absorbs);
+        let field = random.height_field(absorbs);
         let scene = field.scene();
-        check(&mut numbers, &field, &scene);
+        check(&mut random, &field, &scene);
     }
 }
 
-/// The larger difference of what two outcomes reflect, as power times direction, and transmit.
+/// The largest difference of two outcomes: of the power reflected, its sum of power times direction, and the power
+/// transmitted.
 fn difference(a: &Outcome, b: &Outcome, turned: impl Fn(DVec3) -> DVec3) -> f64 {
     let moment = |outcome: &Outcome| outcome.up.iter().map(|(direction, power)| *direction * *power).sum::<DVec3>();
     let reflected = (a.reflected() - b.reflected()).abs().max((turned(moment(a)) - moment(b)).length());
     reflected.max((a.transmitted - b.transmitted).abs())
 }
 
-/// Counts rays for which two descriptions of one thing differ: one that passes an edge on the other side goes another way.
+/// Counts rays for which two descriptions of one cell differ: a ray that passes an edge on the other side takes another
+/// path.
 #[derive(Default)]
 struct Agreement {
     rays: u32,
@@ -105,7 +91,7 @@ impl Agreement {
     }
 
     fn report(self, law: &str) {
-        /// Rays that pass an edge within rounding, or draw another branch because of it.
+        /// Largest share of rays that pass an edge within rounding, or draw another branch because of it.
         const STRAYED: f64 = 1e-4;
         println!(
             "{law}: {} of {} rays went another way, the others differ by {:.1e}",
@@ -117,34 +103,34 @@ impl Agreement {
 
 #[test]
 fn power_is_conserved_in_any_workspace() {
-    let (mut worst, mut least) = ([0.0f64; 2], 1.0f64);
-    each(1, true, |numbers, field, scene| {
-        let states = if numbers.below(2) == 0 { STATES } else { 1 + numbers.below(8) as usize };
+    let (mut worst, mut min_part) = ([0.0f64; 2], 1.0f64);
+    each(1, true, |random, field, scene| {
+        let states = if random.below(2) == 0 { STATES } else { 1 + random.below(8) as usize };
         let absorbs = field.media.iter().any(|[_, k]| *k > 0.0);
-        for outcome in follow(scene, 550.0, states, &numbers.starts(RAYS)) {
+        for outcome in follow(scene, 550.0, states, &random.starts(RAYS)) {
             assert!(outcome.total().is_finite(), "{field:?}");
             let worst = &mut worst[usize::from(absorbs)];
             *worst = worst.max((outcome.total() - 1.0).abs());
             for part in [outcome.transmitted, outcome.absorbed, outcome.truncated] {
-                least = least.min(part);
+                min_part = min_part.min(part);
             }
             assert!(outcome.up.iter().all(|(direction, power)| direction.z > 0.0 && *power >= 0.0));
         }
     });
     let [lossless, absorbing] = worst;
     println!(
-        "energy: lossless cells off by {lossless:.1e}, absorbing ones by {absorbing:.1e}; no part below {least:.1e}"
+        "energy: lossless cells off by {lossless:.1e}, absorbing ones by {absorbing:.1e}; no part below {min_part:.1e}"
     );
-    assert!(lossless <= ROUNDING && absorbing <= ROUNDING && least >= -ROUNDING);
+    assert!(lossless <= ROUNDING && absorbing <= ROUNDING && min_part >= -ROUNDING);
 }
 
 #[test]
 fn lengths_and_wavelengths_together_change_nothing() {
     let mut agreement = Agreement::default();
-    each(2, true, |numbers, field, scene| {
-        let scale = 10f64.powf(numbers.between(-1.0, 2.0));
+    each(2, true, |random, field, scene| {
+        let scale = 10f64.powf(random.between(-1.0, 2.0));
         let scaled = moved(scene, field.period_nm.map(|x| x * scale), |vertex| vertex.map(|x| x * scale));
-        let starts = numbers.starts(RAYS);
+        let starts = random.starts(RAYS);
         let both =
             follow(scene, 550.0, STATES, &starts).into_iter().zip(follow(&scaled, 550.0 * scale, STATES, &starts));
         both.for_each(|(a, b)| agreement.see(difference(&a, &b, |x| x), 1e-9));
@@ -156,10 +142,10 @@ fn lengths_and_wavelengths_together_change_nothing() {
 fn a_turned_cell_turns_its_brdf() {
     let mut agreement = Agreement::default();
     let turn = |x: DVec3| DVec3::new(-x.y, x.x, x.z);
-    each(3, true, |numbers, field, scene| {
+    each(3, true, |random, field, scene| {
         let [width, depth] = field.period_nm;
         let turned = moved(scene, [depth, width], |[x, y, z]| [depth - y, x, z]);
-        let starts = numbers.starts(RAYS);
+        let starts = random.starts(RAYS);
         let turned_starts: Vec<Start> =
             starts.iter().map(|start| Start { wi: turn(start.wi), u: 1.0 - start.v, v: start.u, ..*start }).collect();
         let both =
@@ -172,25 +158,26 @@ fn a_turned_cell_turns_its_brdf() {
 #[test]
 fn faint_absorption_tends_to_none() {
     const K: f64 = 1e-12;
-    /// 4π k/λ: light loses no more than this of its power for each nanometre of its way.
+    /// 4π k/λ: light loses no more than this share of its power in each nanometre of path.
     const LOST_PER_NM: f64 = 2.0 * TAU * K / 550.0;
     /// Standard errors.
     const FAR: f64 = 5.0;
-    let (mut most, mut longest, mut sum, mut variance) = (0.0f64, 0.0f64, 0.0, 0.0);
+    let (mut max_absorbed, mut longest, mut sum, mut variance) = (0.0f64, 0.0f64, 0.0, 0.0);
     let (mut equal, mut rays) = (0u32, 0u32);
-    each(4, false, |numbers, field, scene| {
-        let starts = numbers.starts(RAYS);
+    each(4, false, |random, field, scene| {
+        let starts = random.starts(RAYS);
         let mut faint = field.clone();
         faint.media.iter_mut().skip(1).for_each(|[_, k]| *k = K);
         let both =
             follow(scene, 550.0, STATES, &starts).into_iter().zip(follow(&faint.scene(), 550.0, STATES, &starts));
         for (a, b) in both {
             assert!(a.absorbed.abs() <= ROUNDING);
-            assert!(b.absorbed <= LOST_PER_NM * b.way_nm + ROUNDING);
-            most = most.max(b.absorbed);
-            longest = longest.max(b.way_nm);
+            assert!(b.absorbed <= LOST_PER_NM * b.path_nm + ROUNDING);
+            max_absorbed = max_absorbed.max(b.absorbed);
+            longest = longest.max(b.path_nm);
             rays += 1;
-            // Rays alike differ by what is absorbed. The others drew other branches of weak paths, which are alike on average.
+            // Most pairs of rays differ by what is absorbed. The others drew other branches of weak paths, which are
+            // equal on average.
             let apart = a.reflected() - b.reflected();
             if apart.abs() <= b.absorbed + ROUNDING {
                 equal += 1;
@@ -201,18 +188,19 @@ fn faint_absorption_tends_to_none() {
         }
     });
     println!(
-        "k = {K:e}: {most:.1e} absorbed over {longest:.1e} nm; {equal} of {rays} rays alike, the others' R off by {sum:e}"
+        "k = {K:e}: {max_absorbed:.1e} absorbed over {longest:.1e} nm; {equal} of {rays} rays alike, \
+         the others' R off by {sum:e}"
     );
     assert!(f64::from(equal) >= 0.9 * f64::from(rays) && sum.abs() <= FAR * variance.sqrt());
 }
 
 #[test]
-fn sheets_between_equal_media_are_not_there() {
+fn sheets_between_equal_media_change_nothing() {
     let mut worst = 0.0f64;
-    each(5, false, |numbers, field, _| {
+    each(5, false, |random, field, _| {
         let n = field.media[0];
         let matched = HeightField { media: vec![n; field.sheets() + 1], ..field.clone() };
-        for outcome in follow(&matched.scene(), 550.0, STATES, &numbers.starts(RAYS)) {
+        for outcome in follow(&matched.scene(), 550.0, STATES, &random.starts(RAYS)) {
             worst = worst.max(outcome.reflected()).max((outcome.transmitted - 1.0).abs());
         }
     });
@@ -220,12 +208,13 @@ fn sheets_between_equal_media_are_not_there() {
     assert!(worst <= ROUNDING);
 }
 
-/// Light from directions in A that leaves into B, and the other way round, over the whole hemisphere of `n_in² cos θ dω`.
+/// Reciprocity over the hemisphere: the light from directions in A that leaves into B equals that from B into A, where
+/// directions are weighted by cos θ dω.
 #[test]
-fn the_way_back_is_as_good_as_the_way_there() {
-    /// Rays of each scene: the error of a scene's mean is that over its rays.
+fn cells_are_reciprocal() {
+    /// Number of rays in each scene, which give the error of the scene's mean.
     const RAYS: u32 = 8;
-    /// Standard errors. One in a million sums of this many scenes lies further out.
+    /// Standard errors beyond which one sum in a million lies.
     const FAR: f64 = 5.0;
     type Split = (&'static str, fn(DVec3) -> bool);
     let splits: [Split; 3] = [
@@ -235,8 +224,8 @@ fn the_way_back_is_as_good_as_the_way_there() {
     ];
     let mut sums = [[0.0; 3]; 3];
     let mut wrong = [0.0; 2];
-    each(6, true, |numbers, _, scene| {
-        let starts = numbers.starts(RAYS);
+    each(6, true, |random, _, scene| {
+        let starts = random.starts(RAYS);
         let outcomes = follow(scene, 550.0, STATES, &starts);
         for ((_, inside), [sum, variance, crossed]) in splits.iter().zip(&mut sums) {
             for (start, outcome) in starts.iter().zip(&outcomes) {
@@ -247,7 +236,7 @@ fn the_way_back_is_as_good_as_the_way_there() {
                 *crossed += power;
             }
         }
-        // The test can fail: f(wi, wo) without its cosines is not symmetric.
+        // To show that the test can fail: f(wi, wo) without its cosines is not symmetric.
         for (start, outcome) in starts.iter().zip(&outcomes) {
             let inside = splits[0].1;
             let power: f64 = outcome.up.iter().filter(|(wo, _)| inside(*wo) != inside(start.wi)).map(|(_, p)| p).sum();
@@ -267,25 +256,26 @@ fn the_way_back_is_as_good_as_the_way_there() {
 
 #[test]
 fn flat_sheets_are_the_stack_in_closed_form() {
-    /// Waves are dropped below 1e-13 of the light: 2√1e-13 in reflectance for each of a few that ring.
+    /// Bound of dropped waves. Those below 1e-13 of the light are dropped: 2√1e-13 in reflectance for each of a few
+    /// that ring.
     const DROPPED: f64 = 5e-6;
     let (mut worst, mut seen) = (0.0f64, 0);
-    each(7, false, |numbers, field, _| {
+    each(7, false, |random, field, _| {
         let flat = HeightField { heights_nm: vec![0.0; field.heights_nm.len()], ..field.clone() };
-        let theta_deg = numbers.between(0.0, 80.0);
-        // Evanescent waves may gain in a loop, and their sum by hits then has no end.
+        let theta_deg = random.between(0.0, 80.0);
+        // Evanescent waves may gain in a loop, and then their sum hit by hit diverges.
         let q_t = flat.media[0][0] * theta_deg.to_radians().sin();
         if flat.media.iter().any(|[n, _]| *n <= 1.05 * q_t) {
             return;
         }
         let scene = flat.scene();
-        let bumpy = MeshScene::new(&scene).expect("a good mesh");
+        let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
         let bins = DirectionBins { cos: 1, phi: 1 };
         let precision = Precision::F64;
         let request = ScatterRequest { coherence: Coherence::Ray, rays: 32, seed: 0, bins, precision, threads: 1 };
         let (sin, cos) = theta_deg.to_radians().sin_cos();
         let wi = DVec3::new(0.6 * sin, 0.8 * sin, cos);
-        let traced = &scatter(&bumpy, wi, &[550.0], &request, &|| ()).expect("a good mesh")[0];
+        let traced = &scatter(&mesh_scene, wi, &[550.0], &request, &|| ()).expect("a good mesh")[0];
         let planar = PlanarScene::new(&scene).expect("horizontal planes");
         let request = SpectraRequest { model: Model::Physical, method: Method::Stack, precision, threads: 1 };
         let closed = spectra(&planar, &[theta_deg], &[550.0], &request, &|| ()).expect("a good stack").samples[0];

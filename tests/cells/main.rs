@@ -1,4 +1,4 @@
-//! Polygon cells against programs that share no code with this one, and against the planar tracer.
+//! Tests of polygon cells: against programs that share no code with this one, the planar tracer and laws of physics.
 
 mod coherences;
 mod general_path;
@@ -7,5 +7,7 @@ mod gratings;
 mod height_field;
 mod laws;
 mod order_error;
+#[path = "../random.rs"]
+mod random;
 mod reciprocity;
 mod scene;

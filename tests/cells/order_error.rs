@@ -1,5 +1,5 @@
-//! The error bound of diffraction orders against rigorous efficiencies, s and p apart: neither warning nor silence is
-//! untrue.
+//! Tests of the error bound of diffraction orders against rigorous efficiencies, s and p separately: whether the
+//! program warns or not, it is right.
 
 use std::fmt::Write as _;
 
@@ -19,16 +19,16 @@ struct Table {
 
 /// A grating of `orders.json`, made by `orders.py`.
 #[derive(Deserialize)]
-#[allow(non_snake_case)]
+#[allow(non_snake_case, reason = "keys of the reference")]
 struct Case {
-    /// Whether the bound was fitted to it, too.
+    /// Whether the bound was fitted to this case too.
     fitted: bool,
     points_nm: Vec<[f64; 2]>,
     eta: [f64; 2],
     wavelength_nm: f64,
     theta_deg: f64,
     phi_deg: f64,
-    /// How far the rigorous numbers themselves may be off.
+    /// Error of the rigorous efficiencies.
     change: f64,
     orders: Vec<i32>,
     R_s: Vec<f64>,
@@ -37,7 +37,8 @@ struct Case {
 
 const RAYS: u32 = 16_384;
 
-/// Standard errors that an estimate may be away from its mean: once in some 10⁶ of the thousand numbers.
+/// Standard errors by which an estimate may miss its mean. One of a million numbers misses it by more, and there are a
+/// thousand.
 const STANDARD_ERRORS: f64 = 5.0;
 
 impl Case {
@@ -56,14 +57,15 @@ fn cases() -> Vec<Case> {
     serde_json::from_str::<Table>(include_str!("../data/orders.json")).expect("the reference").cases
 }
 
-/// |ours − rigorous| of s and of p, less what is the reference's and the sampling's own, and the bound.
+/// |ours − rigorous| of s and of p, less the errors of the reference and of sampling, then the bound, and whether the
+/// program is silent.
 fn compare(case: &Case) -> ([f64; 2], f64, bool) {
     let scene = parse("grating", &case.toml()).expect("a good scene");
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let (wi, nm) = (towards(case.theta_deg, case.phi_deg), [case.wavelength_nm]);
     let request =
         OrdersRequest { rays: RAYS, seed: 1, max_order: None, hits: 1, precision: Precision::F64, threads: 1 };
-    let found = orders(&bumpy, wi, &nm, &request, &|| ()).expect("a good mesh").orders;
+    let found = orders(&mesh_scene, wi, &nm, &request, &|| ()).expect("a good mesh").orders;
     let mut worst = [0.0_f64; 2];
     for (place, &m) in case.orders.iter().enumerate() {
         let order = found.iter().find(|order| order.index == [m, 0]).expect("every order that travels is found");
@@ -73,8 +75,8 @@ fn compare(case: &Case) -> ([f64; 2], f64, bool) {
             *worst = worst.max((ours.value - rigorous).abs() - known);
         }
     }
-    let bound = error_bounds(&bumpy, wi, &nm).expect("a good mesh")[0];
-    let silent = warning(&bumpy, wi, &nm).expect("a good mesh").is_none();
+    let bound = error_bounds(&mesh_scene, wi, &nm).expect("a good mesh")[0];
+    let silent = warning(&mesh_scene, wi, &nm).expect("a good mesh").is_none();
     (worst, bound, silent)
 }
 
@@ -83,7 +85,7 @@ fn no_efficiency_errs_by_more_than_the_bound_says() {
     let (mut said, mut untrue, mut silences) = (String::new(), 0, 0);
     for case in &cases() {
         let ([s, p], bound, silent) = compare(case);
-        let highest = case.points_nm.iter().fold(0.0_f64, |most, point| most.max(point[1]));
+        let highest = case.points_nm.iter().fold(0.0_f64, |max, point| max.max(point[1]));
         let _ = writeln!(
             said,
             "{} η {:?} period {:5.2} λ depth {:.2} λ θ {} φ {}: s {s:.4} p {p:.4} bound {bound:.4}",
@@ -107,8 +109,8 @@ fn no_efficiency_errs_by_more_than_the_bound_says() {
 /// The bound of a scene in light from the normal at 550 nm.
 fn bound(toml: &str) -> f64 {
     let scene = parse("cell", toml).expect("a good scene");
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
-    error_bounds(&bumpy, towards(0.0, 0.0), &[550.0]).expect("a good mesh")[0]
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
+    error_bounds(&mesh_scene, towards(0.0, 0.0), &[550.0]).expect("a good mesh")[0]
 }
 
 const BETWEEN: &str = "above = 1.0\nbelow = 1.5\n";
@@ -123,17 +125,18 @@ fn shelves_have_no_bound_and_planes_the_least() {
     assert!(bound(&format!("{flat}{BETWEEN}")) < SILENT);
 }
 
-/// Of flat metal under n = 1.5 with k = 1e-3, R_p at 88° is off by 0.115: orders 1.0358, the closed form 1.1505.
+/// The error of grazing light on flat metal under n = 1.5 with k = 1e-3 is bounded: R_p at 88° is off by 0.115, for
+/// orders give 1.0358 and the closed form 1.1505.
 #[test]
 fn grazing_light_through_a_medium_that_absorbs_is_warned_of() {
     let toml = "[cell]\nperiod_nm = [500, 500]\nsurface = { kind = \"grooves\", points_nm = [[0, 0], [500, 0]] }\n\
                 [interface.grooves]\nabove = [1.5, 0.001]\nbelow = [0.05, 3.5]\n";
     let scene = parse("cell", toml).expect("a good scene");
-    let bumpy = MeshScene::new(&scene).expect("a good mesh");
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
     let at = |theta_deg| {
         let wi = towards(theta_deg, 0.0);
-        let bound = error_bounds(&bumpy, wi, &[550.0]).expect("a good mesh")[0];
-        (bound, warning(&bumpy, wi, &[550.0]).expect("a good mesh"))
+        let bound = error_bounds(&mesh_scene, wi, &[550.0]).expect("a good mesh")[0];
+        (bound, warning(&mesh_scene, wi, &[550.0]).expect("a good mesh"))
     };
     let (bound, said) = at(88.0);
     assert!(bound >= 0.115 && said.is_some_and(|said| said.contains("absorbs")), "{bound}");
@@ -156,7 +159,7 @@ fn the_bound_does_not_depend_on_how_finely_a_surface_is_cut() {
              [interface.grooves]\nabove = 1.0\nbelow = [0.06, 3.6]\n"
         ))
     };
-    // A polyline turns by as much as its curve, up to its first and last corner.
+    // A polyline turns by as much as its curve, except at its first and last corner.
     let (coarse, fine) = (sines(32), sines(256));
     assert!((coarse / fine - 1.0).abs() < 0.02, "{coarse} {fine}");
 }

@@ -1,4 +1,4 @@
-//! Light takes both ways alike: f(wi, wo) = f(wo, wi), averaged over pairs of bins.
+//! Tests of reciprocity: f(wi, wo) = f(wo, wi), averaged over pairs of bins.
 
 use std::f64::consts::TAU;
 
@@ -22,12 +22,14 @@ const PRESETS: [&str; 9] = [
     "pigment-paint",
 ];
 const GRID: DirectionBins = DirectionBins { cos: 3, phi: 8 };
-/// Incident directions in each bin, and the starting rays of each.
+/// Number of incident directions in each bin.
 const DIRECTIONS: u32 = 32;
+/// Number of starting rays in each direction.
 const RAYS: u32 = 32;
-/// Of some thousand pairs none lies beyond five standard errors by chance, with errors from 32 directions each.
+/// Standard errors beyond which none of some thousand pairs lies by chance, with errors from 32 directions each.
 const SIGMAS: f64 = 5.0;
-/// Beyond three lie 5 in 1000 then; histograms of few rays have longer tails.
+/// Share of pairs that may lie beyond three standard errors: 5 in 1000 would, but histograms of few rays have longer
+/// tails.
 const BEYOND_THREE: f64 = 0.02;
 
 /// A direction in a bin, uniform in projected solid angle.
@@ -39,14 +41,14 @@ fn direction_in(bin: usize, [u, v]: [f64; 2]) -> DVec3 {
     DVec3::new(sin * cos_phi, sin * sin_phi, cos)
 }
 
-/// Mean and variance of the mean, for every bin, of the power that light from one bin sends there.
-fn sent(bumpy: &MeshScene<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2]> {
+/// Mean, and variance of the mean, of the power that light from one bin sends into each bin.
+fn sent(mesh_scene: &MeshScene<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2]> {
     let mut sums = vec![[0.0; 2]; GRID.count()];
     for i in 0..DIRECTIONS {
         let wi = direction_in(from, sobol(i, 7 + from as u32));
         let seed = i * GRID.count() as u32 + from as u32;
         let request = ScatterRequest { coherence, rays: RAYS, seed, bins: GRID, precision: Precision::F32, threads: 2 };
-        let found = &scatter(bumpy, wi, &[550.0], &request, &|| ()).expect("a preset")[0];
+        let found = &scatter(mesh_scene, wi, &[550.0], &request, &|| ()).expect("a preset")[0];
         for (sum, bin) in sums.iter_mut().zip(&found.bins) {
             *sum = [sum[0] + bin.value, sum[1] + bin.value * bin.value];
         }
@@ -60,8 +62,8 @@ fn sent(bumpy: &MeshScene<'_>, from: usize, coherence: Coherence) -> Vec<[f64; 2
 fn holds(coherence: Coherence) {
     for name in PRESETS {
         let scene = load(name).expect("a preset");
-        let bumpy = MeshScene::new(&scene).expect("a good mesh");
-        let sent: Vec<_> = (0..GRID.count()).map(|from| sent(&bumpy, from, coherence)).collect();
+        let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
+        let sent: Vec<_> = (0..GRID.count()).map(|from| sent(&mesh_scene, from, coherence)).collect();
         let solid_angle = |bin| GRID.projected_solid_angle(bin) / TAU;
         let (mut pairs, mut beyond, mut worst) = (0u32, 0u32, 0.0_f64);
         for (a, from_a) in sent.iter().enumerate() {
@@ -69,7 +71,7 @@ fn holds(coherence: Coherence) {
                 let [there, there_variance] = from_a[b].map(|x| x * solid_angle(a));
                 let [back, back_variance] = from_b[a].map(|x| x * solid_angle(b));
                 let variance = there_variance * solid_angle(a) + back_variance * solid_angle(b);
-                // A pair of bins that no ray has joined may hold what one ray carries.
+                // A pair of bins that no ray has joined may hold the power of one ray.
                 let one_ray = solid_angle(a).max(solid_angle(b)) / f64::from(DIRECTIONS * RAYS);
                 let sigmas = (there - back).abs() / variance.sqrt().max(one_ray);
                 worst = worst.max(sigmas);
@@ -84,11 +86,11 @@ fn holds(coherence: Coherence) {
 }
 
 #[test]
-fn powers_take_both_ways_alike() {
+fn powers_are_reciprocal() {
     holds(Coherence::None);
 }
 
 #[test]
-fn interfering_paths_take_both_ways_alike() {
+fn interfering_paths_are_reciprocal() {
     holds(Coherence::Ray);
 }

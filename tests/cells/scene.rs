@@ -1,11 +1,11 @@
-//! Scenes written for a test.
+//! Scenes for tests, and their directions.
 
 use std::fs;
 
 use glam::DVec3;
 use goniochrome_cli::scene::{Scene, load};
 
-/// A cell from the text of a mesh. `interfaces` are names with the two media and, where it has one, the coating, as TOML.
+/// The cell of a mesh given as text. `interfaces` are names, each with its two media and any coating as TOML.
 pub fn cell(obj: &str, period_nm: [f64; 2], interfaces: &[(&str, String)]) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("mesh.obj"), obj).expect("a file in it");
@@ -18,7 +18,7 @@ pub fn cell(obj: &str, period_nm: [f64; 2], interfaces: &[(&str, String)]) -> Sc
     load(path.to_str().expect("a path of ASCII")).expect("a good scene")
 }
 
-/// `above = …` and `below = …` from complex indices.
+/// The TOML of an interface between two media, given by n and k.
 pub fn between(above: [f64; 2], below: [f64; 2]) -> String {
     format!("above = {}\nbelow = {}", index(above), index(below))
 }
@@ -27,13 +27,13 @@ fn index([n, k]: [f64; 2]) -> String {
     if k == 0.0 { format!("{n:?}") } else { format!("[{n:?}, {k:?}]") }
 }
 
-/// The unit vector towards the light.
+/// The unit vector towards the light at these angles.
 pub fn towards(theta_deg: f64, phi_deg: f64) -> DVec3 {
     let ((sin, cos), (sin_phi, cos_phi)) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
     DVec3::new(sin * cos_phi, sin * sin_phi, cos)
 }
 
-/// A profile h(x) along y, from x = 0 to the period, `shift` lower; one face for each piece.
+/// The OBJ text of sheets, each a profile h(x) extruded along y and lowered by its shift, with one face for each piece.
 pub fn extruded(points_nm: &[[f64; 2]], width_nm: f64, sheets: &[(&str, f64)]) -> String {
     let mut obj = String::new();
     for (sheet, (name, shift)) in sheets.iter().enumerate() {

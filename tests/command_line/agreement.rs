@@ -1,4 +1,4 @@
-//! The same question asked in different ways has one answer.
+//! Tests that different methods, precisions, numbers of threads and commands agree.
 
 use crate::user::{User, column, largest_difference};
 
@@ -6,22 +6,33 @@ const QUANTITIES: [&str; 4] = ["R_s", "R_p", "T_s", "T_p"];
 const SCENES: [&str; 4] = ["paper-fig4", "jewel-beetle", "anodised-titanium", "quarter-wave-mirror"];
 const GRID: &str = "--theta 0:75:15 --wavelengths 380:780:20";
 
+/// The largest difference of the reflectances and transmittances in two CSVs.
 fn difference(a: &str, b: &str) -> f64 {
     QUANTITIES.map(|name| largest_difference(&column(a, name), &column(b, name))).into_iter().fold(0.0, f64::max)
 }
 
-/// Loops summed exactly leave only rounding.
+/// Rounding in double precision, which is all that exact sums of loops leave.
 const DOUBLE_ROUNDING: f64 = 1e-11;
-/// Samples that hits would leave further off have their loops closed.
+/// Truncation in double precision; samples with more fall back to closed loops.
 const DOUBLE_TRUNCATION: f64 = 1e-9;
-/// What rounding would move by more is computed again; the CSV rounds to single precision once more.
+/// Rounding in single precision; samples with more are computed again, and the CSV rounds to single precision once
+/// more.
 const SINGLE: f64 = 1e-5 + 6e-8;
-/// Samples that hits leave further than 1e-5 from closed loops have their loops closed.
+/// Rounding and truncation in single precision; samples truncated by more than 1e-5 fall back to closed loops.
 const SINGLE_BY_HITS: f64 = 2.0 * SINGLE;
-/// Resonances of a preset are few: a share of its samples that would make single precision pointless.
+/// Share of samples computed again that would make single precision pointless; presets have few resonances.
 const COMPUTED_AGAIN: f64 = 0.2;
-/// What `compare` promises: both of its sides round alike.
+/// Difference that `compare` promises; both of its sides are rounded alike.
 const COMPARED: f64 = 1e-5;
+
+/// Checks that the CSV of each of the options differs from the exact one by the tolerance beside them at most.
+fn agree(exact: &str, run: impl Fn(&str) -> String, cases: &[(&str, f64)]) {
+    for (options, tolerance) in cases {
+        let found = difference(exact, &run(options));
+        println!("{options}: {found:.1e}");
+        assert!(found <= *tolerance, "{options}: {found:e}");
+    }
+}
 
 #[test]
 fn the_closed_form_and_both_ways_of_tracing_agree() {
@@ -29,18 +40,16 @@ fn the_closed_form_and_both_ways_of_tracing_agree() {
     for scene in SCENES {
         let run = |options: &str| user.ok(&format!("spectrum {scene} {GRID} {options}")).stdout;
         let exact = run("--precision f64 --method stack");
-        for (options, tolerance) in [
+        println!("{scene}");
+        let cases = [
             ("--precision f64 --method trace", DOUBLE_ROUNDING),
             ("--precision f64 --method hits", DOUBLE_TRUNCATION),
             ("--precision f32 --method stack", SINGLE),
             ("--precision f32 --method trace", SINGLE),
             ("--precision f32 --method hits", SINGLE_BY_HITS),
-        ] {
-            let found = difference(&exact, &run(options));
-            println!("{scene} {options}: {found:.1e}");
-            assert!(found <= tolerance, "{scene} {options}: {found:e}");
-        }
-        // The comparison can fail: the models differ where there is more than one path.
+        ];
+        agree(&exact, &run, &cases);
+        // To show that the comparison can fail: the models differ where there is more than one path.
         let paper = difference(&exact, &run("--precision f64 --method stack --model paper"));
         assert!(paper > 1e-3, "{scene}: {paper:e}");
     }
@@ -51,19 +60,17 @@ fn precisions_hold_at_grazing_incidence() {
     let user = User::new();
     let run = |options: &str| user.ok(&format!("spectrum paper-fig4 --theta 85,89,89.9,89.9999 {options}")).stdout;
     let exact = run("--precision f64 --method stack");
-    for (options, most) in [
+    let cases = [
         ("--method stack", SINGLE),
         ("--method trace", SINGLE),
         ("--method hits", SINGLE_BY_HITS),
         ("--precision f64 --method trace", DOUBLE_ROUNDING),
-    ] {
-        let found = difference(&exact, &run(options));
-        println!("paper-fig4 {options} from 85 degrees: {found:.1e}");
-        assert!(found <= most, "{options}: {found:e}");
-    }
+    ];
+    agree(&exact, &run, &cases);
 }
 
-/// Quarter waves at 550 nm: so many pairs of 2.35 and 1.46 on each side of a half wave of 1.46, on glass.
+/// A narrow filter of quarter waves at 550 nm: so many pairs of 2.35 and 1.46 on each side of a half wave of 1.46, on
+/// glass.
 fn narrow_filter(pairs: usize) -> String {
     let (high, low) = (
         "{ material = 2.35, thickness_nm = 58.51063829787234 }",
@@ -73,14 +80,14 @@ fn narrow_filter(pairs: usize) -> String {
     format!("[stack]\nambient = 1.0\nlayers = [{mirror}, {low}, {low}, {mirror}]\nsubstrate = 1.52\n")
 }
 
-/// R and T of s and p of one sample.
+/// R_s, R_p, T_s, T_p of the first sample.
 fn powers(csv: &str) -> [f64; 4] {
     QUANTITIES.map(|name| column(csv, name)[0])
 }
 
 #[test]
 fn what_a_precision_cannot_hold_is_computed_again_with_more_digits() {
-    // 80 digits, tests/precise/stacks.py.
+    // Computed with 80 digits by tests/precise/stacks.py.
     let filter = [0.042579994960947345, 0.042579994960947345, 0.9574200050390527, 0.9574200050390527];
     let thin = [0.34686137470976364, 0.34686137470976364, 0.6531386252902364, 0.6531386252902364];
     let gap = [0.4249395085181892, 0.04414539763225149, 0.5750604914818108, 0.9558546023677486];
@@ -95,11 +102,11 @@ fn what_a_precision_cannot_hold_is_computed_again_with_more_digits() {
     for (scene, light, want) in scenes {
         let user = User::with(&[("scene.toml", &scene)]);
         for method in ["stack", "trace"] {
-            for (precision, most) in [("f32", SINGLE), ("f64", DOUBLE_ROUNDING)] {
+            for (precision, tolerance) in [("f32", SINGLE), ("f64", DOUBLE_ROUNDING)] {
                 let line = format!("spectrum scene.toml {light} --method {method} --precision {precision} --quiet");
                 let found = powers(&user.ok(&line).stdout);
                 let off = found.iter().zip(want).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()));
-                assert!(off <= most, "{scene}{line}: {off:e}");
+                assert!(off <= tolerance, "{scene}{line}: {off:e}");
             }
         }
     }
@@ -133,7 +140,7 @@ fn compare_finds_no_difference() {
             let said = said.unwrap_or_else(|| panic!("the largest difference stands last: {}", ran.stderr));
             assert!((0.0..=COMPARED).contains(&said), "{scene} {method}: {said:e}");
             let shown = column(&ran.stdout, "difference").into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-            // Unpolarised light averages the two; the CSV rounds to four digits, the remark to three.
+            // Unpolarised light averages s and p. The CSV has four digits, the note three.
             assert!(shown <= said * 1.01, "{scene} {method}: {shown:e} of {said:e}");
             assert!(String::from_utf8(user.read("compare.svg")).unwrap().contains("Ray tracing"));
         }

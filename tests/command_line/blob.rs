@@ -1,4 +1,4 @@
-//! `export --to blob`: what the library loads is what the table holds.
+//! Tests of `export --to blob`: the library loads what the table holds.
 
 use goniochrome::colour::RgbSpace;
 use goniochrome::table::blob::{Blob, Contents};
@@ -6,7 +6,7 @@ use goniochrome_cli::table::{Table, file};
 
 use crate::user::User;
 
-/// Of a number near 1 in half precision.
+/// Rounding of a number near 1 in half precision.
 const HALF: f32 = 1.0 / 2048.0;
 
 #[test]

@@ -1,22 +1,35 @@
-//! Inputs that ask for more memory or time than anyone has are refused with a number, in little of either.
+//! Tests that inputs which ask for too much memory or time are refused with a number, within little memory and time.
 #![cfg(unix)]
+
+use std::process::Command;
 
 use crate::user::User;
 
-/// Address space in KiB in which each must be refused: the program itself with its threads, and no more.
+/// Address space in KiB within which inputs must be refused: enough for the program itself with its threads.
 const LITTLE: u32 = 1 << 20;
 
-/// As [`User::refused`], where memory is short.
-fn refused(user: &User, line: &str, code: i32, says: &[&str]) {
+/// Runs the program within an address space of so many KiB. Returns its exit code and what it wrote to standard error.
+fn run_within(user: &User, kib: u32, line: &str) -> (Option<i32>, String) {
     let program = user.program().get_program().to_string_lossy().into_owned();
-    let script = format!("ulimit -v {LITTLE}; exec '{program}' {line}");
-    let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(user.at("")).output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{line}: {message}");
+    // The C library would set 64 MiB of addresses aside for each thread.
+    let script = format!("ulimit -v {kib}; export MALLOC_ARENA_MAX=1; exec '{program}' {line}");
+    let output = Command::new("sh").args(["-c", &script]).current_dir(user.at("")).output().unwrap();
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Runs what must fail where memory is short: by this exit code, with one line that contains all of `says`.
+fn refused_within_little(user: &User, line: &str, code: i32, says: &[&str]) {
+    let (found, message) = run_within(user, LITTLE, line);
+    assert_eq!(found, Some(code), "{line}: {message}");
     assert_eq!(message.lines().count(), 1, "{line}: {message}");
     for part in says {
         assert!(message.contains(part), "{line}: {part:?} is missing from {message:?}");
     }
+}
+
+/// [`User::refused`], also where memory is short.
+fn refused(user: &User, line: &str, code: i32, says: &[&str]) {
+    refused_within_little(user, line, code, says);
     user.refused(line, code, says);
 }
 
@@ -104,17 +117,12 @@ fn what_fits_the_limits_and_not_the_memory_is_refused() {
     let user = User::new();
     user.ok("estimate paper-fig3 -o t.exr --angles 4 --wavelengths 400:700:100 --quiet");
     let short = |line: &str, says: &[&str]| {
-        let program = user.program().get_program().to_string_lossy().into_owned();
-        let script = format!("ulimit -v {LITTLE}; exec '{program}' {line}");
-        let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(user.at("")).output().unwrap();
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{line}: {message}");
-        assert!(says.iter().all(|part| message.contains(part)) && message.lines().count() == 1, "{line}: {message}");
+        refused_within_little(&user, line, 1, says);
         assert!(!user.at("a.exr").exists());
     };
     let what = ["not enough memory for a picture of 8192 × 8192 pixels, which takes 1.07 GB"];
     short("render t.exr -o a.exr --size 8192 --quiet", &what);
-    // A million faces: as long as their text is short, they pass the limit of a cell.
+    // Three million faces, whose text is short enough for the limit of a mesh file.
     let faces = "f 1 2 3\n".repeat(3_000_000);
     user.write("m.obj", format!("usemtl top\nv 0 0 0\nv 9 0 0\nv 0 9 0\n{faces}"));
     user.write("s.toml", "[cell]\nmesh = \"m.obj\"\nperiod_nm = [9, 9]\n[interface.top]\nabove = 1\nbelow = 1.5\n");
@@ -134,18 +142,14 @@ fn surfaces_of_too_many_triangles_are_refused() {
 
 #[test]
 fn making_a_table_takes_its_own_size_and_little_more() {
-    /// Incident directions × bins × (40 wavelengths, R, G, B, the error) numbers of four bytes.
+    /// Size of the table: incident directions × bins × (40 wavelengths, R, G, B, the error), numbers of four bytes.
     const TABLE_KIB: u32 = 16 * 65_536 * 44 * 4 / 1024;
-    /// The program, its stack, the file that it writes, and one line of blocks being compressed.
+    /// Size of all else: the program, its stack, the file that it writes, and one row of blocks being compressed.
     const BESIDES_KIB: u32 = 64 << 10;
     let user = User::new();
     let options = "--incident 4x4 --bins 256x256 --wavelengths 385:775:10 --rays 32 --threads 1 --quiet";
-    let program = user.program().get_program().to_string_lossy().into_owned();
-    let limit = TABLE_KIB + BESIDES_KIB;
-    // The limit is one of addresses, of which the C library would set 64 MiB aside for each thread.
-    let set = format!("ulimit -v {limit}; export MALLOC_ARENA_MAX=1");
-    let script = format!("{set}; exec '{program}' estimate bumpy-glass -o t.exr {options}");
-    let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(user.at("")).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let line = format!("estimate bumpy-glass -o t.exr {options}");
+    let (code, message) = run_within(&user, TABLE_KIB + BESIDES_KIB, &line);
+    assert_eq!(code, Some(0), "{message}");
     assert!(user.at("t.exr").is_file() && !user.at("t.exr.checkpoint").exists());
 }

@@ -1,4 +1,4 @@
-//! `estimate` of cells of tilted facets: energy, threads, reciprocity, refusals.
+//! Tests of the commands on cells of tilted facets: energy, threads, reciprocity, warnings, refusals.
 
 use goniochrome_cli::table::Table;
 use goniochrome_cli::table::file::read;
@@ -31,7 +31,7 @@ fn a_lossless_cell_loses_nothing() {
     let layout = table.layout;
     for (incident, energy) in table.energy.iter().enumerate() {
         let sum = energy.reflected.value + energy.transmitted + energy.absorbed + energy.truncated;
-        // What is not followed is counted; single precision rounds a few dozen factors of each path.
+        // The sum includes the power truncated; single precision rounds a few dozen factors of each path.
         assert!((sum - 1.0).abs() < 1e-4, "{incident}: {sum}");
         assert!(energy.truncated < 0.01, "{energy:?}");
         let solid_angle = |bin| layout.bins().projected_solid_angle(bin);
@@ -65,9 +65,9 @@ fn more_rays_are_traced_until_the_error_is_reached() {
 }
 
 #[test]
-fn light_takes_both_ways_alike() {
+fn tables_are_reciprocal() {
     let user = user();
-    // Incident and outgoing directions at the same cos θ are rare on these grids; compare by interpolation, far from the ends.
+    // Few incident and outgoing directions of these grids have equal cos θ, so f is interpolated, away from the ends.
     let common = "--incident 8x8 --bins 8x16 --rays 2048 --wavelengths 550 --coherence none -q";
     user.ok(&format!("estimate bumps.toml -o t.exr {common}"));
     let table = table(&user, "t.exr");
@@ -86,7 +86,7 @@ fn light_takes_both_ways_alike() {
                 variance += (weight * f64::from(table.luminance_error[i.index * 128 + o.index])).powi(2);
             }
             let f = f64::from(table.row(incident, 0)[bin]);
-            // Bins are wide: interpolation across them errs by a good part of the larger value.
+            // Bins are wide, so interpolation between them errs by a large part of the larger value.
             let allowed = 4.0 * variance.sqrt() + 0.35 * f.max(back) + 2e-3;
             worst = worst.max((f - back).abs() / allowed);
             excess += usize::from((f - back).abs() > allowed);
@@ -138,7 +138,7 @@ fn a_reciprocal_table_is_the_mean_of_both_ways() {
         for bin in 0..128 {
             let [cos_o, relative] = layout.outgoing(bin);
             let [there, found] = [&traced, &mean].map(|table| f64::from(table.row(incident, 0)[bin]));
-            // Inside the grid f(wo, wi) can be looked up; outside f stays.
+            // Inside the grid f(wo, wi) can be looked up; outside f is unchanged.
             let inside = cos_o < layout.incident(0)[0].cos() && cos_o > layout.incident(63)[0].cos();
             let inside = inside && theta_i.cos() > layout.outgoing(0)[0] && theta_i.cos() < layout.outgoing(127)[0];
             let expected = if inside {
@@ -161,7 +161,7 @@ fn a_reciprocal_table_is_the_mean_of_both_ways() {
         }
     }
     assert!(averaged > 2000, "{averaged}");
-    // Errors of both ways are alike on average: the mean has the smaller one nearly everywhere.
+    // Both errors are equal on average, so the mean nearly always has the smaller one.
     assert!(less_noise * 10 > compared * 9, "{less_noise} of {compared}");
 }
 
@@ -223,7 +223,7 @@ fn scatter_takes_several_wavelengths() {
     assert_eq!(parse(&both), serde_json::Value::Array(vec![parse(&one("450")), parse(&one("550"))]));
 }
 
-/// A ridge of morpho at 45 degrees: waves between its shelves do not keep their power.
+/// The ridges of `morpho-ridges` at 45 degrees, where the power of waves between the shelves does not balance.
 #[test]
 fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
     let user = User::new();
@@ -249,7 +249,7 @@ fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
     assert!(none.metadata.get("warning").is_none() && none.energy.iter().all(|e| e.imbalance.value.abs() < 1e-4));
 }
 
-/// Waves that fit into no slot, or ring for ever, are followed without interference, and their light is not left out.
+/// Waves that find no slot or ring for ever fall back to paths without interference, so their light is not left out.
 #[test]
 fn a_preset_of_shelves_leaves_out_no_light() {
     let user = User::new();
@@ -259,7 +259,7 @@ fn a_preset_of_shelves_leaves_out_no_light() {
     assert!(of("truncated") <= 1e-3 && of("without_interference") > 0.0, "{}", ran.stdout);
 }
 
-/// Two gaps beyond the critical angle: the gain of the loop between them is above 1, and the sum over hits has no end.
+/// Two gaps beyond the critical angle: the gain of the loop between them is above 1, so the sum hit by hit diverges.
 #[test]
 fn waves_without_a_sum_are_refused_or_told() {
     let plane = |z: i32| format!("v 0 0 {z}\nv 900 0 {z}\nv 900 900 {z}\nv 0 900 {z}\n");
@@ -320,7 +320,7 @@ fn orders_say_what_they_do_not_follow() {
     );
 }
 
-/// Rolling glass seen from inside, with a k of the glass.
+/// A wavy surface of glass lit from inside the glass, whose k is given.
 fn from_inside(k: &str) -> String {
     let surface = "{ kind = \"sines\", waves = 12, highest = 4, rms_slope = 0.35, grid = [16, 16], seed = 1 }";
     format!(
@@ -329,7 +329,7 @@ fn from_inside(k: &str) -> String {
     )
 }
 
-/// Of light that crosses a hundredth of a millimetre between facets, 4π k/λ times that is lost.
+/// Share of light lost between facets: 4π k/λ times a hundredth of a millimetre.
 const FAINTLY_LOST: f64 = 3e-6;
 
 #[test]

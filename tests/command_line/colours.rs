@@ -1,4 +1,4 @@
-//! Colours and sampling errors as the command line gives them, against the paper and an independent colour library.
+//! Tests of the command line's colours and sampling errors against the paper and an independent colour library.
 
 use serde_json::Value;
 
@@ -11,7 +11,7 @@ fn worst(found: [f64; 3], wanted: [f64; 3]) -> f64 {
     found.iter().zip(wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// The values for the paper's scenes are known to two decimals.
+/// Tolerance of values that are known to two decimals.
 const TWO_DECIMALS: f64 = 0.01;
 
 #[test]
@@ -40,7 +40,7 @@ fn a_film_on_a_mirror_is_colourless_in_exact_physics() {
     assert_eq!(csv.matches("#ffffff").count(), 3);
 }
 
-/// The paper reads its errors off a curve.
+/// Relative tolerance of errors that are read off the paper's curve.
 const OF_A_CURVE: f64 = 0.15;
 
 #[test]
@@ -58,7 +58,7 @@ fn few_wavelengths_err_by_where_they_fall() {
     }
 }
 
-/// Free-standing films of the reference: its name for them, scene, angle of incidence.
+/// Free-standing films of the reference: name, index, thickness in nanometres, angle of incidence in degrees.
 const FILMS: [(&str, &str, f64, u32); 4] = [
     ("film-2.4-300nm-0deg", "2.4", 300.0, 0),
     ("film-2.4-300nm-60deg", "2.4", 300.0, 60),
@@ -66,7 +66,7 @@ const FILMS: [(&str, &str, f64, u32); 4] = [
     ("soap-1.33-420nm-30deg", "1.33", 420.0, 30),
 ];
 
-/// The largest error of XYZ and RGB under both illuminants, and the number of wavelengths that `auto` took.
+/// The largest error of XYZ and RGB under both illuminants, and the number of wavelengths that the program chose.
 fn error(user: &User, reference: &Value, theta_deg: u32, wavelengths: &str) -> (f64, Option<usize>) {
     let mut largest: f64 = 0.0;
     let mut count = None;
@@ -84,7 +84,7 @@ fn error(user: &User, reference: &Value, theta_deg: u32, wavelengths: &str) -> (
     (largest, count)
 }
 
-/// What `auto` promises: ΔE2000 of 0.05, of which a component may make this much. It is the default.
+/// Error of a component that makes a ΔE2000 of 0.05, which `auto` promises.
 const AUTO: f64 = 2e-3;
 
 #[test]
@@ -100,11 +100,11 @@ fn films_have_the_colours_of_an_independent_library() {
         assert!(auto <= AUTO, "{name}: {auto:e}");
         assert_eq!((default.to_bits(), same), (auto.to_bits(), count), "auto is the default");
     }
-    // flat-0.5 is a spectrum and no scene; the observer's own tests have it.
+    // flat-0.5 is a spectrum, not a scene; the observer's own tests include it.
     assert_eq!(cases.len(), FILMS.len() + 1, "every case of the reference is tested");
 }
 
-/// A film in air.
+/// The scene of a film in air on a substrate.
 fn film(n: &str, thickness_nm: f64, substrate: &str) -> String {
     let layer = format!("{{ material = {n}, thickness_nm = {thickness_nm:?} }}");
     format!("[stack]\nambient = 1.0\nlayers = [{layer}]\nsubstrate = {substrate}\n")
@@ -125,7 +125,7 @@ fn a_thick_film_is_grey_by_default_and_its_table_too() {
             |row, at, (r, g, b, _): (f32, f32, f32, f32)| row[at.x()] = [r, g, b],
         );
         let facing = image.expect("a readable texture").layer_data.channel_data.pixels[1];
-        /// 0x57 in linear light, and what 8 bits and half floats leave of it.
+        /// 0x57 in linear light, and the rounding of 8 bits and half floats.
         const GREY: (f32, f32) = (0.0953, 0.001);
         assert!(facing.iter().all(|c| (c - GREY.0).abs() < GREY.1), "{name}: {facing:?}");
     }
@@ -220,7 +220,7 @@ fn grazing_light_is_reflected() {
                 assert_eq!(column(&csv, name), [wanted; 3], "{scene} by {method}: {name}");
             }
         }
-        // The limit is met by what comes before it.
+        // Results close to 90 degrees approach the limit.
         let csv = user
             .ok(&format!("spectrum metal.toml --theta 89.9999 --wavelengths 550 --method {method} --precision f64"));
         assert!((column(&csv.stdout, "R_s")[0] - 1.0).abs() < 1e-4, "{}", csv.stdout);
@@ -261,6 +261,6 @@ fn invisible_tables_have_spectra_and_no_colour() {
     user.refused("render t.exr --spectral -o a.png", 1, &["t.exr", "invisible"]);
     user.refused("estimate paper-fig4 --wavelengths 800:900:10 --plot a.png -o b.exr", 2, &["--plot", "visible"]);
     user.refused("colour paper-fig4 --wavelengths 800:900:10", 2, &["--wavelengths", "invisible"]);
-    // Colours that stand still are asked of invisible spectra in the same way.
+    // `auto` works on invisible spectra too.
     user.ok("estimate paper-fig6-3000 --wavelengths 800:1600:auto --angles 2 -o t.exr --quiet");
 }

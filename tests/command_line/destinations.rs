@@ -1,10 +1,11 @@
-//! Outputs that cannot be written, or must not be.
+//! Tests of outputs that cannot be written, or must not be.
 
 use crate::user::User;
 
-/// A cell that reads three files; the third is called like a table, to be a possible output of `estimate`.
+/// A cell that reads three files. Copies of its scene have names that `estimate` and `plot` accept as outputs.
 fn cell() -> User {
-    let scene = "[cell]\nmesh = \"film.obj\"\nperiod_nm = [10, 10]\n[interface.top]\nabove = 1.0\nbelow = \"glass\"\n[materials.glass]\nfile = \"glass.yml\"\n";
+    let scene = "[cell]\nmesh = \"film.obj\"\nperiod_nm = [10, 10]\n[interface.top]\nabove = 1.0\nbelow = \"glass\"\n\
+                 [materials.glass]\nfile = \"glass.yml\"\n";
     User::with(&[
         ("film.toml", scene),
         ("film.exr", scene),

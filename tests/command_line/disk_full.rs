@@ -1,4 +1,4 @@
-//! Disks without space: one line, and neither half a file nor a lost one.
+//! Tests of full disks: one line of error, no half-written file and no lost one.
 #![cfg(target_os = "linux")]
 
 use std::fs::File;
@@ -19,7 +19,7 @@ fn a_full_device_is_reported() {
         "spectrum paper-fig3 --csv /dev/full",
         "colour paper-fig3 --csv /dev/full -q",
         "compare paper-fig3 --csv /dev/full",
-        // Nor does the picture appear without its CSV.
+        // The picture does not appear without its CSV either.
         "compare paper-fig3 --csv /dev/full -o a.png",
         "sampling paper-fig3 --samples 4 --csv /dev/full -o a.svg",
         "estimate paper-fig3 --angles 4 -o full.exr -q",
@@ -35,22 +35,22 @@ fn a_full_standard_output_is_reported_and_a_closed_one_is_not() {
     for command in ["presets", "spectrum", "colour", "compare"] {
         let mut program = user.program();
         program.arg(command).args((command != "presets").then_some("paper-fig3"));
-        // Not how many wavelengths there are.
+        // Without the note on the number of wavelengths.
         program.args((command == "colour").then_some("--quiet"));
         let output = program.stdout(File::create("/dev/full").unwrap()).output().unwrap();
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{command}: {message}");
         assert!(SAYS.iter().all(|part| message.contains(part)) && message.lines().count() == 1, "{message}");
     }
-    // More rows than a pipe holds.
+    // The output is longer than a pipe holds.
     let arguments = ["spectrum", "paper-fig3", "--theta", "0:89:1", "--wavelengths", "380:780:1"];
     let mut child = user.program().args(arguments).stdout(std::process::Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
-/// Runs a shell script, to which `$0` is the program, beside `tiny`, a file system of 64 KiB that nobody else sees; `None` where
-/// mounting is not permitted.
+/// Runs a shell script in which `$0` is the program and `tiny` is a private file system of 64 KiB. Returns its output
+/// and its errors, or `None` where mounting is not permitted.
 fn beside_a_tiny_disk(user: &User, script: &str) -> Option<(String, String)> {
     const NOT_MOUNTED: i32 = 99;
     let script =
@@ -65,7 +65,7 @@ fn beside_a_tiny_disk(user: &User, script: &str) -> Option<(String, String)> {
     output.map(|output| (text(output.stdout), text(output.stderr)))
 }
 
-/// Runs the program there, where two files are.
+/// Runs the program beside a tiny disk that holds two files.
 fn on_a_tiny_disk(user: &User, arguments: &str) -> Option<(String, String)> {
     let script = "echo kept > tiny/old.csv; echo kept > tiny/old.exr; \
                   \"$0\" ARGUMENTS; echo \"code $?\"; ls -A tiny; cat tiny/old.csv tiny/old.exr";

@@ -1,4 +1,4 @@
-//! `plot`, `render` and `view` of a scene: as of the table that `estimate` makes by its defaults.
+//! Tests of `plot`, `render` and `view` on scenes: they draw the table that `estimate` makes by default.
 
 use crate::user::User;
 
@@ -20,7 +20,7 @@ fn a_planar_scene_is_drawn_as_its_table_is() {
     let said = user.ok("render film.toml -o b.exr --size 32 --samples 1").stderr;
     assert!(user.read("a.exr") == user.read("b.exr"));
     assert!(said.contains("film: 90 angles × 81 wavelengths") && said.contains("`goniochrome estimate`"), "{said}");
-    // A table may have any name.
+    // A table's file may have any name.
     std::fs::rename(user.at("t.exr"), user.at("table")).unwrap();
     user.ok("plot table --kind disc -o c.svg");
     user.ok("plot film.toml --kind disc -o b.svg -q");
@@ -66,6 +66,6 @@ fn colours_out_of_gamut_are_told_with_their_share() {
     assert_eq!(user.ok(&format!("{render} -q")).stderr, "");
     let bright = user.ok(&format!("{render} --exposure 4")).stderr;
     assert!(bright.contains("brighter than white"), "{bright}");
-    // Scene-linear files are changed in nothing.
+    // Scene-linear files keep all colours.
     assert_eq!(user.ok("render beetle.exr -o a.exr --size 32 --samples 1").stderr, "");
 }

@@ -1,4 +1,4 @@
-//! `export`: files of the right size, and what is refused.
+//! Tests of `export`: the files of each format, and refusals.
 
 use crate::user::User;
 

@@ -1,4 +1,4 @@
-//! `figures`: every figure of the paper and the page that shows them.
+//! Tests of `figures`: every figure of the paper, and the page that shows them.
 
 use std::fs;
 
@@ -19,7 +19,7 @@ const FILES: [&str; 12] = [
     "presets.png",
 ];
 
-/// The values of an attribute of a page.
+/// All values of an attribute in a page.
 fn values<'a>(html: &'a str, attribute: &str) -> Vec<&'a str> {
     let start = format!(" {attribute}=\"");
     html.split(start.as_str()).skip(1).filter_map(|rest| rest.split('"').next()).collect()
@@ -28,7 +28,7 @@ fn values<'a>(html: &'a str, attribute: &str) -> Vec<&'a str> {
 #[test]
 fn every_figure_is_drawn_and_shown() {
     let user = User::new();
-    // The folder is made, with the folder that it lies in.
+    // The folder is created, with its parent.
     let ran = user.ok("figures -o deep/figures");
     assert_eq!(ran.stdout, "");
     assert_eq!(ran.stderr, "deep/figures/index.html\n");

@@ -1,5 +1,5 @@
-//! `--method hits`: sums that diverge or ring for too long are replaced by closed loops, and every command says of how
-//! many samples.
+//! `--method hits`: closed loops replace sums that diverge or ring for too long, and every command says for how many
+//! samples.
 
 use std::fmt::Write;
 
@@ -11,6 +11,7 @@ use goniochrome_cli::solve::spectra::{Method, Sample, SpectraRequest, spectra};
 use goniochrome_cli::table::Table;
 use goniochrome_cli::table::file::read;
 
+use crate::random::Random;
 use crate::user::{User, column};
 
 /// Two metal films as thin as their plasmons couple.
@@ -26,7 +27,7 @@ const GAPS: &str = "[stack]\nambient = 1.5\nsubstrate = 1.5\nlayers = [\n\
     { material = 1.6, thickness_nm = 300.0 },\n\
     { material = 1.0, thickness_nm = 200.0 }]\n";
 
-/// Values that an independent transfer-matrix program prints with four decimals.
+/// Half of the last digit of values that an independent transfer-matrix program prints with four decimals.
 const FOUR_DECIMALS: f64 = 5e-5;
 
 #[test]
@@ -82,24 +83,8 @@ fn every_command_says_how_many_samples_fell_back() {
     assert_eq!(table.metadata.get("fell_back"), Some("0"));
 }
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
-
-/// A passive stack of up to six films, and an angle of incidence in degrees: a third of the media absorb, and where the
-/// first film is thinner than the ambient medium a third of the light comes at its critical angle.
+/// A random passive stack of up to six films, and an angle of incidence in degrees. A third of the media absorb. Where
+/// a medium is optically thinner than the ambient one, the light comes at its critical angle in a third of the cases.
 fn any_stack(random: &mut Random) -> (String, f64) {
     let ambient = random.between(1.0, 4.0);
     let mut rarer = None;
@@ -116,13 +101,14 @@ fn any_stack(random: &mut Random) -> (String, f64) {
         writeln!(layers, "{{ material = {film}, thickness_nm = {} }},", random.between(1.0, 1000.0)).unwrap();
     }
     let substrate = medium(random);
-    let critical = rarer.filter(|_| random.next() < 1.0 / 3.0).map(|n: f64| (n / ambient).asin().to_degrees());
+    let critical =
+        rarer.filter(|_| random.between(0.0, 1.0) < 1.0 / 3.0).map(|n: f64| (n / ambient).asin().to_degrees());
     let theta_deg = critical.unwrap_or_else(|| random.between(0.0, 89.0));
     (format!("[stack]\nambient = {ambient}\nsubstrate = {substrate}\nlayers = [\n{layers}]\n"), theta_deg)
 }
 
 const STACKS: usize = 300;
-/// What a sample may be off by besides ten times its error bar.
+/// Allowed error of a sample besides ten times its error bar.
 const BESIDES: f64 = 1e-5;
 
 /// The largest difference of two samples beyond ten times the error bar of the first.
@@ -152,8 +138,7 @@ fn no_sample_of_300_random_stacks_is_further_off_than_it_says() {
         let closed = run(Method::Stack, Precision::F64);
         all += closed.samples.len();
         for (precision, fell_back) in [Precision::F32, Precision::F64].into_iter().zip(&mut fell_back) {
-            // Single precision is held to what it gives with loops closed: that may be off by more where films
-            // resonate.
+            // Single precision is compared with its own closed loops, which may be off by more where films resonate.
             let wanted = if precision == Precision::F64 { &closed } else { &run(Method::Trace, precision) };
             let hits = run(Method::Hits, precision);
             for (found, wanted) in hits.samples.iter().zip(&wanted.samples) {
@@ -164,6 +149,6 @@ fn no_sample_of_300_random_stacks_is_further_off_than_it_says() {
         }
     }
     println!("{fell_back:?} of {all} samples fell back");
-    // Some do and most do not, or this shows little.
+    // The test shows little unless some samples fall back and most do not.
     assert!(fell_back.iter().all(|fell_back| (all / 100..all / 2).contains(fell_back)));
 }

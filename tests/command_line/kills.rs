@@ -1,9 +1,11 @@
-//! `estimate` of a cell that is killed, cut short or crowded out: the same command ends with the same bytes.
+//! Interrupted runs of `estimate` on a cell: whether one is killed, loses a part of its checkpoint or meets another
+//! run, the same command ends with the same bytes.
 
 use std::fs::{self, File};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::random::Random;
 use crate::user::User;
 
 const SCENE: &str = "[cell]\nperiod_nm = [1000, 1000]\n\
@@ -11,22 +13,10 @@ const SCENE: &str = "[cell]\nperiod_nm = [1000, 1000]\n\
                      [interface.pyramids]\nabove = 1.0\nbelow = 1.5\n";
 const TABLE: &str = "--incident 4x8 --bins 4x8 --rays 2048 --wavelengths 450,550 --coherence none";
 const CHECKPOINT: &str = "t.exr.checkpoint";
-/// Bytes of a record of [`TABLE`]: number, energy, f and errors of 32 bins, sum.
+/// Bytes of a checkpoint's record for [`TABLE`]: number, energy, f and errors of 32 bins, checksum.
 const RECORD: u64 = 8 + 6 * 8 + 3 * 32 * 4 + 32;
-/// Kills of a plain test run; `GONIOCHROME_KILLS` asks for more.
+/// Number of kills in a plain test run; `GONIOCHROME_KILLS` asks for more.
 const KILLS: u32 = 40;
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % n
-    }
-}
 
 fn user() -> User {
     User::with(&[("s.toml", SCENE)])
@@ -50,7 +40,7 @@ fn uninterrupted(user: &User) -> (Vec<u8>, Duration) {
     (table, before.elapsed())
 }
 
-/// By SIGKILL, or by SIGTERM where there is one.
+/// Kills a run: by SIGTERM if `politely` and the system has it, otherwise by SIGKILL.
 fn kill(child: &mut Child, politely: bool) {
     let id = child.id().to_string();
     let told = politely && std::process::Command::new("kill").args(["-TERM", &id]).status().is_ok_and(|s| s.success());
@@ -101,7 +91,7 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     assert!(resumed > 0 && cut > 0, "the kills came too early to show anything");
 }
 
-/// Planes take seconds, so they have no checkpoint: what a kill leaves is the earlier file or the new one, each whole.
+/// Planar tables take seconds, so they have no checkpoint: a kill leaves the earlier file or the new one, each whole.
 #[test]
 fn a_killed_planar_run_leaves_the_earlier_file_or_the_new_one() {
     const LINE: &str = "estimate jewel-beetle -o t.exr -q --threads 1";
@@ -218,7 +208,7 @@ fn an_interrupted_run_has_said_how_to_go_on() {
 }
 
 #[test]
-fn two_runs_to_one_output_do_not_meet() {
+fn two_runs_to_one_output_do_not_mix() {
     let user = user();
     let (table, _) = uninterrupted(&user);
     let mut runs: Vec<Child> = (0..4).map(|_| start(&user, &estimate(1))).collect();

@@ -1,4 +1,5 @@
-//! The program as its users meet it: files and arguments in; files, one line of error and an exit code out.
+//! Tests of the program as its users see it: they give it files and arguments, and get files, or one line of error and
+//! an exit code.
 
 mod agreement;
 mod blob;
@@ -15,6 +16,8 @@ mod kills;
 mod meshes;
 mod plain_text;
 mod presets;
+#[path = "../random.rs"]
+mod random;
 mod render;
 mod scenes;
 mod tables;

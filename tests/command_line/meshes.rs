@@ -1,21 +1,21 @@
-//! Meshes: the films that they form, and what is wrong with those that form none.
+//! Tests of meshes of planes: the films that they form, and refusals of those that form none.
 
 use std::fmt::Write;
 
 use crate::user::{User, column, largest_difference};
 
-/// A cell and a stack hand the same planes to the tracer, so they differ by the rounding of a height at most.
+/// Largest difference of a cell and a stack of the same planes: the rounding of a height.
 const SAME_PLANES: f64 = 1e-5;
 const GRID: &str = "--theta 0:85:5 --wavelengths 380:780:5";
 const PERIOD_NM: f64 = 1000.0;
 
-/// The rectangle of a period, its corners at height z.
+/// The corners of the period at height z, as OBJ.
 fn corners(z_nm: f64) -> String {
     let p = PERIOD_NM;
     format!("v 0 0 {z_nm}\nv {p} 0 {z_nm}\nv {p} {p} {z_nm}\nv 0 {p} {z_nm}\n")
 }
 
-/// A cell of `film.obj` whose interfaces have these media above and below.
+/// The scene of `film.obj` with interfaces, each a name and the media above and below.
 fn scene(interfaces: &[(&str, &str, &str)]) -> String {
     let mut text = format!("[cell]\nmesh = \"film.obj\"\nperiod_nm = [{PERIOD_NM:?}, {PERIOD_NM:?}]\n");
     for (name, above, below) in interfaces {
@@ -24,7 +24,7 @@ fn scene(interfaces: &[(&str, &str, &str)]) -> String {
     text
 }
 
-/// 300 nm of n = 2.4 on n = 1.5.
+/// The scene of a film: 300 nm of n = 2.4 on n = 1.5.
 fn thin_film() -> String {
     scene(&[("top", "1.0", "2.4"), ("bottom", "2.4", "1.5")])
 }
@@ -32,7 +32,7 @@ fn thin_film() -> String {
 const THIN_FILM_STACK: &str =
     "[stack]\nambient = 1.0\nlayers = [{ material = 2.4, thickness_nm = 300.0 }]\nsubstrate = 1.5\n";
 
-/// The faces of the top and the bottom plane under their `usemtl` lines.
+/// The mesh of two planes with these faces of the top and the bottom one.
 fn two_planes(top: &str, bottom: &str) -> String {
     format!("{}{}usemtl top\n{top}\nusemtl bottom\n{bottom}\n", corners(300.0), corners(0.0))
 }
@@ -52,7 +52,8 @@ fn a_film_of_two_planes_is_the_stack() {
     let relative = two_planes("f -8 -7 -6 -5", "f 5/1/1 6/2/1 7//1 8");
     // An L and the square that it leaves; a fan from the L's first corner would leave it.
     let concave = format!(
-        "{}v 500 0 300\nv 1000 500 300\nv 500 500 300\n{}usemtl top\nf 3 4 1 5 \\\n7 6\nf 5 2 6 7 5\nusemtl bottom\nf 8 9 10 11 8\n",
+        "{}v 500 0 300\nv 1000 500 300\nv 500 500 300\n{}usemtl top\nf 3 4 1 5 \\\n7 6\nf 5 2 6 7 5\n\
+         usemtl bottom\nf 8 9 10 11 8\n",
         corners(300.0),
         corners(0.0)
     );
@@ -77,7 +78,7 @@ fn a_film_of_two_planes_is_the_stack() {
     let turned = scene(&[("top", "2.4", "1.0"), ("bottom", "1.5", "2.4")]);
     let user = User::with(&[("film.toml", &turned), ("film.obj", &away), ("stack.toml", THIN_FILM_STACK)]);
     assert!(difference(&user, "film.toml", "stack.toml") <= SAME_PLANES);
-    // The comparison can fail: a film 3 nm thicker is another film.
+    // To show that the comparison can fail: a film 3 nm thicker is another film.
     let thicker = quads.replace("300\n", "303\n");
     let user = User::with(&[("film.toml", &thin_film()), ("film.obj", &thicker), ("stack.toml", THIN_FILM_STACK)]);
     assert!(difference(&user, "film.toml", "stack.toml") > 100.0 * SAME_PLANES);

@@ -1,5 +1,5 @@
-//! Names come from files of strangers: whatever they hold, no terminal and no document gets a character that acts on
-//! it.
+//! Tests that names from strangers' files cannot act on a terminal or a document: no output contains control
+//! characters.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -12,8 +12,8 @@ use goniochrome_cli::table::mirror::MirrorTable;
 
 use crate::user::User;
 
-/// Control characters but line ends and tabs, separators of lines and paragraphs, and what turns the direction of
-/// writing; after Unicode's tables.
+/// Whether a character acts on a terminal or a document, by Unicode's tables: control characters except line ends and
+/// tabs, separators of lines and paragraphs, and characters that change the direction of writing.
 fn acts(c: char) -> bool {
     let code = u32::from(c);
     let control = code < 0x20 && c != '\n' && c != '\t' || (0x7f..=0x9f).contains(&code);
@@ -27,7 +27,7 @@ fn check(text: &str, of: &str) {
     }
 }
 
-/// Names that would clear a screen, change its colour and title, ring its bell, or turn the text that follows.
+/// Names that would clear a screen, change its colour or title, ring its bell, or reverse the text that follows.
 fn names(random: &mut Random) -> Vec<String> {
     let acting: Vec<char> = (1..0x3000).filter_map(char::from_u32).filter(|c| acts(*c)).collect();
     let mut any = || acting[(random.next() * acting.len() as f64) as usize];
@@ -36,18 +36,18 @@ fn names(random: &mut Random) -> Vec<String> {
     known.into_iter().chain(random.collect::<Vec<_>>()).collect()
 }
 
-/// As a basic string of TOML.
+/// The name as a basic string of TOML.
 fn quoted(name: &str) -> String {
     let escaped: String =
         name.chars().map(|c| if acts(c) { format!("\\u{:04x}", u32::from(c)) } else { c.into() }).collect();
     format!("\"{escaped}\"")
 }
 
-/// A user whose every run and every file is looked through.
+/// A user whose runs and files are all searched for characters that act.
 struct Watched(User);
 
 impl Watched {
-    /// Runs what may fail; whether it succeeded.
+    /// Runs a command that may fail, and checks its output. Returns whether it succeeded.
     fn run(&self, words: &[&str]) -> bool {
         let output = self.0.program().args(words.iter().map(OsString::from)).output().expect("the program starts");
         assert!(matches!(output.status.code(), Some(0..=2)), "{words:?}: {:?}", output.status);
@@ -57,7 +57,7 @@ impl Watched {
         output.status.success()
     }
 
-    /// Runs what must succeed, and looks through the text in the file that it writes.
+    /// Runs a command that must succeed, and checks the text in the file that it writes.
     fn writes(&self, words: &[&str], file: &str) {
         assert!(self.run(words), "{words:?}");
         let bytes = self.0.read(file);
@@ -72,7 +72,7 @@ impl Watched {
                 let meta = MetaData::read_from_buffered(bytes.as_slice(), true).expect("an EXR");
                 let attributes = meta.headers.into_iter().flat_map(|header| header.own_attributes.other);
                 let text = |(name, value)| match value {
-                    // The scene file as it is.
+                    // A copy of the scene file, unchanged.
                     AttributeValue::Text(_) if name == "goniochrome.scene_toml" => String::new(),
                     AttributeValue::Text(text) => String::from_utf8(text.bytes().to_vec()).expect("UTF-8") + "\n",
                     _ => String::new(),
@@ -91,7 +91,7 @@ fn scenes_of_any_name_give_plain_text_in_every_output() {
         let user = Watched(User::new());
         let stack = "ambient = 1.0\nlayers = [{ material = \"m\", thickness_nm = 300.0 }]\nsubstrate = 1.5";
         let key = quoted(name);
-        // By turns the name stands in the file and is that of the file.
+        // The name is alternately a key in the file and the file's own name.
         let (file, named) = if i % 2 == 0 {
             ("film.toml".into(), format!("name = {key}\n"))
         } else {
@@ -173,7 +173,7 @@ fn tables_of_strangers_give_plain_text_in_every_output() {
         user.run(&["export", table, "--to", "gltf", "-o", "f.gltf"]);
         user.run(&["export", table, "--to", "bsdf", "-o", "f.bsdf"]);
         user.run(&["plot", table, "--kind", "lobes", "-o", "p.svg"]);
-        // A kind, an angle and an attribute that are no such things.
+        // Invalid values of a kind, an angle and an attribute's name.
         for (is, becomes) in
             [(&b"mirror"[..], &b"\x1b[31mx"[..]), (b"45", b"\x1b["), (b"goniochrome.kind", b"goniochrome.k\x1b[m")]
         {

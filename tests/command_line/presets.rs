@@ -1,4 +1,4 @@
-//! Every preset through every command.
+//! Tests of every preset with the commands that take it.
 
 use exr::prelude::{FlatImage, read_first_flat_layer_from_file};
 use goniochrome_cli::scene::presets;
@@ -13,11 +13,11 @@ fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// The presets of tilted facets.
-fn bumpy() -> impl Iterator<Item = &'static str> {
+fn mesh_presets() -> impl Iterator<Item = &'static str> {
     presets::names().filter(|name| matches!(load(name).expect(name).shape, Shape::Mesh(_)))
 }
 
-/// Single precision of a power near 1.
+/// Error of a power near 1 in single precision.
 const SINGLE: f64 = 1e-5;
 /// Presets whose media do not absorb, on a substrate that light enters.
 const LOSSLESS: [&str; 5] = ["paper-fig4", "paper-fig6-300", "paper-fig6-3000", "soap-bubble", "quarter-wave-mirror"];
@@ -39,14 +39,14 @@ fn the_list_names_each_preset_and_a_printed_one_is_the_same_scene() {
     }
 }
 
-/// Double precision, with the rounding of every layer.
+/// Error of a power near 1 in double precision, with the rounding of every layer.
 const DOUBLE: f64 = 1e-11;
 
 #[test]
 fn power_is_conserved() {
     let user = User::new();
     for name in names() {
-        // Single precision beyond 80 degrees is `agreement`'s: resonances amplify its rounding.
+        // `agreement` tests single precision beyond 80 degrees, where resonances amplify its rounding.
         for (grid, angles, tolerance) in
             [("--theta 0:77:11", 8, SINGLE), ("--theta 0:88:11 --precision f64", 9, DOUBLE)]
         {
@@ -65,12 +65,14 @@ fn power_is_conserved() {
     }
 }
 
-/// What a preset's source or design says of its reflectance straight down: where it peaks, how high, and how wide it is
-/// at half of that.
+/// The peak of a preset's reflectance at normal incidence, by its source or design.
 struct Peak {
     name: &'static str,
+    /// Range of the peak's wavelength.
     wavelength_nm: [f64; 2],
+    /// Range of the peak's reflectance.
     reflectance: [f64; 2],
+    /// Range outside of which the reflectance is less than half of the peak's.
     half_nm: [f64; 2],
 }
 
@@ -107,7 +109,7 @@ fn presets_reflect_what_their_sources_say() {
     }
 }
 
-/// Red, green and blue of a colour's hex.
+/// Red, green and blue of the first colour in a CSV.
 fn hex(csv: &str) -> [u8; 3] {
     let hex = csv.lines().nth(1).and_then(|row| row.rsplit(',').next()).expect("a colour");
     [1, 3, 5].map(|at| u8::from_str_radix(&hex[at..at + 2], 16).expect("a colour"))
@@ -141,7 +143,7 @@ fn the_built_in_materials_are_listed_with_their_ranges() {
     assert!(list.lines().any(|line| line.starts_with("N-BK7 ") && line.contains("300 to 2500 nm")), "{list}");
     assert_eq!(user.run("presets soap-bubble --materials").code, Some(2));
     user.write("rutile.toml", "[stack]\nambient = \"air\"\nsubstrate = \"TiO2-rutile\"\n");
-    // The first wavelength asked for, not another of its group.
+    // The error names the first wavelength that was asked for, not another of its group.
     user.refused("spectrum rutile.toml", 1, &["TiO2-rutile", "at 380 nm", "n covers 430 to 1530 nm"]);
     user.write("infrared.toml", "[stack]\nambient = \"air\"\nsubstrate = \"Al\"\n");
     user.ok("spectrum infrared.toml --wavelengths 1690,4000,10600");
@@ -159,7 +161,7 @@ fn exr(user: &User, name: &str) -> FlatImage {
     FlatImage { attributes: image.attributes, layer_data: [image.layer_data].into_iter().collect() }
 }
 
-/// Half of the last digit of a colour in CSV.
+/// Rounding of a colour in CSV.
 const CSV_DIGITS: f64 = 0.6e-6;
 
 #[test]
@@ -184,7 +186,7 @@ fn tables_hold_what_spectrum_and_colour_print() {
     }
 }
 
-/// Anti-aliasing and interpolation between angles move an 8-bit colour by this.
+/// Change of an 8-bit colour by anti-aliasing and interpolation between angles.
 const LEVELS: u8 = 3;
 
 fn shows(picture: &Pixmap, hex: &str) -> bool {
@@ -196,7 +198,7 @@ fn shows(picture: &Pixmap, hex: &str) -> bool {
         .any(|pixel| near(pixel.red(), wanted[0]) && near(pixel.green(), wanted[1]) && near(pixel.blue(), wanted[2]))
 }
 
-/// Width and height, which stand behind the signature and the name of the first chunk.
+/// Width and height of a PNG.
 fn png_size(bytes: &[u8]) -> [u32; 2] {
     assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"), "a PNG");
     assert!(bytes.ends_with(b"IEND\xaeB`\x82"), "a whole PNG");
@@ -234,14 +236,14 @@ fn tables_become_pictures() {
     }
 }
 
-/// What a scattering estimate may leave out.
+/// Power that a scattering estimate may leave out.
 const LEFT_OUT: f64 = 1e-4;
 
 #[test]
-fn bumpy_presets_scatter_all_of_the_light() {
+fn mesh_presets_scatter_all_of_the_light() {
     let user = User::new();
-    assert_eq!(bumpy().count(), 9);
-    for name in bumpy() {
+    assert_eq!(mesh_presets().count(), 9);
+    for name in mesh_presets() {
         let light = "--theta 20 --phi 30 --wavelength 550 --coherence none --rays 1024 --json -";
         let report = user.ok(&format!("scatter {name} {light}")).stdout;
         let of = |key: &str| {

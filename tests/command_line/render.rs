@@ -1,4 +1,4 @@
-//! `render`: pictures against what the light and the table say, and what cannot be rendered.
+//! Tests of `render`: pictures against the colours that follow from light and table, repairs and refusals.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::io::Cursor;
@@ -13,9 +13,9 @@ use goniochrome_cli::table::{Table, file};
 
 use crate::user::User;
 
-/// Largest difference of a pixel; single precision and a table of 90 angles leave 1e-6.
+/// Largest difference of a pixel. Single precision and a table of 90 angles leave 1e-6.
 const PIXEL: f32 = 1e-3;
-/// Noise of some ten thousand samples of a smooth lobe is a third of this.
+/// Tolerance of an albedo; the noise of some ten thousand samples of a smooth lobe is a third of it.
 const ALBEDO: f64 = 0.01;
 
 struct Picture {
@@ -51,7 +51,7 @@ fn environment(user: &User, name: &str, [width, height]: [usize; 2], of: impl Fn
     user.write(name, bytes.into_inner());
 }
 
-/// ρ = 1 at every angle and wavelength.
+/// Writes the table of a perfect mirror: ρ = 1 at every angle and wavelength.
 fn white(user: &User) {
     let wavelength_nm: Vec<f64> = (0..=40).map(|i| 380.0 + 10.0 * f64::from(i)).collect();
     let table = MirrorTable {
@@ -65,7 +65,7 @@ fn white(user: &User) {
     file::write(&user.at("white.exr"), &table.into(), 1).unwrap();
 }
 
-/// Directions of the pixels' middles from the eye, for the default field of view of 30 degrees.
+/// The eye, and the directions from it to the middles of the pixels, for the default field of view of 30 degrees.
 fn rays(azimuth_deg: f64, elevation_deg: f64, size: usize) -> (DVec3, Vec<DVec3>) {
     let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
     let back = DVec3::new(elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin());
@@ -77,7 +77,7 @@ fn rays(azimuth_deg: f64, elevation_deg: f64, size: usize) -> (DVec3, Vec<DVec3>
     (1.02 / half.sin() * back, (0..size * size).map(direction).collect())
 }
 
-/// The normal where a ray meets the unit sphere.
+/// The normal where a ray hits the unit sphere.
 fn on_sphere(eye: DVec3, direction: DVec3) -> Option<DVec3> {
     let b = eye.dot(direction);
     let root = (b * b - eye.length_squared() + 1.0).sqrt();
@@ -118,7 +118,8 @@ fn a_mirror_sphere_shows_the_environment_that_its_directions_say() {
         ]
     };
     environment(&user, "e.exr", size, texel);
-    user.ok("render white.exr -o a.exr --env e.exr --mesh sphere --size 200 --samples 1 --background transparent --azimuth 25 --elevation 10");
+    let view = "--mesh sphere --size 200 --samples 1 --background transparent --azimuth 25 --elevation 10";
+    user.ok(&format!("render white.exr -o a.exr --env e.exr {view}"));
     let (eye, rays) = rays(25.0, 10.0, 200);
     let found = picture(&user, "a.exr");
     assert_eq!(found.width, 200);
@@ -166,7 +167,8 @@ fn a_sphere_in_white_light_has_the_tables_colours_also_by_wavelengths() {
     }
 }
 
-/// A broad lobe around the mirror direction that reddens, f in 1/sr; not reciprocal, so that roles cannot be swapped unseen.
+/// A table of a broad lobe around the mirror direction that reddens, f in 1/sr. It is not reciprocal, so that swapped
+/// directions show.
 fn lobes() -> ScatterTable {
     let layout = ScatterLayout::new(6, 4, DirectionBins { cos: 8, phi: 16 }).unwrap();
     let bins = layout.bins().count();
@@ -214,7 +216,8 @@ fn a_scattering_plane_reflects_what_its_table_integrates_to() {
         }
         let mean = |env: &str, samples: u32| {
             user.ok(&format!(
-                "render lobes.exr -o a.exr --env {env} --mesh plane --size 12 --fov 0.1 --distance 100 --samples {samples} --azimuth 0 --elevation {elevation}"
+                "render lobes.exr -o a.exr --env {env} --mesh plane --size 12 --fov 0.1 --distance 100 \
+                 --samples {samples} --azimuth 0 --elevation {elevation}"
             ));
             let pixels = picture(&user, "a.exr").rgba;
             let sum = |c: usize| pixels.iter().map(|p| f64::from(p[c])).sum::<f64>();
@@ -226,7 +229,7 @@ fn a_scattering_plane_reflects_what_its_table_integrates_to() {
             println!("{elevation} {env}: {error:.1e}");
             assert!(error <= ALBEDO, "{elevation} {env}: {found:?} {albedo:?}");
         }
-        // Few and many samples have one mean: what the joined strategies leave out, or count twice, does not vanish.
+        // Few and many samples have the same mean, unless the combined strategies leave light out or count it twice.
         let (few, many) = (mean("side.exr", 128), mean("side.exr", 1024));
         assert!((0..3).all(|c| (few[c] / many[c] - 1.0).abs() <= ALBEDO), "{few:?} {many:?}");
     }
@@ -281,7 +284,8 @@ fn pictures_do_not_depend_on_threads() {
     file::write(&user.at("lobes.exr"), &lobes().into(), 1).unwrap();
     for name in ["a.exr", "a.png"] {
         let drawn = |threads: u32| {
-            user.ok(&format!("render lobes.exr -o {name} --size 40x30 --samples 3 --reflections 2 --threads {threads} --tonemap filmic"));
+            let options = "--size 40x30 --samples 3 --reflections 2 --tonemap filmic";
+            user.ok(&format!("render lobes.exr -o {name} {options} --threads {threads}"));
             user.read(name)
         };
         assert_eq!(drawn(1), drawn(3), "{name}");

@@ -1,8 +1,8 @@
-//! Scene files and refractive index files at fault.
+//! Tests of faulty scene files and refractive index files.
 
 use crate::user::{User, column, largest_difference};
 
-/// A film of a material on a substrate; the film's material and thickness stand on line 3.
+/// The scene of a film on a substrate; the film's material and thickness are in line 3.
 fn film(material: &str, thickness: &str, substrate: &str) -> String {
     let layer = format!("{{ material = {material}, thickness_nm = {thickness} }}");
     format!("[stack]\nambient = 1.0\nlayers = [{layer}]\nsubstrate = {substrate}\n")
@@ -76,10 +76,10 @@ fn names_are_suggested_only_if_they_are_near() {
     assert!(!far.contains("nearest"));
 }
 
-/// A film of a tabulated material.
+/// The scene of a tabulated material.
 const TABULATED: &str = "[materials.glass]\nfile = \"glass.yml\"\n[stack]\nambient = 1.0\nsubstrate = \"glass\"\n";
 
-/// The rows of the table start on line 4.
+/// A refractive index file with these rows, from line 4.
 fn table(rows: &str) -> String {
     format!("DATA:\n  - type: tabulated nk\n    data: |\n        {}\n", rows.replace(';', "\n        "))
 }
@@ -135,7 +135,7 @@ fn beyond_its_data_a_material_is_refused_or_clamped() {
     }
 }
 
-/// Gold's leaf under glass, water and air.
+/// The scene of a film on gold under an ambient medium.
 fn under(ambient: &str) -> String {
     format!("[stack]\nambient = {ambient}\nlayers = [{{ material = 2.4, thickness_nm = 90 }}]\nsubstrate = \"Au\"\n")
 }
@@ -153,7 +153,7 @@ fn every_planar_command_takes_an_ambient_of_catalogue_glass() {
             assert!(largest_difference(&column(&exact, name), &column(&run("glass.toml", method), name)) < 1e-8);
         }
     }
-    // N-BK7 has n = 1.51852 at 550 nm; k = 7e-9 is not to be seen.
+    // N-BK7 has n = 1.51852 at 550 nm; its k of 7e-9 has no visible effect.
     const OF_N: f64 = 1e-4;
     let clear = run("clear.toml", "stack");
     assert!(largest_difference(&column(&exact, "R_p"), &column(&clear, "R_p")) < OF_N);

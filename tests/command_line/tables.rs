@@ -1,4 +1,4 @@
-//! `plot` of what is no table.
+//! Tests of `plot` with files that are not tables, and with damaged ones.
 
 use std::io::Cursor;
 

@@ -1,4 +1,5 @@
-//! Meshes of tilted facets at fault: file and line, exit code 1, no file left; and what may look like a fault and is none.
+//! Tests of faulty meshes of tilted facets: file and line, exit code 1, no file left. Meshes that only look faulty are
+//! traced.
 
 use crate::user::User;
 
@@ -8,7 +9,7 @@ const SCENE: &str = "[cell]\nmesh = \"m.obj\"\nperiod_nm = [1000, 800]\n\
 const ESTIMATE: &str =
     "estimate s.toml -o t.exr --incident 1x1 --bins 2x4 --rays 32 --wavelengths 550 --coherence none -q";
 
-/// A roof over the period, its ridge along y; vertices on lines 1 to 6, faces on 8 and 9.
+/// The mesh of a roof over the period, its ridge along y: vertices in lines 1 to 6, faces in 8 and 9.
 const ROOF: &str = "v 0 0 0\nv 0 800 0\nv 500 0 300\nv 500 800 300\nv 1000 0 0\nv 1000 800 0\n\
                     usemtl top\nf 1 3 4 2\nf 3 5 6 4\n";
 
@@ -16,7 +17,7 @@ fn user(scene: &str, mesh: &str) -> User {
     User::with(&[("s.toml", scene), ("m.obj", mesh)])
 }
 
-/// The roof with one piece of its text replaced.
+/// The roof's mesh with one piece of its text replaced.
 fn roof(from: &str, to: &str) -> String {
     assert!(ROOF.contains(from), "{from}");
     ROOF.replace(from, to)
@@ -41,12 +42,12 @@ fn unusual_meshes_are_traced_like_tidy_ones() {
     ] {
         assert!(result(&mesh) == tidy, "{name}: another table than that of the tidy mesh");
     }
-    // Passed over or traced as they stand: the table differs by rounding at most, so that they work is all to be seen.
+    // These are skipped or traced, and the table may differ by rounding, so the test only sees that they work.
     result(&(ROOF.to_owned() + "v 200 100 120\nv 300 100 180\nv 400 100 240\nf -3 -2 -1\n"));
     result(&ROOF.replace(" 300\n", " 90000\n"));
 }
 
-/// The roof with each of its vertices changed.
+/// The roof's mesh with each of its vertices changed.
 fn moved(change: impl Fn([f64; 3]) -> [f64; 3]) -> String {
     let line = |line: &str| match line.strip_prefix("v ") {
         Some(words) => {
@@ -173,7 +174,7 @@ fn periods_at_fault_are_named_by_file_line_and_column() {
     }
 }
 
-/// Surfaces that cut through one another away from their edges pass the check of the mesh; light then loses its way.
+/// Surfaces that cross away from their edges pass the check of the mesh, but light loses its way between them.
 #[test]
 fn light_that_loses_its_way_between_surfaces_that_cross_is_no_result() {
     let base = "v 0 0 20\nv 1000 0 20\nv 1000 800 20\nv 0 800 20\nusemtl base\nf 7 8 9 10\n";
@@ -187,12 +188,13 @@ fn light_that_loses_its_way_between_surfaces_that_cross_is_no_result() {
     user.refused("scatter s.toml --bins 1x1 --coherence bin --rays 64", 1, &interfering);
 }
 
-/// A sheet of squares over 20 000 nm, `columns` of 40 present, its heights off by up to `noise` nm.
+/// The mesh of a sheet of 40 × 40 squares over 20 000 nm, of which `columns` exist, with heights off by up to `noise`
+/// nm.
 fn noisy(noise: f64, columns: usize) -> String {
     const SQUARES: usize = 40;
     let mut mesh = String::new();
     for (j, i) in (0..=SQUARES).flat_map(|j| (0..=SQUARES).map(move |i| (j, i))) {
-        // Any numbers in [-1, 1]; the far borders repeat the near ones.
+        // Heights vary like random numbers; the far borders repeat the near ones.
         let z = noise * ((((j % SQUARES) * 71 + (i % SQUARES) * 113) % 101) as f64 / 50.0 - 1.0);
         mesh += &format!("v {} {} {z:.6}\n", 500 * i, 500 * j);
     }
@@ -218,7 +220,7 @@ fn a_plane_with_noise_is_computed_right_and_half_a_plane_is_refused_by_every_com
         let of = |key: &str| report[key]["value"].as_f64().expect("a number");
         assert!((of("reflected") - 0.04).abs() < 1e-4 && of("truncated") == 0.0, "{noise}: {report}");
         whole.ok(orders);
-        // Beyond the rounding of single precision the sheet counts as rough: it may scatter.
+        // Above the rounding of single precision the sheet counts as rough, since it may scatter.
         if noise < 0.002 {
             assert!(whole.ok(spectrum).stdout.lines().nth(1).expect("a row").contains(",0.0399999"));
             whole.ok(estimate);

@@ -1,4 +1,4 @@
-//! Command lines at fault: exit code 2 and one line.
+//! Tests of faulty command lines: exit code 2 and one line of error.
 
 use crate::user::User;
 
@@ -49,7 +49,7 @@ fn wavelengths_and_angles_are_checked_before_anything_is_read() {
     ];
     for (option, value, says) in cases {
         for command in ["spectrum", "colour", "compare"] {
-            // The scene does not exist, and nobody gets as far as to notice.
+            // The scene does not exist, but the option is checked first.
             user.refused(&format!("{command} missing.toml {option} {value}"), 2, &[option, says]);
         }
     }

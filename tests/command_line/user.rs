@@ -1,4 +1,4 @@
-//! A user: a folder of their own, the files in it, and the program run there.
+//! A user of the program: a folder, the files in it, and commands run there.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,7 +7,7 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-/// What the program said.
+/// The exit code and the output of a run.
 pub struct Ran {
     pub code: Option<i32>,
     pub stdout: String,
@@ -47,7 +47,7 @@ impl User {
         program
     }
 
-    /// Runs words parted by spaces; a word of two quotes is empty.
+    /// Runs a command line, whose words are separated by spaces; `''` is an empty word.
     pub fn run(&self, line: &str) -> Ran {
         let words = line.split_whitespace().map(|word| if word == "''" { "" } else { word });
         let output = self.program().args(words).output().expect("the program starts");
@@ -55,15 +55,15 @@ impl User {
         Ran { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
     }
 
-    /// Runs what must succeed.
+    /// Runs a command line that must succeed.
     pub fn ok(&self, line: &str) -> Ran {
         let ran = self.run(line);
         assert_eq!(ran.code, Some(0), "{line}: {}", ran.stderr);
         ran
     }
 
-    /// Runs what must fail: by this exit code, with one line that contains all of `says`, with nothing on standard output
-    /// and no file made, changed or removed.
+    /// Runs a command line that must fail with this exit code: it prints one line of error that contains all of `says`,
+    /// prints nothing to standard output, and makes, changes or removes no file. Returns the error.
     pub fn refused(&self, line: &str, code: i32, says: &[&str]) -> String {
         let before = self.files();
         let Ran { code: found, stdout, stderr } = self.run(line);
@@ -78,7 +78,7 @@ impl User {
         message.to_owned()
     }
 
-    /// Every file with its contents; folders and devices have none.
+    /// Every file with its contents, and every folder and device without.
     fn files(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
         let mut files = BTreeMap::new();
         let mut folders = vec![self.0.path().to_owned()];
@@ -96,7 +96,7 @@ impl User {
     }
 }
 
-/// A column of numbers of a CSV.
+/// The numbers in a column of a CSV.
 pub fn column(csv: &str, name: &str) -> Vec<f64> {
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let header = reader.headers().expect("a header").clone();
@@ -108,13 +108,13 @@ pub fn column(csv: &str, name: &str) -> Vec<f64> {
     reader.records().map(number).collect()
 }
 
-/// Three columns, row by row.
+/// The rows of three columns of numbers of a CSV.
 pub fn triples(csv: &str, names: [&str; 3]) -> Vec<[f64; 3]> {
     let [x, y, z] = names.map(|name| column(csv, name));
     x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect()
 }
 
-/// The largest difference of two lists of one length.
+/// The largest difference of two lists of equal length.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     assert!(!a.is_empty());

@@ -1,8 +1,8 @@
-//! `view`: pages of tables of both kinds, and what is refused. `tests/browser/run` drives the page itself.
+//! Tests of `view`: pages of tables of both kinds, and refusals. `tests/browser/run` tests the page itself.
 
 use crate::user::User;
 
-/// The page of a 2D table fits into a mail.
+/// Largest size of the page of a 2D table, which fits into an e-mail.
 const MAX_BYTES: usize = 2_000_000;
 
 fn text(user: &User, name: &str) -> String {

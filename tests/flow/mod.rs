@@ -1,5 +1,5 @@
-//! The direction of flow: a module uses only modules declared above it, in the core, its C interface and the command
-//! line.
+//! Tests of the direction of flow in the core, its C interface and the command line: a module uses only modules
+//! declared above it.
 //!
 //! The order is that of the `mod` lines in `lib.rs` and in each `mod.rs`. A module may use all modules inside it, or be
 //! used by them, but not both at once. Tests and documentation may use everything.
@@ -15,7 +15,7 @@ use uses::Crate;
 
 const CRATES: [&str; 3] = ["core", "core/capi", "cli"];
 
-/// The one module of the command line's library that knows its arguments.
+/// The only module of the command line's library that may use its arguments.
 const COMMANDS: &str = "crate::commands";
 
 fn workspace() -> &'static Path {
@@ -41,12 +41,12 @@ fn only_commands_know_the_command_line() {
 
 #[test]
 fn the_core_depends_on_few_packages() {
-    /// Fewer than a reader can check in an afternoon.
-    const MOST: usize = 6;
+    /// Largest number of direct dependencies: as many as a reader can check in an afternoon.
+    const MAX: usize = 6;
     let manifest = fs::read_to_string(workspace().join("core/Cargo.toml")).expect("the core has a manifest");
     let (_, rest) = manifest.split_once("\n[dependencies]\n").expect("a list of dependencies");
     let direct = rest.lines().take_while(|line| !line.starts_with('[')).filter(|line| line.contains('=')).count();
     println!("the core has {direct} direct dependencies");
-    assert!((1..=MOST).contains(&direct), "{direct}");
+    assert!((1..=MAX).contains(&direct), "{direct}");
     assert!(!manifest.contains("build-dependencies") && !manifest.contains("build ="), "no build script");
 }

@@ -1,4 +1,5 @@
-//! What Rust source says of its modules: their order, the names that each defines, and the paths that each uses.
+//! The modules of a Rust crate, read from its source: their order, the names that each defines, and the paths that each
+//! uses.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -7,13 +8,13 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, Meta, UseTree, Visibility};
 
-/// Text of the file at a path, if there is one.
+/// A function that returns the text of the file at a path, if there is one.
 pub type Source<'a> = &'a dyn Fn(&Path) -> Option<String>;
 
-/// A module without its tests.
+/// A module of a crate, without its tests.
 #[derive(Debug, Default)]
 pub struct Module {
-    /// Path in its crate, such as `crate::render::mesh`.
+    /// Path in the crate, such as `crate::render::mesh`.
     pub path: String,
     /// Its source file, which an inline module shares with its parent.
     pub file: PathBuf,
@@ -31,19 +32,19 @@ pub struct Module {
     pub uses: Vec<Use>,
 }
 
-/// A path as the code writes it; the first segment of a path that begins with `::` is empty.
+/// A path as the code has it. If it begins with `::`, the first segment is empty.
 #[derive(Debug)]
 pub struct Use {
     pub path: Vec<String>,
     pub place: Place,
 }
 
-/// Where a path stands.
+/// The place of a path in the code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// In a private `use` declaration.
     Import,
-    /// In a `use` declaration that others see too.
+    /// In a `use` declaration that other modules can use too.
     ReExport,
     /// Anywhere else.
     Code,
@@ -63,9 +64,9 @@ struct Reader<'a> {
     modules: Vec<Module>,
     /// Index of the module that is being read.
     module: usize,
-    /// Folder in which the files of its modules lie.
+    /// Folder of the files of that module's own modules.
     folder: PathBuf,
-    /// Blocks of code around the current place; what is defined in one is not seen outside.
+    /// Number of blocks of code around the current place; items in a block are not visible outside.
     blocks: usize,
 }
 
@@ -145,7 +146,7 @@ impl Reader<'_> {
         self.here().uses.push(Use { path, place });
     }
 
-    /// Paths in the tokens of a macro or an attribute, each behind `prefix`.
+    /// Reads the paths in the tokens of a macro or an attribute, each after `prefix`.
     fn read_tokens(&mut self, tokens: TokenStream, prefix: &[String]) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let is = |at: usize, wanted: char| matches!(tokens.get(at), Some(TokenTree::Punct(p)) if p.as_char() == wanted);
@@ -238,7 +239,7 @@ fn is_test(attribute: &Attribute) -> bool {
     list.path.is_ident("cfg") && (condition == "test" || condition.starts_with("all") && condition.contains("test"))
 }
 
-/// Attributes of an item, and the name under which its module knows it.
+/// The attributes of an item, and its name in its module.
 fn describe(item: &Item) -> (&[Attribute], Option<String>) {
     let (attributes, name) = match item {
         Item::Const(item) => (&item.attrs, Some(&item.ident)),

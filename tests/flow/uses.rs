@@ -1,14 +1,15 @@
-//! Which module uses which, and what of that goes against the declared order.
+//! Uses of one module by another, and those that go against the declared order.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::source::{self, Module, Place, Source};
 
-/// Re-exports of re-exports that a path may go through; `use a::a` of another crate would go on for ever.
+/// Number of re-exports that a path is followed through: `use a::a` of another crate would never end.
 const MAX_RE_EXPORTS: usize = 16;
 
-/// Names of a module that another uses, by the indices of the user and the used; `self` where only the module is named.
+/// Names of a module that another uses, by the indices of the using and the used module; `self` where only the module
+/// is named.
 pub type Edges = BTreeMap<(usize, usize), BTreeSet<String>>;
 
 /// The modules of a crate, the first of which is its root.
@@ -17,13 +18,13 @@ pub struct Crate {
     pub modules: Vec<Module>,
 }
 
-/// What a path leads to: an item in the module that defines it, or a module.
+/// The target of a path: an item in the module that defines it, or a module.
 struct Target<'a> {
     module: usize,
     item: Option<&'a str>,
 }
 
-/// What a name means inside a module.
+/// The meaning of a name inside a module.
 enum Meaning<'a> {
     Module(usize),
     Item,
@@ -35,7 +36,7 @@ impl Crate {
         Self { modules: source::read(root, source) }
     }
 
-    /// What `name` means in `module`; where it is that of a module and of an item, `last` prefers the item.
+    /// The meaning of `name` in `module`. If both a module and an item have that name, `last` chooses the item.
     fn look_up(&self, module: usize, name: &str, last: bool) -> Option<Meaning<'_>> {
         let known = &self.modules[module];
         let child = known.children.iter().find(|(child, _)| child == name).map(|(_, child)| Meaning::Module(*child));
@@ -45,8 +46,8 @@ impl Crate {
         if last { item.or(child) } else { child.or(item) }
     }
 
-    /// Follows `path`, as written in `module`, through re-exports to where its item is defined; nothing if it leaves the
-    /// crate or names a local variable.
+    /// Follows `path`, as written in `module`, through re-exports to the module that defines its item. Returns nothing
+    /// if the path leaves the crate or names a local variable.
     fn resolve<'a>(&'a self, module: usize, path: &[&'a str], depth: usize) -> Option<Target<'a>> {
         let mut now = module;
         for (at, &name) in path.iter().enumerate() {
@@ -63,7 +64,7 @@ impl Crate {
                             Some(Meaning::Import(import)) => self.follow(now, import, rest, depth),
                             _ => self.resolve_glob(now, name, rest, depth),
                         };
-                        // What `a` re-exports of another crate, or makes by a macro, is its own.
+                        // An item that a module re-exports from another crate, or makes by a macro, counts as its own.
                         return followed.or_else(|| (at > 0).then_some(Target { module: now, item: Some(name) }));
                     }
                 },
@@ -97,8 +98,8 @@ impl Crate {
         chain
     }
 
-    /// Every use of one module by another. Re-exporting from one's own modules is none, and neither is naming a module
-    /// that one is in.
+    /// Every use of one module by another. A module does not use what it re-exports from its own modules, nor an
+    /// enclosing module that it only names.
     pub fn edges(&self) -> Edges {
         let mut edges = Edges::new();
         for (user, module) in self.modules.iter().enumerate() {
@@ -117,7 +118,7 @@ impl Crate {
         edges
     }
 
-    /// Uses against the order of declaration, and circles between a module and those inside it.
+    /// Uses against the order of declaration, and circles between a module and the modules inside it.
     pub fn faults(&self) -> Vec<String> {
         let edges = self.edges();
         let against_order = edges.iter().filter_map(|(&(user, used), names)| {
@@ -132,7 +133,7 @@ impl Crate {
         against_order.chain(circles).collect()
     }
 
-    /// Uses of the module `top`, or of one of the `packages`, by modules outside it; the root has none to hide.
+    /// Uses of the module `top`, or of one of the `packages`, by modules outside `top`.
     pub fn users_of(&self, top: &str, packages: &[&str]) -> Vec<String> {
         let inside = |module: usize| self.chain(module).iter().any(|outer| self.modules[*outer].path == top);
         let of_modules = self.edges().into_iter().filter(|((user, used), _)| inside(*used) && !inside(*user));
@@ -146,14 +147,14 @@ impl Crate {
         of_modules.chain(of_packages).collect()
     }
 
-    /// The first modules that differ on the ways from the root to two modules.
+    /// The first modules that differ on the paths from the root to two modules.
     fn diverge(&self, user: usize, used: usize) -> Option<(Option<usize>, Option<usize>)> {
         let (user, used) = (self.chain(user), self.chain(used));
         let common = user.iter().zip(&used).take_while(|(a, b)| a == b).count();
         Some((user.get(common).copied(), used.get(common).copied()))
     }
 
-    /// Uses of what `parent` itself defines, by modules inside it that `parent` itself uses, at once or through others.
+    /// Uses of items that `parent` itself defines, by modules inside it that `parent` uses directly or through others.
     fn circles(&self, parent: usize, edges: &Edges) -> Vec<String> {
         let node = |module| {
             let chain = self.chain(module);

@@ -1,18 +1,24 @@
-"""iridescent_fresnel of KHR_materials_iridescence in double precision, written from the extension's text alone.
+"""Computes iridescent_fresnel of KHR_materials_iridescence in double precision, from the extension's text alone.
 
-Independent of cli/src/export/gltf/iridescence.rs, whose test holds what this prints. Given files of `export --to gltf`, it
-computes the colours of their materials and compares them with those that they state. Needs nothing but Python 3.
+It shares no code with cli/src/export/gltf/iridescence.rs, whose test holds what this prints. Given files of `export
+--to gltf`, it computes the colours of their materials and compares them with those that they state. Needs only
+Python 3.
 """
 import cmath
 import json
 import math
 import sys
 
-# Gaussian fits of the CIE 1931 curves over wave numbers (Belcour & Barla 2017, table 1): amplitude, mean (1/m), variance (1/m²).
+# Gaussian fits of the CIE 1931 curves over wave numbers (Belcour & Barla 2017, table 1): amplitude, mean (1/m),
+# variance (1/m²).
 X_RED, X_BLUE = (5.4856e-13, 1.6810e6, 4.3278e9), (9.7470e-14, 2.2399e6, 4.5282e9)
 Y, Z = (4.4201e-13, 1.7953e6, 9.3046e9), (5.2481e-13, 2.2084e6, 6.6121e9)
 WHITE = 1.0685e-7
-XYZ_TO_RGB = [[3.2404542, -1.5371385, -0.4985314], [-0.9692660, 1.8760108, 0.0415560], [0.0556434, -0.2040259, 1.0572252]]
+XYZ_TO_RGB = [
+    [3.2404542, -1.5371385, -0.4985314],
+    [-0.9692660, 1.8760108, 0.0415560],
+    [0.0556434, -0.2040259, 1.0572252],
+]
 
 
 def gaussian(fit, path_m, shift):
@@ -70,8 +76,8 @@ def material_rgb(material, theta_deg):
 
 
 def transmitted(material, theta_deg):
-    """The share of light that goes through: fresnel_mix and rgb_mix of the extension's text weigh the base, all of which
-    is transmission here, by 1 less the largest channel; none through metals."""
+    """The share of light that is transmitted, or None for opaque materials. fresnel_mix and rgb_mix of the extension's
+    text multiply the base, which is all transmission here, by 1 minus the largest channel."""
     if "KHR_materials_transmission" not in material["extensions"]:
         return None
     base = material["pbrMetallicRoughness"]
@@ -84,7 +90,7 @@ def transmitted(material, theta_deg):
     return max(1 - (1 - factor) * of(0) - factor * of(1), 0)
 
 
-# Single precision there (see the test of iridescence.rs), and five digits in the file.
+# The program computes in single precision (see the test of iridescence.rs), and the file has five digits.
 TOLERANCE = 6e-5 + 0.5e-5
 
 
@@ -99,7 +105,8 @@ def check(path):
         assert (through is None) == ("gltf_transmitted_grey" not in stated), path
         if through is not None:
             worst = max(worst, abs(through - stated["gltf_transmitted_grey"]))
-            assert all(abs(r + t - 1) < 2e-5 for r, t in zip(stated["exact_rgb"], stated["exact_transmitted_rgb"])), path
+            exact = zip(stated["exact_rgb"], stated["exact_transmitted_rgb"])
+            assert all(abs(r + t - 1) < 2e-5 for r, t in exact), path
     print(f"{path}: stated colours are the formula's within {worst:.1e} (at most {TOLERANCE:.1e})")
     return worst <= TOLERANCE
 

@@ -1,5 +1,4 @@
-// three.js loads the exported files, and shows what they mean: bubbles are seen through, rows of textures are where
-// they belong.
+// Tests of the exported files in three.js: bubbles are transparent, and rows of textures are in their places.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";

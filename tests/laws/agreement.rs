@@ -1,5 +1,5 @@
-//! The closed form and rays in closed loops agree with the scalar twin, in both precisions; rays hit by hit: see
-//! [`super::truncation`].
+//! Tests that the closed form and rays in closed loops agree with the scalar solver, in both precisions. Rays hit by
+//! hit are tested in [`super::truncation`].
 
 use super::*;
 
@@ -48,15 +48,15 @@ fn rays_in_closed_loops_agree_with_the_scalar_twin() {
 
 #[test]
 fn single_precision_keeps_its_statistics() {
-    /// The precision that single lanes are for, and how many results of arbitrary stacks may miss it: those near a critical
-    /// angle of a film, and sharp resonances.
+    /// The error that single precision is meant for.
     const TARGET: f64 = 1e-5;
+    /// Share of results of random stacks that may miss it: those near a film's critical angle, and sharp resonances.
     const MISSES: f64 = 0.01;
     let mut worst = Worst::of("f32 closed form = f64");
     let mut errors = Vec::new();
     each(14, |random| {
         let case = Case::random(random, false, true);
-        let [single, double] = [case.single(), case.power()].map(|power| power);
+        let (single, double) = (case.single(), case.power());
         for (lane, twins) in case.twins().iter().enumerate() {
             for (pol, twin) in twins.iter().enumerate() {
                 let what = || format!("{:?} {:?}", case.stack.eta, case.stack.thickness_nm);

@@ -1,9 +1,9 @@
-//! Power goes somewhere, and the way back is as good as the way there.
+//! Tests of energy conservation and of reciprocity.
 
 use super::*;
 
 #[test]
-fn energy_goes_somewhere() {
+fn energy_is_conserved() {
     let mut worst = [Worst::of("R + T + A = 1"), Worst::of("R + T = 1"), Worst::of("0 <= R, T, A")];
     each(4, |random| {
         let case = Case::random(random, random.0.is_multiple_of(2), true);
@@ -28,7 +28,7 @@ fn energy_goes_somewhere() {
 }
 
 #[test]
-fn light_takes_the_way_back() {
+fn stacks_are_reciprocal() {
     let (mut transmitted, mut reflected) = (Worst::of("T from both sides"), Worst::of("R from both sides, lossless"));
     each(5, |random| {
         let mut case = Case::random(random, random.0.is_multiple_of(2), false);

@@ -1,4 +1,4 @@
-//! Descriptions of one stack that differ, and the results that do not.
+//! Tests that different descriptions of one stack give equal results.
 
 use super::*;
 
@@ -54,8 +54,8 @@ fn a_layer_of_no_thickness_changes_nothing() {
 fn a_plane_between_equal_media_changes_nothing() {
     let mut worst = Worst::of("index-matched");
     each(9, |random| {
-        // More of the ambient on top, and more of the substrate below. The same medium under two numbers would be the
-        // same: r = 0 comes of equal κ.
+        // A layer of the ambient medium on top, and one of the substrate below. Equal indices share a medium; two media
+        // of equal index would give the same, since equal κ make r = 0.
         let mut case = Case::random(random, false, false);
         let last = case.stack.eta.len() - 1;
         case.stack.eta[last] = random.dielectric();

@@ -1,4 +1,4 @@
-//! Limits: no absorption, grazing incidence, critical and Brewster's angles, great depth.
+//! Tests of limits: no absorption, grazing incidence, critical angles, Brewster's angle and great depth.
 
 use super::*;
 
@@ -9,7 +9,7 @@ fn faint_absorption_tends_to_none() {
         each(10, |random| {
             let case = Case::random(random, true, true);
             let mut eta = case.stack.eta.clone();
-            // An absorbing substrate would let power through that total reflection keeps out.
+            // The substrate stays lossless: an absorbing one would take in power under total reflection.
             let films = case.stack.thickness_nm.len();
             eta[1..=films].iter_mut().for_each(|eta| eta.im = k);
             // n ≥ 1, so k is at least the relative change of every η.
@@ -23,26 +23,26 @@ fn faint_absorption_tends_to_none() {
 fn everything_reflects_at_grazing_incidence() {
     // 1 − R = 4κ₀ Re Y/|κ₀ + Y|² with κ₀ ∝ cos θ: ten times closer to grazing, a tenth is lost.
     const COS: [f64; 2] = [1e-4, 1e-5];
-    /// Terms of second order, cos θ/|Y|, where Y of a resonance may be as small as a thousandth.
+    /// Bound of terms of second order, cos θ/|Y|, where a resonance may have |Y| of a thousandth.
     const SECOND_ORDER: f64 = 0.1;
-    /// At 90° itself R = |1 − ρe²|²/|1 − ρe²|², of which a resonance cancels digits; double precision is held to this.
+    /// Bound of rounding at 90° itself, where R = |1 − ρe²|²/|1 − ρe²|² and a resonance cancels digits.
     const ROUNDING: f64 = 1e-11;
-    let (mut most, mut departures, mut seen) = (0.0f64, 0u32, 0u32);
+    let (mut max, mut nonlinear, mut seen) = (0.0f64, 0u32, 0u32);
     each(11, |random| {
         let mut case = Case::random(random, false, false);
         let lost = COS.map(|cos| {
             case.theta_deg = 90.0 - cos.asin().to_degrees();
             case.power().r.map(|r| F64::one() - r)
         });
-        // A wave that runs along the film or substrate itself is no grazing one: η must differ from the ambient's.
+        // Media whose η is that of the ambient medium are rare exceptions: their wave runs along the film too.
         for lane in 0..F64::WIDTH {
             for (far, near) in lanes(lost[0], lane).into_iter().zip(lanes(lost[1], lane)) {
-                most = most.max(near);
+                max = max.max(near);
                 seen += 1;
-                departures += u32::from(near > 0.01 || (near * 10.0 - far).abs() > SECOND_ORDER * far + 1e-9);
+                nonlinear += u32::from(near > 0.01 || (near * 10.0 - far).abs() > SECOND_ORDER * far + 1e-9);
             }
         }
-        // The limit itself.
+        // At the limit itself.
         case.theta_deg = 90.0;
         let along = case.power();
         for lane in 0..F64::WIDTH {
@@ -54,13 +54,13 @@ fn everything_reflects_at_grazing_incidence() {
             );
         }
     });
-    println!("grazing incidence: 1 - R up to {most:.1e}; {departures} of {seen} not linear in cos");
-    assert!(f64::from(departures) < 1e-3 * f64::from(seen));
+    println!("grazing incidence: 1 - R up to {max:.1e}; {nonlinear} of {seen} not linear in cos");
+    assert!(f64::from(nonlinear) < 1e-3 * f64::from(seen));
 }
 
 #[test]
 fn a_film_at_its_critical_angle_keeps_its_light() {
-    // Light from n = 2 at 30 degrees runs along a film of n = 1; so it does in twenty of them.
+    // Light from n = 2 at 30 degrees runs along films of n = 1.
     for films in [1, 2, 20] {
         let mut eta = vec![Complex64::from(2.0); 2 * films + 1];
         eta.iter_mut().skip(1).step_by(2).for_each(|eta| *eta = 1.0.into());
@@ -69,7 +69,7 @@ fn a_film_at_its_critical_angle_keeps_its_light() {
         let (twins, single, double) = (case.twins(), case.single(), case.power());
         for pol in 0..2 {
             for (power, roundoff) in [(single, F32::UNIT_ROUNDOFF), (double, F64::UNIT_ROUNDOFF)] {
-                // u/q_n with q_n² = 2u, a few times over, adding like random numbers from film to film.
+                // A few u/q_n with q_n² = 2u; the errors of several films add like random numbers.
                 let bound = 4.0 * (films as f64 * roundoff).sqrt();
                 let [r, t] = [power.r, power.t].map(|power| lanes(power, 0)[pol]);
                 println!("{films} films: R {r} T {t}, twin {}", twins[0][pol].reflectance);
@@ -93,14 +93,14 @@ fn p_light_does_not_reflect_at_brewsters_angle() {
         let bound = case.twins()[0][1].rounding(F64::UNIT_ROUNDOFF)[0];
         worst.see(lanes(case.power().r, 0)[1], bound, || format!("{:?}", case.stack.eta));
     });
-    // The square of an amplitude's rounding, not a rounding of a power.
+    // The error is the square of an amplitude's rounding, not the rounding of a power.
     assert!(worst.absolute < 1e-24);
     worst.report(0.0);
 }
 
 #[test]
 fn a_very_thick_absorber_is_a_half_space() {
-    /// exp(−2 · 20) = 4e-18 of the amplitude returns.
+    /// Depth of the layer in amplitudes' decay lengths: exp(−2 · 20) = 4e-18 of the amplitude returns.
     const DEPTH: f64 = 20.0;
     let mut worst = Worst::of("half space");
     each(13, |random| {

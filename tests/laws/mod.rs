@@ -1,4 +1,4 @@
-//! Laws of planar stacks, on many random ones: no reference but physics itself. Tolerances come from [`crate::scalar`].
+//! Laws of physics that planar stacks obey, tested on many random ones. Tolerances come from [`crate::scalar`].
 
 #![allow(clippy::needless_range_loop, reason = "one index runs through several arrays")]
 
@@ -8,6 +8,7 @@ mod invariance;
 mod limits;
 mod truncation;
 
+use crate::random::Random;
 use crate::reference::Layered;
 use crate::scalar::{Problem, Twin};
 use goniochrome::optics::interface::Model;
@@ -20,30 +21,12 @@ use num_complex::Complex64;
 const STACKS: u64 = 10_000;
 const MAX_LAYERS: u64 = 12;
 
-/// SplitMix64.
-pub struct Random(pub u64);
-
 impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
     fn dielectric(&mut self) -> Complex64 {
         self.between(1.0, 3.0).into()
     }
 
-    /// From faint absorbers to metals.
+    /// An absorbing medium, from faint absorbers to metals.
     fn absorber(&mut self) -> Complex64 {
         let k = 10f64.powf(self.between(-4.0, 0.9));
         Complex64::new(10f64.powf(self.between(-1.3, 0.7)), k)
@@ -95,9 +78,9 @@ impl Case {
     }
 
     fn power(&self) -> Power {
-        self.stack.with_optics::<F64, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
-            let response = optics.response();
-            Power { r: optics.reflectance(response.reflection), t: optics.transmittance(response.transmission) }
+        self.stack.with_prepared::<F64, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |prepared| {
+            let response = prepared.response();
+            Power { r: prepared.reflectance(response.reflection), t: prepared.transmittance(response.transmission) }
         })
     }
 
@@ -105,17 +88,17 @@ impl Case {
         self.traced_in(2 * (self.stack.thickness_nm.len() + 1), summation)
     }
 
-    /// [`Case::traced`] with so many slots.
+    /// [`Case::traced`] in a workspace of so many slots.
     fn traced_in<V: Lanes>(&self, slots: usize, summation: Summation) -> Traced<V> {
         let mut workspace = Box::new(Workspace::<V, 32>::new());
-        self.stack.with_optics::<V, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
+        self.stack.with_prepared::<V, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |prepared| {
             let memory = workspace.memory();
             let memory = TraceMemory { totals: memory.totals, slots: &mut memory.slots[..slots] };
-            trace_planar(optics, summation, memory).expect("the stack fits")
+            trace_planar(prepared, summation, memory).expect("the stack fits")
         })
     }
 
-    /// For each lane.
+    /// Both polarisations by the scalar solver, for each lane.
     fn twins(&self) -> Vec<[Twin; 2]> {
         let solve = |&wavelength_nm: &f64| {
             let Layered { eta, thickness_nm } = &self.stack;
@@ -144,7 +127,7 @@ struct Worst {
     relative: f64,
     absolute: f64,
     seen: u64,
-    /// Where the bound says nothing, being above what R and T can differ by.
+    /// Number of bounds that say nothing, since they are above the largest possible difference.
     vacuous: u64,
 }
 
@@ -165,7 +148,7 @@ impl Worst {
         self.relative = self.relative.max(error.abs() / bound);
     }
 
-    /// A law that mostly says nothing is no law.
+    /// Prints the worst error. Fails if more than a share `max_vacuous` of the bounds says nothing.
     fn report(self, max_vacuous: f64) {
         let Self { law, relative, absolute, seen, vacuous } = self;
         println!("{law}: worst {absolute:.1e}, {relative:.1e} of its bound; {vacuous} of {seen} unbounded");
@@ -173,7 +156,7 @@ impl Worst {
     }
 }
 
-/// Two descriptions of one thing: R and T agree. `media` is how far apart, relatively, their indices may be.
+/// Checks that R and T of two descriptions of one stack agree. `media` is the relative difference of their indices.
 fn equal(worst: &mut Worst, a: &Case, b: &Case, media: f64) {
     let (pa, pb) = (a.power(), b.power());
     for (lane, (ta, tb)) in a.twins().iter().zip(b.twins()).enumerate() {
@@ -189,6 +172,7 @@ fn equal(worst: &mut Worst, a: &Case, b: &Case, media: f64) {
     }
 }
 
+/// Calls `check` for each of the random stacks.
 fn each(seed: u64, mut check: impl FnMut(&mut Random)) {
     let mut random = Random(seed);
     (0..STACKS).for_each(|_| check(&mut random));
@@ -197,12 +181,12 @@ fn each(seed: u64, mut check: impl FnMut(&mut Random)) {
 impl Case {
     /// [`Case::power`] in single precision, at the same wavelengths.
     fn single(&self) -> Power {
-        self.stack.with_optics::<F32, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |optics| {
-            let response = optics.response();
+        self.stack.with_prepared::<F32, _>(self.theta_deg, &self.wavelengths_nm, Model::Physical, |prepared| {
+            let response = prepared.response();
             let widen = |x: Polarised<F32>| x.map(|x| <F64 as Lanes>::from_fn(|lane| x.lane(lane)));
             Power {
-                r: widen(optics.reflectance(response.reflection)),
-                t: widen(optics.transmittance(response.transmission)),
+                r: widen(prepared.reflectance(response.reflection)),
+                t: widen(prepared.transmittance(response.transmission)),
             }
         })
     }

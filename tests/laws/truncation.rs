@@ -1,18 +1,18 @@
-//! Sums of rays hit by hit are no further off than they say, whether they converge, diverge, ring for too long or lose
-//! rays.
+//! Tests that the error of sums of rays hit by hit stays within the truncation that they state, whether they converge,
+//! diverge, ring for too long or drop rays.
 
 use super::*;
 use goniochrome::trace::ledger::Ledger;
 
 const SOME_STACKS: u32 = 2_000;
-/// Error of closed loops in double precision, and of the twin, at the critical angle of a film or substrate too: R
-/// changes by up to 4 q_n there, of which the square is rounded to some 2e-15 |η|².
+/// Error of closed loops in double precision and of the scalar solver, also at a critical angle. R changes by up to 4
+/// q_n there, and the square of q_n is rounded to some 2e-15 |η|².
 const CLOSED_LOOPS: f64 = 4e-7;
-/// Few, so that many sums end early.
+/// Number of generations, few enough that many sums end early.
 const FEW_GENERATIONS: u32 = 2_000;
 
-/// Any passive stack: dielectrics, absorbers, metals; frustrated and total reflection. Where the light comes from a
-/// denser medium, every third time it comes exactly at the critical angle.
+/// A random passive stack: dielectrics, absorbers, metals, frustrated and total reflection. Where the light comes from
+/// a denser medium, it comes exactly at the critical angle in a third of the cases.
 fn any(random: &mut Random) -> Case {
     let dielectric = |random: &mut Random| Complex64::from(random.between(1.0, 4.0));
     let layers = random.below(7) as usize;
@@ -34,21 +34,21 @@ fn any(random: &mut Random) -> Case {
 }
 
 impl Case {
-    /// The same at the wavelength of one lane.
+    /// This case with the wavelength of one lane in all lanes.
     fn at(&self, lane: usize) -> Self {
         let one = self.with(self.stack.eta.clone(), self.stack.thickness_nm.clone());
         Self { wavelengths_nm: vec![self.wavelengths_nm[lane]; F64::WIDTH], ..one }
     }
 }
 
-/// How the sums of many lanes ended, by their `truncated`.
+/// Numbers of lanes by the error that their sums state.
 #[derive(Debug, Default)]
 struct Ends {
-    /// Below 1e-5.
+    /// Sums that state less than 1e-5.
     good: u32,
-    /// Up to 1.
+    /// Sums that state up to 1.
     poor: u32,
-    /// Beyond what any passive stack reflects.
+    /// Sums that state more than any passive stack reflects.
     absurd: u32,
 }
 
@@ -65,7 +65,7 @@ impl Ends {
     }
 }
 
-/// What each lane of a sum is off by, against what it says.
+/// Checks the error of each lane against the truncation that it states.
 fn check<V: Lanes>(worst: &mut Worst, case: &Case, ledger: &Ledger<V>) {
     let Layered { eta, thickness_nm } = &case.stack;
     for (lane, twins) in case.twins().iter().enumerate() {
@@ -80,11 +80,11 @@ fn check<V: Lanes>(worst: &mut Worst, case: &Case, ledger: &Ledger<V>) {
                 (lanes(ledger.reflected, lane)[pol], twin.reflectance, dr),
                 (lanes(ledger.transmitted, lane)[pol], twin.transmittance, dt),
             ] {
-                // A difference of powers is rounded like the larger of them.
+                // A difference of powers is rounded like the larger power.
                 let rounding = 4.0 * V::UNIT_ROUNDOFF * (got + want);
                 let error = (got - want).abs();
                 assert!(got.is_finite(), "{eta:?}");
-                // At the critical angle of a film, where first-order bounds say nothing, double precision still holds.
+                // At a film's critical angle, where first-order bounds say nothing, double precision keeps its bound.
                 let anywhere = if V::UNIT_ROUNDOFF < 1e-10 { CLOSED_LOOPS } else { f64::INFINITY };
                 assert!(
                     error <= truncated + rounding + anywhere,
@@ -107,9 +107,9 @@ fn no_further_off_than_they_say<V: Lanes>(law: &'static str, limits: Limits) {
         (0..F64::WIDTH).for_each(|lane| ends.count(ledger.truncated.lane(lane)));
     }
     println!("{law}: {ends:?}");
-    // All happen, or this shows little.
+    // The test shows little unless all three happen.
     assert!(ends.good > ends.poor && ends.poor > 0 && ends.absurd > 0, "{ends:?}");
-    // A fifth comes at a critical angle.
+    // A fifth of the cases are at a critical angle.
     worst.report(0.25);
 }
 
@@ -135,12 +135,12 @@ fn sums_of_hits_converge_where_light_travels_without_loss() {
         for lane in 0..F64::WIDTH {
             if Lanes::lane(trace.truncated, lane) <= limits.in_flight {
                 converged += 1;
-                // Amplitudes in flight of 1e-8, and resonances of up to 1e3 that such stacks have.
+                // Amplitudes in flight of 1e-8, times resonances of up to 1e3 in such stacks.
                 let truncated = Lanes::lane(ledger.truncated, lane);
                 assert!(truncated <= 1e-5, "{truncated:e}: {:?}", case.stack.eta);
             } else {
                 late += 1;
-                // It was right to give up: alone and with more time it takes longer.
+                // Giving up was right if the lane alone, with more generations, needs more.
                 let patient = Limits { generations: 10 * limits.generations, ..limits };
                 let alone = case.at(lane).traced::<F64>(Summation::Generations(patient)).trace;
                 early +=
@@ -154,7 +154,7 @@ fn sums_of_hits_converge_where_light_travels_without_loss() {
 
 #[test]
 fn sums_that_cannot_converge_are_given_up_early() {
-    // Thin metal films, at whose plasmons a loop gains; and a film at its critical angle, which holds light for 1e8
+    // Thin metal films, at whose plasmons a loop gains, and a film at its critical angle, which holds light for 1e8
     // hits.
     let metal = Complex64::new(0.2, 3.4);
     let sandwich =

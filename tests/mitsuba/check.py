@@ -1,4 +1,4 @@
-"""Our .bsdf files in unmodified Mitsuba 3, and our MERL file, against the tables they come from; see `run` for the files."""
+"""Compares .bsdf files in unmodified Mitsuba 3, and a MERL file, with their tables; see `run` for the files."""
 import struct
 import sys
 
@@ -8,15 +8,16 @@ import numpy as np
 from tables import Grid, Mirror, Scatter, direction
 
 FOLDER, ALPHA = sys.argv[1], 0.2
-# The goals: evaluation, relative, above 1 % of the peak; albedo; variance over that of Mitsuba's rough conductor.
+# The goals: relative error of evaluation above 1 % of the peak; error of the albedo; variance over that of Mitsuba's
+# rough conductor.
 EVAL, FLOOR, ALBEDO, VARIANCE = 0.005, 0.01, 0.01, 1.5
-# Mitsuba computes in single precision: a place in the warped square, between 0 and 1, comes out of about ten operations, each off
-# by up to 2^-24, and 256 samples a side make that many times more of an interval. In parts of the largest sample around, or of a
-# thousandth of the peak, since the weights of the table's own bins are single as well.
+# Mitsuba computes in single precision: a place in the warped square, between 0 and 1, results from about ten
+# operations, each off by up to 2^-24, and 256 samples a side multiply the error by 256. Relative to the largest sample
+# nearby, or to a thousandth of the peak, since the weights of the table's own bins are in single precision too.
 SINGLE, FAINT = 10 * 256 * 2.0**-24, 1e-3
-# The factor that keeps a direction's albedo is held to 1.1 either way; none but grazing ones may need it.
+# The factor that keeps a direction's albedo is limited to 1.1 either way; only grazing directions may need as much.
 SCALED = 0.1
-# Linear interpolation of a function without jumps errs by at most the first power of the spacing, of a smooth one by the second.
+# The error of linear interpolation falls with the spacing for continuous functions, with its square for smooth ones.
 FIRST_ORDER = 0.5
 PAIRS, STRATA = 3000, 150
 failures = []
@@ -55,7 +56,11 @@ def evaluate(bsdf, wi, wo, wavelengths):
     """f cos θ_o[channel, pair]; Mitsuba takes four wavelengths at a time."""
     count = 3 if wavelengths is None else len(wavelengths)
     fours = [None] if wavelengths is None else [np.resize(wavelengths[at : at + 4], 4) for at in range(0, count, 4)]
-    one = lambda i, o: sum((list(bsdf.eval(mi.BSDFContext(), interaction(i, four), [float(x) for x in o])) for four in fours), [])
+
+    def one(i, o):
+        o = [float(x) for x in o]
+        return sum((list(bsdf.eval(mi.BSDFContext(), interaction(i, four), o)) for four in fours), [])
+
     return np.array([one(i, o)[:count] for i, o in zip(wi, wo)], float).T
 
 
@@ -66,18 +71,19 @@ def evaluation(title, bsdf, table, grid, lobe):
     if not lobe:
         scale = grid.scaled(table)
         usual = np.cos(grid.theta) > 0.05
-        check(f"{title}: samples scaled to keep the albedo, median {np.median(np.abs(scale - 1)):.1e}, up to θ_i = 87°",
+        median = np.median(np.abs(scale - 1))
+        check(f"{title}: samples scaled to keep the albedo, median {median:.1e}, up to θ_i = 87°",
               np.abs(scale[:, usual] - 1).max(), SCALED)
     expressed, low, high = grid.interpolated(table, wi, wo)
     bright = np.abs(want) > FLOOR * np.abs(want).max()
     error = np.abs(got - want)[bright] / np.abs(want)[bright]
     at = np.percentile(error, [50, 99])
-    print(f"{title}, {grid.bytes / 1e6:.0f} MB, eval against the table, goal {EVAL}: median {at[0]:.2e}, 99th percentile {at[1]:.2e}, "
-          f"largest {error.max():.2e}, within the goal {100 * (error <= EVAL).mean():.1f} %")
-    # The file holds the table at its nodes, and nothing but linear interpolation stands between the two.
+    print(f"{title}, {grid.bytes / 1e6:.0f} MB, eval against the table, goal {EVAL}: median {at[0]:.2e}, "
+          f"99th percentile {at[1]:.2e}, largest {error.max():.2e}, within the goal {100 * (error <= EVAL).mean():.1f} %")
+    # The file holds the table at its nodes, so the two differ only by linear interpolation.
     largest = np.maximum(np.maximum(np.abs(low), np.abs(high)).max(0), FAINT * np.abs(want).max())
     check("  eval against the table interpolated at the file's nodes", (np.abs(got - expressed) / largest).max(), SINGLE)
-    # What is left is a matter of how many nodes a file may have.
+    # The remaining error depends on the number of nodes that a file may have.
     coarse = grid.halved().interpolated(table, wi, wo)[0]
     ratio = np.abs(expressed - want)[bright].mean() / np.abs(coarse - want)[bright].mean()
     check("  mean error, over that with every second node", ratio, FIRST_ORDER)
@@ -86,7 +92,7 @@ def evaluation(title, bsdf, table, grid, lobe):
 
 
 def weights(bsdf, si, of=None, wi=None, wavelengths=None):
-    """f cos θ_o/pdf of samples, stratified; of another BRDF on request."""
+    """f cos θ_o/pdf of stratified samples, where f may be that of another BRDF."""
     draw, out = np.random.default_rng(2), []
     for i in range(STRATA):
         for k in range(STRATA):
@@ -100,9 +106,9 @@ def weights(bsdf, si, of=None, wi=None, wavelengths=None):
 
 
 def sampling(title, bsdf, table, lobe, bare):
-    """Albedo by our samples, and their variance over that of Mitsuba's rough conductor of equal roughness: of aluminium against its own
-    aluminium; of a colour that changes with the angle, which it lacks, against its directions weighted by our BRDF. Variances add
-    up over the channels, since one density serves all of them."""
+    """Checks the albedo by our samples, and their variance over that of Mitsuba's rough conductor of equal roughness.
+    Aluminium is compared with its own aluminium. A colour that changes with the angle, which it lacks, is compared with
+    its directions weighted by our BRDF. Variances are added over the channels, since one density serves all of them."""
     rgb = table.wavelengths is None
     channels = range(3) if rgb else np.arange(4) % len(table.wavelengths)
     side = 400
@@ -122,9 +128,10 @@ def sampling(title, bsdf, table, lobe, bare):
         variance = lambda w: w.var(0).sum() / (w.mean(0) ** 2).sum()
         rough = mi.load_dict(theirs)
         compared = weights(rough, si) if bare else weights(rough, si, bsdf)
-        least = np.sqrt((truth**2).sum(0)).sum() ** 2 / (truth.sum(1) ** 2).sum() - 1
-        print(f"  relative variance {variance(ours):.4f}; least of any one density for all channels {least:.4f}; "
-              f"{'Mitsuba’s own aluminium' if bare else 'the same sampled by the rough conductor'} {variance(compared):.4f}")
+        minimum = np.sqrt((truth**2).sum(0)).sum() ** 2 / (truth.sum(1) ** 2).sum() - 1
+        peer = "Mitsuba’s own aluminium" if bare else "sampled by the rough conductor"
+        print(f"  relative variance {variance(ours):.4f}; minimum for one density for all channels {minimum:.4f}; "
+              f"{peer} {variance(compared):.4f}")
         check(f"  variance ratio at {theta} rad", variance(ours) / variance(compared), VARIANCE)
 
 

@@ -1,4 +1,4 @@
-"""Tables as their OpenEXR files define them, read by other people's code, and what a .bsdf file can express of them."""
+"""Tables as their OpenEXR files define them, read by other people's code, and as a .bsdf file can express them."""
 import struct
 
 import numpy as np
@@ -22,14 +22,14 @@ def direction(theta, phi):
 
 
 def held(place, count):
-    """Neighbours and weight on a grid whose ends are held."""
+    """Neighbours and weight of a place on a grid, which is held constant beyond its ends."""
     place = np.clip(place, 0, count - 1)
     below = np.clip(place.astype(int), 0, max(count - 2, 0))
     return below, np.minimum(below + 1, count - 1), place - below
 
 
 def around(turn, count):
-    """The same, around a circle."""
+    """Neighbours and weight of a place on a periodic grid."""
     place = (turn - np.floor(turn)) * count
     below = place.astype(int) % count
     return below, (below + 1) % count, place - np.floor(place)
@@ -61,12 +61,12 @@ class Mirror:
         return self.lobe(wi, m, wo[:, 2]) * self.density(m)
 
     def smooth(self, wi, m):
-        """What the file samples: f cos θ_o 4σ/D, on below the horizon."""
+        """The function that the file samples: f cos θ_o 4σ/D, continued below the horizon."""
         cos_o = np.maximum(2 * (wi * m).sum(-1) * m[:, 2] - wi[:, 2], -0.5 * wi[:, 2])
         return self.lobe(wi, m, cos_o) * cos_o / self.facets(wi, m)
 
     def facets(self, wi, m):
-        """D/4σ, of which D belongs to the half vector asked for and is not interpolated."""
+        """1/4σ. The factor D belongs to the half vector in question and is not interpolated."""
         return 1 / (2 * (wi[:, 2] + self.root(wi[:, 2])))
 
     def expressed(self, wi, m):
@@ -126,7 +126,7 @@ class Axis:
 
 
 class Grid:
-    """The places where a .bsdf file samples its table: read from the file, all but the samples themselves."""
+    """The places where a .bsdf file samples its table, read from the file."""
 
     def __init__(self, path):
         raw = open(path, "rb").read()
@@ -149,8 +149,8 @@ class Grid:
         self.scale = np.ones(self.samples.shape[:3])
 
     def scaled(self, table):
-        """Takes over the factor by which the file scales each incident direction and channel to keep its albedo, at its largest
-        sample; returns the factors."""
+        """Takes the factor by which the file scales each incident direction and channel to keep its albedo from the
+        largest sample. Returns the factors."""
         flat = np.abs(self.samples).reshape(*self.samples.shape[:3], -1).argmax(-1)
         phi, theta, channel = np.indices(flat.shape)
         side = len(self.nodes[0])
@@ -163,7 +163,7 @@ class Grid:
         return self.scale
 
     def halved(self):
-        """The same with every second sample."""
+        """A grid with every second sample of this one."""
         other = Grid.__new__(Grid)
         thin = lambda nodes: nodes if len(nodes) == 1 else np.append(nodes[:-1:2], nodes[-1])
         other.axes, other.theta, other.phi = self.axes, thin(self.theta), thin(self.phi)
@@ -173,7 +173,7 @@ class Grid:
         return other
 
     def interpolated(self, table, wi, wo):
-        """f cos θ_o as the format interpolates the table, and the least and largest of the samples around."""
+        """f cos θ_o as the format interpolates the table, and the smallest and largest of the samples around."""
         m = wi + wo
         m = m / np.linalg.norm(m, axis=-1, keepdims=True)
         theta, phi = np.arccos(np.clip(wi[:, 2], -1, 1)), np.arctan2(wi[:, 1], wi[:, 0])

@@ -1,7 +1,7 @@
 """Writes ../data/precise.txt: R and T of 500 stacks to the last digit of a double, computed with 80 digits.
 
-By fields, not by reflections: (E, H) for s and (H, E) for p climb from the substrate. Inputs are taken as the doubles they are,
-the angle in degrees. Run: pip install mpmath && python3 stacks.py
+It carries fields, not reflection coefficients: (E, H) for s and (H, E) for p, upwards from the substrate. Inputs are
+exact doubles, angles are in degrees. Run: pip install mpmath && python3 stacks.py
 """
 
 import math
@@ -16,7 +16,7 @@ rng = random.Random(20)
 
 
 def power(n, d, deg, nm):
-    """[R_s, R_p, T_s, T_p]; without a medium below the last layer it lies on a perfect mirror."""
+    """[R_s, R_p, T_s, T_p] of a stack. Without a medium below the last layer it lies on a perfect mirror."""
     if deg == 90:
         sine, cosine = mpf(1), mpf(0)
     else:
@@ -159,8 +159,9 @@ def cases():
         yield kind.__name__, n, d, deg, nm
 
 
-HEAD = """# R and T of planar stacks, made by tests/precise/stacks.py (mpmath, 80 digits): name; degrees; nm; n of ambient, layers and
-# substrate, as n or n+ki, the last missing on a mirror; thicknesses in nm; R_s R_p T_s T_p. Numbers are doubles, to the last digit.
+HEAD = """# R and T of planar stacks, made by tests/precise/stacks.py (mpmath, 80 digits): name; degrees; nm; n of ambient, layers
+# and substrate, as n or n+ki, the last missing on a mirror; thicknesses in nm; R_s R_p T_s T_p. Numbers are doubles, to
+# the last digit.
 """
 
 

@@ -1,4 +1,4 @@
-"""Tables as read_table.py reads them, against other commands of the program. Arguments: the program, a folder to work in."""
+"""Compares tables as read_table.py reads them with other commands. Arguments: the program, a folder to work in."""
 
 import csv
 import json
@@ -19,20 +19,23 @@ def run(*words):
 def mirror():
     """A 2D table holds what `spectrum` prints."""
     run("estimate", "soap-bubble", "-o", WORK / "mirror.exr", "--angles", 6, "--wavelengths", "450:650:50", "-q")
-    run("spectrum", "soap-bubble", "--theta", "0,15,30,45,60,75", "--wavelengths", "450:650:50", "--csv", WORK / "s.csv", "-q")
+    grid = ["--theta", "0,15,30,45,60,75", "--wavelengths", "450:650:50"]
+    run("spectrum", "soap-bubble", *grid, "--csv", WORK / "s.csv", "-q")
     rho, theta_deg, wavelength_nm = read(str(WORK / "mirror.exr"))
     rows = list(csv.DictReader(open(WORK / "s.csv")))
-    expected = {(float(r["theta_deg"]), float(r["wavelength_nm"])): 0.5 * (float(r["R_s"]) + float(r["R_p"])) for r in rows}
-    worst = max(abs(rho[a, w] - expected[t, nm]) for a, t in enumerate(theta_deg) for w, nm in enumerate(wavelength_nm))
+    number = lambda row, *keys: [float(row[key]) for key in keys]
+    expected = {tuple(number(row, "theta_deg", "wavelength_nm")): np.mean(number(row, "R_s", "R_p")) for row in rows}
+    places = ((a, t, w, nm) for a, t in enumerate(theta_deg) for w, nm in enumerate(wavelength_nm))
+    worst = max(abs(rho[a, w] - expected[t, nm]) for a, t, w, nm in places)
     assert worst < 1e-6 and rho.shape == (6, 5), worst
     print(f"2D table: {rho.size} reflectances within {worst:.1e}")
 
 
 def scatter():
-    """A 4D table sends light of the header's directions where `scatter` sends it, by the header's edges."""
+    """A 4D table holds, for the header's directions and edges of bins, the powers that `scatter` finds."""
     bins, wavelength = (8, 16), 550
     table = WORK / "scatter.exr"
-    # Grooves along y: nothing hides a turned or mirrored azimuth.
+    # Grooves along y show a turned or mirrored azimuth.
     run("estimate", "dvd", "-o", table, "--incident", "3x4", "--bins", "8x16", "--rays", 8192, "--wavelengths", wavelength,
         "--coherence", "none", "-q")  # fmt: skip
     f, theta_deg, phi_deg, cos_edges, phi_edges_deg, wavelength_nm = read(str(table))
@@ -40,8 +43,9 @@ def scatter():
     projected = np.diff(cos_edges**2)[:, None] / 2 * np.radians(np.diff(phi_edges_deg))[None, :]
     for t, theta in enumerate(theta_deg):
         for p, phi in enumerate(phi_deg):
-            run("scatter", "dvd", "--theta", theta, "--phi", phi, "--wavelength", wavelength, "--bins", "8x16", "--rays", 8192,
-                "--coherence", "none", "--json", WORK / "s.json", "-q")  # fmt: skip
+            light = ["--theta", theta, "--phi", phi, "--wavelength", wavelength]
+            options = ["--bins", "8x16", "--rays", 8192, "--coherence", "none"]
+            run("scatter", "dvd", *light, *options, "--json", WORK / "s.json", "-q")
             said = json.loads((WORK / "s.json").read_text())
             power, error = np.zeros(bins), np.zeros(bins)
             for one in said["bins"]:

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Reads a table of `goniochrome estimate` into NumPy: the whole of it in a few lines. Needs numpy and OpenEXR (PyPI).
+"""Reads a table of `goniochrome estimate` into NumPy in a few lines. Needs numpy and OpenEXR (PyPI).
 
     python3 tests/python/read_table.py table.exr
 
-A 2D table of a mirror-like surface gives rho[angle, wavelength], a 4D table of a cell f[theta_i, phi_i, cos_o, phi_o,
-wavelength] in 1/sr, with the angles of incidence, the edges of the outgoing bins (phi_o relative to phi_i), and wavelengths.
+A 2D table of a mirror-like surface gives rho[angle, wavelength], the angles and the wavelengths. A 4D table of a cell
+gives f[theta_i, phi_i, cos_o, phi_o, wavelength] in 1/sr, the angles of incidence, the edges of the outgoing bins
+(phi_o relative to phi_i) and the wavelengths.
 """
 
 import sys

@@ -1,6 +1,6 @@
 """Runs the three shaders of tests/shaders/run on a texture, and compares them with the library's own look-up.
 
-Arguments: the folder of the shaders, the texture (.exr or .png), and the command that looks points up.
+Arguments: the folder of the shaders, the texture (.exr or .png), and the command that looks up points.
 """
 import os
 import subprocess
@@ -13,9 +13,9 @@ import numpy
 import OpenEXR
 import png
 
-# Issued as the goal: half floats keep values below 2 within 2^-11, and 16 bits within 2^-17.
+# Half floats round values below 2 by at most 2^-11, and 16 bits by 2^-17.
 TOLERANCE = 1 / 1024
-SIDE = 64  # points a row and a column of the list
+SIDE = 64  # points in each row and column of the list
 
 VERTEX = """
 #version 330
@@ -26,7 +26,7 @@ void main() {
 
 
 def points():
-    """Random ones, the corners and the edges of the range, and some beyond it."""
+    """Random points, the corners and edges of the range, and points beyond it."""
     random = numpy.random.default_rng(1).random((SIDE * SIDE, 2))
     ends = numpy.array([-0.5, 0.0, 1e-4, 0.5, 1.0 - 1e-4, 1.0, 1.5])
     corners = numpy.stack(numpy.meshgrid(ends, ends), -1).reshape(-1, 2)
@@ -56,7 +56,7 @@ def texture(context, path):
 def run(context, shader, lut, at):
     program = context.program(VERTEX, open(shader).read())
     names = [name for name in program if isinstance(program[name], moderngl.Uniform)]
-    # spirv-cross and naga have their own names, which hold the variable's or its binding; one texture may have several.
+    # spirv-cross and naga choose names that hold the variable's name or its binding; a texture may have several names.
     of_points = [name for name in names if "points" in name or "binding_2" in name]
     assert len(of_points) == 1 and len(names) > 1, names
     for name in names:
@@ -84,7 +84,7 @@ def main():
     for language in ("glsl", "hlsl", "wgsl"):
         got = run(context, f"{folder}/{language}.frag", lut, at)
         worst = float(numpy.abs(got - want).max())
-        failed |= not worst <= TOLERANCE  # no number is a failure too
+        failed |= not worst <= TOLERANCE  # NaN is a failure too
         print(f"{os.path.basename(path)} {size[0]} × {size[1]}, {language} on {context.info['GL_RENDERER']}: "
               f"largest difference {worst:.1e} of {len(at)} points (at most {TOLERANCE:.1e})")
     sys.exit("a shader function differs from the library's look-up" if failed else 0)

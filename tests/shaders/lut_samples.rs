@@ -1,5 +1,6 @@
-//! Reads lines of "cos θ, parameter" and prints the texture's colour at each, by the library's own look-up: the truth for
-//! the shader functions. Arguments: exr or png (colours in the gamut), the scene, the width and, if any, what is varied.
+//! Reads lines of "cos θ, parameter" and prints the texture's colour at each, by the library's own look-up: the truth
+//! for the shader functions. Arguments: exr or png (colours in the gamut), the scene, the width and, if any, what is
+//! varied.
 
 use std::error::Error;
 use std::io::stdin;

@@ -1,5 +1,5 @@
-//! The core alone on a microcontroller: traces the stack of the paper's figure 4 (three films, n = 2.4, 180 nm films and gaps)
-//! and prints θ, λ, R_s and R_p as `goniochrome spectrum` does, then how much stack that took.
+//! The core alone on a microcontroller: traces the stack of the paper's figure 4 (three films, n = 2.4, 180 nm films
+//! and gaps) and prints θ, λ, R_s and R_p as `goniochrome spectrum` does, then how much stack that took.
 #![no_std]
 #![no_main]
 
@@ -16,7 +16,7 @@ use goniochrome::simd::lanes::{F32, Lanes};
 use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use semihosting::{Console, exit};
 
-/// Planes: five layers and one more.
+/// Number of planes: one more than the five layers.
 const PLANES: usize = 6;
 
 #[entry]
@@ -26,13 +26,13 @@ fn main() -> ! {
     exit(traced)
 }
 
-/// Prints 81 wavelengths at one angle.
+/// Traces and prints 81 wavelengths at one angle.
 fn spectrum(theta_deg: f64) -> Option<()> {
     let media = [Medium::VACUUM, Medium::constant(2.4.into()).ok()?];
     let layers = [1, 0, 1, 0, 1].map(|medium| Film { medium, thickness_nm: 180.0 });
     let mut arrays = StackArrays::<PLANES>::new();
     let stack = Stack::new(0, layers, Below::Medium(0), arrays.memory()).ok()?;
-    // Three angles need no sine function.
+    // The sines of three angles, so that no sine function is needed.
     let sin_theta = match theta_deg {
         45.0 => core::f64::consts::FRAC_1_SQRT_2,
         75.0 => 0.965_925_826_289_068_3,
@@ -44,9 +44,9 @@ fn spectrum(theta_deg: f64) -> Option<()> {
         let mut eta = [ComplexLanes::zero(); 2];
         let lanes = MediaLanes::<F32>::evaluate(&media, &nm, &mut eta).ok()?;
         let mut memory = PreparedStackArrays::<F32, PLANES>::new();
-        let optics = PreparedStack::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
+        let prepared = PreparedStack::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
         let mut workspace = Workspace::<F32, PLANES>::new();
-        let reflected = trace_planar(&optics, Summation::ClosedLoops, workspace.memory()).ok()?.ledger.reflected;
+        let reflected = trace_planar(&prepared, Summation::ClosedLoops, workspace.memory()).ok()?.ledger.reflected;
         for (lane, nm) in nm.iter().enumerate().filter(|(_, nm)| **nm <= 780.0) {
             let (s, p) = (reflected.s.lane(lane) as f32, reflected.p.lane(lane) as f32);
             writeln!(Console, "{theta_deg},{nm},{s},{p}").ok()?;
@@ -56,7 +56,7 @@ fn spectrum(theta_deg: f64) -> Option<()> {
     Some(())
 }
 
-/// Bytes from the top of the stack to the last word that still has the paint of `cortex-m-rt`.
+/// Number of bytes of stack that were used: those above the words that still have the paint of `cortex-m-rt`.
 fn stack_used() -> usize {
     unsafe extern "C" {
         static _stack_start: u32;

@@ -1,4 +1,4 @@
-//! Cells of polygons: hierarchy, mesh, coatings, every way to follow rays, every sink, sampling, diffraction orders.
+//! Functions for cells of polygons: hierarchy, mesh, coatings, both tracers, every sink, sampling, diffraction orders.
 
 use core::slice;
 use goniochrome::geometry::bvh::{Bvh, Hit, Node, Ray};
@@ -21,7 +21,7 @@ use goniochrome::trace::random::Random;
 use goniochrome::trace::sobol::sobol;
 use goniochrome::trace::waves::{Limits, trace};
 
-/// What a caller has: any numbers.
+/// The inputs, which only the caller knows.
 pub struct Scene<'a> {
     vertices_nm: &'a [DVec3],
     triangles: &'a [[u32; 3]],
@@ -42,7 +42,7 @@ pub struct Scene<'a> {
     interference: bool,
 }
 
-/// Where a caller keeps what is computed.
+/// The caller's memory for results.
 pub struct Memory<'a> {
     nodes: &'a mut [Node],
     order: &'a mut [u32],
@@ -61,7 +61,7 @@ impl Histogram for Power<'_> {
     }
 }
 
-/// Power that a scene reflects, in single precision and in double; NaN if something is refused.
+/// The sum of the powers that a scene reflects, in single and in double precision; NaN if an input is refused.
 #[unsafe(no_mangle)]
 pub extern "C" fn cell_power(scene: &Scene<'_>, memory: &mut Memory<'_>) -> f64 {
     let single = power::<F32>(scene, memory).unwrap_or(f64::NAN);
@@ -83,33 +83,33 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let media = MediaLanes::<V>::evaluate(&media, scene.wavelengths_nm, &mut eta).ok()?;
     let ambient = media.eta().first().copied()?;
     let incident = IncidentWave::new(scene.wi, ambient);
-    let (mut polygons, mut geometric) =
+    let (mut coherent, mut incoherent) =
         (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
     let (mut slots, mut paths) = ([free_slot::<V>(); 26], [incoherent_mesh::free_slot::<V>(); 10]);
     let mut exit_memory = [ExitRecord::<V>::none(); 64];
     let mut exits = ExitBuffer::new(&mut exit_memory, scene.grid, &media);
     let mut fields = [Polarised::both(VectorLanes::zero()); 64];
     let mut bins = BinFields::new(&mut fields, scene.grid, &media, incident.wavevector());
-    let most = max_order(scene.period_nm[0], 1.0, 380.0);
-    let mut order = [Order::new(scene.order.map(|m| m.min(most)), scene.wi, scene.period_nm, ambient, &media)];
+    let max = max_order(scene.period_nm[0], 1.0, 380.0);
+    let mut order = [Order::new(scene.order.map(|m| m.min(max)), scene.wi, scene.period_nm, ambient, &media)];
     let mut orders = Orders::new(&mut order, scene.wi, ambient, &media);
     let limits = Limits { in_flight: 1e-13, generations: 10_000 };
     let mut sum = V::zero();
     for ray in 0..scene.rays {
         let [u, v] = sobol(ray, scene.seed);
-        let Some((state, field)) = polygons.start(u, v) else { continue };
+        let Some((state, field)) = coherent.start(u, v) else { continue };
         let mut random = Random::new(ray, scene.seed);
         exits.begin(state.point_nm());
         if scene.interference {
             let few = Limits { in_flight: 0.01, ..limits };
-            let spill = IncoherentFallback::new(&mut geometric, &mut paths, few, &mut random);
-            sum += trace_with_fallback(&mut polygons, state, field, &mut slots, limits, spill, &mut exits).truncated;
+            let fallback = IncoherentFallback::new(&mut incoherent, &mut paths, few, &mut random);
+            sum += trace_with_fallback(&mut coherent, state, field, &mut slots, limits, fallback, &mut exits).truncated;
             bins.begin(state.point_nm());
-            sum += trace(&mut polygons, state, field, &mut slots, limits, &mut bins).truncated;
+            sum += trace(&mut coherent, state, field, &mut slots, limits, &mut bins).truncated;
             orders.begin(state.point_nm());
-            sum += trace(&mut polygons, state, field, &mut slots, limits, &mut orders).truncated;
-        } else if let Some((path, light)) = geometric.start(u, v) {
-            sum += follow_paths(&mut geometric, path, light, &mut paths, limits, &mut random, &mut exits).truncated;
+            sum += trace(&mut coherent, state, field, &mut slots, limits, &mut orders).truncated;
+        } else if let Some((path, light)) = incoherent.start(u, v) {
+            sum += follow_paths(&mut incoherent, path, light, &mut paths, limits, &mut random, &mut exits).truncated;
         }
         sum += exits.flush(&mut Power(memory.bins));
     }
@@ -117,10 +117,10 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
         sum += order.efficiency(f64::from(scene.rays)).s;
     }
     sum += fields[0].map(VectorLanes::norm_sqr).p
-        + polygons.lost()
-        + polygons.absorbed().s
-        + geometric.lost()
-        + geometric.absorbed();
+        + coherent.lost()
+        + coherent.absorbed().s
+        + incoherent.lost()
+        + incoherent.absorbed();
     let solid: f64 =
         (0..memory.bins.len().min(scene.grid.count())).map(|bin| scene.grid.projected_solid_angle(bin)).sum();
     Some(sum.lane(0) + solid)

@@ -1,4 +1,4 @@
-//! Planar films: closed form, both sums of rays, colour.
+//! Functions for planar films: closed form, both sums of rays, colour.
 
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use goniochrome::optics::interface::{Below, Model};
@@ -9,7 +9,8 @@ use goniochrome::simd::lanes::{F32, Lanes};
 use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use goniochrome::trace::waves::Limits;
 
-/// Luminance of a film of index `n` in air, traced both ways and in closed form; NaN if something is refused.
+/// The luminance of a film of index `n` in air, summed over the closed form and both sums of rays; NaN if an input is
+/// refused.
 #[unsafe(no_mangle)]
 pub extern "C" fn film_luminance(n: f64, thickness_nm: f64, sin_theta: f64) -> f64 {
     luminance(n, thickness_nm, sin_theta).unwrap_or(f64::NAN)
@@ -23,11 +24,11 @@ fn luminance(n: f64, thickness_nm: f64, sin_theta: f64) -> Option<f64> {
     let mut arrays = StackArrays::<2>::new();
     let stack = Stack::new(0, [Film { medium: 1, thickness_nm }], Below::Medium(0), arrays.memory()).ok()?;
     let mut memory = PreparedStackArrays::<F32, 2>::new();
-    let optics = PreparedStack::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
+    let prepared = PreparedStack::prepare(stack, &lanes, sin_theta, Model::Physical, memory.memory()).ok()?;
     let mut workspace = Workspace::<F32>::new();
-    let mut sum = optics.reflectance(optics.reflection()).s;
+    let mut sum = prepared.reflectance(prepared.reflection()).s;
     for summation in [Summation::ClosedLoops, Summation::Generations(Limits::SINGLE)] {
-        sum += trace_planar(&optics, summation, workspace.memory()).ok()?.ledger.reflected.p;
+        sum += trace_planar(&prepared, summation, workspace.memory()).ok()?.ledger.reflected.p;
     }
     let mut weights = [[0.0; 3]; F32::WIDTH];
     xyz_weights(&wavelengths, Illuminant::D65, Quadrature::Interpolated, &mut weights).ok()?;

@@ -1,4 +1,4 @@
-//! Tables: made, written, read, looked up and sampled.
+//! Functions for tables: making, writing, reading, look-up and sampling.
 
 use goniochrome::glam::Vec3;
 use goniochrome::measure::bins::DirectionBins;
@@ -6,7 +6,7 @@ use goniochrome::colour::RgbSpace;
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
 
-/// What a blob gives for two directions; NaN if it is refused.
+/// The sum of all that a table blob gives for two directions; NaN if it is refused.
 #[unsafe(no_mangle)]
 pub extern "C" fn table_look_up(bytes: &&[u8], wi: &Vec3, wo: &Vec3, u: &[f32; 2]) -> f32 {
     let Ok(blob) = Blob::read(bytes) else { return f32::NAN };
@@ -21,7 +21,7 @@ pub extern "C" fn table_look_up(bytes: &&[u8], wi: &Vec3, wo: &Vec3, u: &[f32; 2
     }
 }
 
-/// Makes a table of either kind and writes it; false if something is refused.
+/// Makes a table of either kind and writes it as a blob. Returns whether it succeeded.
 #[unsafe(no_mangle)]
 pub extern "C" fn table_write(
     values: &&[f32],
