@@ -66,6 +66,9 @@ pub fn contrast(layers: usize) -> Layered {
 
 impl Layered {
     /// Calls `f` with this stack and its media at one group of wavelengths.
+    ///
+    /// # Panics
+    /// If a medium is not passive, or there are more than [`MAX_PLANES`] planes.
     pub fn with<V: Lanes, R>(&self, wavelengths_nm: &[f64], f: impl FnOnce(Stack<'_>, &MediaLanes<'_, V>) -> R) -> R {
         let media: Vec<Medium<'_>> =
             self.media.iter().map(|&eta| Medium::constant(eta).expect("a passive medium")).collect();
@@ -79,6 +82,9 @@ impl Layered {
     }
 
     /// Calls `f` with this stack, prepared for one angle and group of wavelengths.
+    ///
+    /// # Panics
+    /// If a medium is not passive, or there are more than [`MAX_PLANES`] planes.
     pub fn with_prepared<V: Lanes, R>(
         &self,
         sin_theta: f64,

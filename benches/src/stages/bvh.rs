@@ -11,6 +11,9 @@ use super::{Visit, Work};
 const RAYS: usize = 1000;
 
 /// The hierarchy of a teapot of 5112 triangles: building it, and incoherent rays through it.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn bvh(visit: Visit<'_>) {
     let mesh = TriangleMesh::teapot(9);
     let count = mesh.triangles.len();

@@ -34,6 +34,9 @@ impl Histogram for Total {
 }
 
 /// Starting rays through the bumpy soap film at 30 degrees: their paths add as powers, or interfere.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn cell<V: Lanes>(visit: Visit<'_>) {
     let scene = load("bumpy-soap-film").expect("a preset");
     let mesh_scene = MeshScene::new(&scene).expect("a cell");

@@ -11,6 +11,9 @@ use super::{Visit, Work};
 const EXITS: usize = 64;
 
 /// The coherent sum of 64 rays that leave in two directions, added as amplitudes.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn coherence<V: Lanes>(visit: Visit<'_>) {
     let amplitude = |i: usize| ComplexLanes::new(V::splat(1.0 / (i + 1) as f64), V::splat(-0.5 / (i + 1) as f64));
     let fields: Vec<_> = (0..EXITS).map(|i| Polarised::both(amplitude(i))).collect();

@@ -5,6 +5,9 @@ use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use super::{Visit, Work};
 
 /// Colour: the observer's weights on a grid of 81 wavelengths, and the RGB of a spectrum.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn colour(visit: Visit<'_>) {
     let grid: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();
     let mut weights = vec![[0.0; 3]; grid.len()];

@@ -7,6 +7,9 @@ use goniochrome::simd::lanes::Lanes;
 use super::{Visit, Work};
 
 /// An interface: a plane wave's normal component in a medium, and Fresnel's coefficients between two media.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn interface<V: Lanes>(visit: Visit<'_>) {
     let work = |name| Work { stage: "interface", name, unit: "wavelengths", amount: V::WIDTH as f64 };
     let eta = |re: f64, im: f64| ComplexLanes::new(V::Precise::splat(re), V::Precise::splat(im));

@@ -7,6 +7,9 @@ use goniochrome::simd::phase::{cis, propagate};
 use super::{Visit, Work};
 
 /// Phases: sine and cosine of a reduced phase, and whole propagators.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn phase<V: Lanes>(visit: Visit<'_>) {
     let work = |name| Work { stage: "phase", name, unit: "wavelengths", amount: V::WIDTH as f64 };
     let phase = V::from_fn(|i| 0.9 * (i as f64 / V::WIDTH as f64) - 0.45);

@@ -7,6 +7,9 @@ use super::{Visit, Work};
 use crate::{LIMITS, MAX_PLANES, beetle, group};
 
 /// Rays through the 20-layer stack at 30 degrees: with loops closed, and hit by hit.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn planar<V: Lanes>(visit: Visit<'_>) {
     let stack = beetle();
     let mut workspace = Box::new(Workspace::<V, MAX_PLANES>::new());

@@ -8,6 +8,9 @@ use super::{Visit, Work};
 use crate::{MAX_PLANES, beetle, group};
 
 /// The closed form of the 20-layer stack at 30 degrees: preparing the stack, and the recursion.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn stack<V: Lanes>(visit: Visit<'_>) {
     let stack = beetle();
     let amount = (V::WIDTH * stack.layers.len()) as f64;

@@ -18,6 +18,9 @@ fn work(name: &'static str) -> Work {
 }
 
 /// Table look-ups: RGB of 2D and 4D tables in random directions, and glTF's formula for a film, which they replace.
+///
+/// # Panics
+/// If a result is wrong.
 pub fn table(visit: Visit<'_>) {
     let mut random = Random::new(0, 2);
     let angles: Vec<f32> = (0..LOOKUPS).map(|_| (random.next() * 1.55) as f32).collect();
