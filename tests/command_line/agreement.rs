@@ -48,7 +48,7 @@ fn the_closed_form_and_both_ways_of_tracing_agree() {
             ("--precision f32 --method trace", SINGLE),
             ("--precision f32 --method hits", SINGLE_BY_HITS),
         ];
-        agree(&exact, &run, &cases);
+        agree(&exact, run, &cases);
         // To show that the comparison can fail: the models differ where there is more than one path.
         let paper = difference(&exact, &run("--precision f64 --method stack --model paper"));
         assert!(paper > 1e-3, "{scene}: {paper:e}");
@@ -66,7 +66,7 @@ fn precisions_hold_at_grazing_incidence() {
         ("--method hits", SINGLE_BY_HITS),
         ("--precision f64 --method trace", DOUBLE_ROUNDING),
     ];
-    agree(&exact, &run, &cases);
+    agree(&exact, run, &cases);
 }
 
 /// A narrow filter of quarter waves at 550 nm: so many pairs of 2.35 and 1.46 on each side of a half wave of 1.46, on

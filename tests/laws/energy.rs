@@ -38,20 +38,20 @@ fn stacks_are_reciprocal() {
         if sin >= 0.9999 {
             return; // no light arrives from below at this angle
         }
-        let turned = |v: &[f64]| v.iter().rev().copied().collect::<Vec<_>>();
-        let mut eta = case.stack.eta.clone();
+        let (mut eta, mut thickness_nm) = (case.stack.eta.clone(), case.stack.thickness_nm.clone());
         eta.reverse();
-        let mut back = case.with(eta, turned(&case.stack.thickness_nm));
-        back.theta_deg = sin.asin().to_degrees();
-        let (there, home) = (case.power(), back.power());
-        for (lane, (a, b)) in case.twins().iter().zip(back.twins()).enumerate() {
+        thickness_nm.reverse();
+        let mut reversed = case.with(eta, thickness_nm);
+        reversed.theta_deg = sin.asin().to_degrees();
+        let (down, up) = (case.power(), reversed.power());
+        for (lane, (a, b)) in case.twins().iter().zip(reversed.twins()).enumerate() {
             for pol in 0..2 {
                 let [ar, at] = a[pol].rounding(F64::UNIT_ROUNDOFF);
                 let [br, bt] = b[pol].rounding(F64::UNIT_ROUNDOFF);
                 let what = || format!("{:?} {:?}", case.stack.eta, case.stack.thickness_nm);
-                transmitted.see(lanes(there.t, lane)[pol] - lanes(home.t, lane)[pol], at + bt, what);
+                transmitted.see(lanes(down.t, lane)[pol] - lanes(up.t, lane)[pol], at + bt, what);
                 if !case.absorbs() {
-                    reflected.see(lanes(there.r, lane)[pol] - lanes(home.r, lane)[pol], ar + br, what);
+                    reflected.see(lanes(down.r, lane)[pol] - lanes(up.r, lane)[pol], ar + br, what);
                 }
             }
         }

@@ -27,7 +27,7 @@ impl<'a> Program<'a> {
         head
     }
 
-    /// A number in the range, in 250 steps, or one of five that no caller means.
+    /// A number in the range, in 250 steps, or one of five that are out of range.
     pub fn number(&mut self, low: f64, high: f64) -> f64 {
         match self.byte() {
             255 => f64::NAN,
