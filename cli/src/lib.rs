@@ -3,14 +3,14 @@
 //! Each module uses only those declared above it.
 
 pub mod support;
-pub mod obj;
+pub(crate) mod obj;
 pub mod scene;
-pub mod colour;
+pub(crate) mod colour;
 pub mod table;
 pub mod solve;
 pub mod plot;
 pub mod export;
 pub mod render;
-pub mod view;
-pub mod paper;
+pub(crate) mod view;
+pub(crate) mod paper;
 pub mod commands;

@@ -1,7 +1,7 @@
 //! Colour differences ΔE2000 (CIE 142-2001).
 //!
-//! L*, a*, b* refer to the white of D65 reflected by a perfect mirror: reflectance 1 is L* = 100, as bright as the light
-//! itself. A film on glass, which reflects some 4 % at normal incidence, has L* near 24.
+//! L*, a*, b* refer to the white of D65 reflected by a perfect mirror: reflectance 1 is L* = 100, as bright as the
+//! light itself. A film on glass, which reflects some 4 % at normal incidence, has L* near 24.
 
 use glam::DVec3;
 use goniochrome::colour::RgbSpace;
@@ -80,22 +80,22 @@ pub fn delta_e(one: Colour, two: Colour) -> f64 {
     (lightness.powi(2) + chroma.powi(2) + hue.powi(2) + blue * chroma * hue).max(0.0).sqrt()
 }
 
-/// Mean, 95th percentile (nearest rank) and largest of some differences.
+/// Mean, 95th percentile (nearest rank) and maximum of colour differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Mean.
     pub mean: f64,
-    /// The value that 95 % do not exceed.
+    /// Value that 95 % do not exceed.
     pub p95: f64,
     /// Largest.
     pub largest: f64,
 }
 
 impl Summary {
-    /// Of at least one difference.
+    /// Summary of at least one difference.
     ///
     /// # Panics
-    /// On none.
+    /// If there is none.
     #[must_use]
     pub fn of(differences: &[f64]) -> Self {
         let mut sorted = differences.to_vec();

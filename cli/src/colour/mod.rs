@@ -1,4 +1,4 @@
-//! Colours of spectra: weights of the wavelengths, names of lights and colour spaces, differences.
+//! Colours of spectra: weights of the wavelengths, colour spaces and their names, luminance, colour differences.
 
 pub mod difference;
 
@@ -35,10 +35,10 @@ pub fn converted(from: RgbSpace, to: RgbSpace, rgb: &[[f32; 3]]) -> Vec<[f32; 3]
     rgb.iter().map(|&rgb| (convert * DVec3::from_array(rgb.map(f64::from))).to_array().map(|c| c as f32)).collect()
 }
 
-/// The colour spaces that have a name.
+/// Colour spaces that have a name.
 pub const SPACES: [RgbSpace; 4] = [RgbSpace::Srgb, RgbSpace::Paper, RgbSpace::Rec2020, RgbSpace::AcesCg];
 
-/// The name of a colour space, on the command line and in the metadata of files.
+/// Name of a colour space, on the command line and in the metadata of files.
 #[must_use]
 pub fn space_name(space: RgbSpace) -> &'static str {
     match space {
@@ -49,13 +49,13 @@ pub fn space_name(space: RgbSpace) -> &'static str {
     }
 }
 
-/// Colour space of a name, in upper or lower case.
+/// Colour space by its name, in upper or lower case.
 #[must_use]
 pub fn space_named(name: &str) -> Option<RgbSpace> {
     SPACES.into_iter().find(|space| space_name(*space).eq_ignore_ascii_case(name))
 }
 
-/// Whether increasing wavelengths reach into the visible range, so that they have a colour.
+/// Whether some of the increasing wavelengths may be visible, so that they have a colour.
 #[must_use]
 pub fn visible(wavelength_nm: &[f64]) -> bool {
     let [first, last] = VISIBLE_NM.map(f64::from);
@@ -63,10 +63,10 @@ pub fn visible(wavelength_nm: &[f64]) -> bool {
         && wavelength_nm.last().is_some_and(|&longest| longest >= first)
 }
 
-/// Weights of XYZ for each wavelength.
+/// Weights of X, Y and Z for each wavelength.
 ///
 /// # Errors
-/// If none of the wavelengths is visible.
+/// Wavelengths of which none is visible, or that [`xyz_weights`] refuses.
 pub fn visible_weights(wavelength_nm: &[f64], illuminant: Illuminant, quadrature: Quadrature) -> Result<Vec<[f64; 3]>> {
     if let (Some(&shortest), Some(&longest)) = (wavelength_nm.first(), wavelength_nm.last())
         && !visible(wavelength_nm)
@@ -95,8 +95,7 @@ mod tests {
         }
     }
 
-    // The constants themselves, not what they compute.
-    #[allow(clippy::float_cmp)]
+    #[expect(clippy::float_cmp, reason = "constants are compared, not results")]
     #[test]
     fn single_precision_weights_are_the_nearest_to_the_published_digits() {
         assert_eq!(LUMINANCE_F32, [0.2126, 0.7152, 0.0722]);

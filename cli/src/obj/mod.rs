@@ -1,9 +1,9 @@
-//! Wavefront OBJ, statement by statement: the one reader for the meshes of cells and of pictures.
+//! Reader of Wavefront OBJ, statement by statement, for the meshes of cells and of pictures.
 //!
-//! Read are `v`, `vn`, `vt`, `usemtl` and `f`. Statements that group, shade or name other files are skipped, and so are
-//! points and lines. A backslash at the end of a line continues it, `#` starts a comment, numbers below zero count back
-//! from the last vertex, a vertex may carry a colour, and a corner that repeats the one before it, or the first at the
-//! end, counts once.
+//! The reader takes `v`, `vn`, `vt`, `usemtl` and `f`. Statements that group, shade or name other files are skipped,
+//! and so are points and lines. A backslash at the end of a line continues it, `#` starts a comment, numbers below zero
+//! count back from the last vertex, a vertex may carry a colour, and a corner that repeats the one before it, or the
+//! first at the end, counts once.
 
 pub(crate) mod polygon;
 
@@ -18,13 +18,13 @@ use crate::support::error::{Error, Result};
 /// Longest file: ten million triangles with their vertices take about half of this.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Triangles of a mesh. As a cell, ten million with their hierarchy, checks and file took 3.9 GB.
+/// Most triangles of a mesh. As a cell, ten million with their hierarchy, checks and file took 3.9 GB.
 pub(crate) const MAX_TRIANGLES: usize = 10_000_000;
 
-/// Three for each triangle: every mesh whose facets share nothing fits.
+/// Most vertices of a mesh, three for each triangle: every mesh whose facets share nothing fits.
 const MAX_VERTICES: usize = 3 * MAX_TRIANGLES;
 
-/// Characters of a word that messages show.
+/// Most characters of a word that messages show.
 const SHOWN: usize = 40;
 
 /// Statements that say nothing about where a surface is.
@@ -48,13 +48,14 @@ const SKIPPED: [&str; 17] = [
     "stech",
 ];
 
-/// Statements of curved surfaces, which are no triangles.
+/// Statements of curves and curved surfaces, which are refused.
 const CURVED: [&str; 17] = [
     "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
     "bzp", "bsp",
 ];
 
-/// The text of an OBJ file. Bytes that are no UTF-8, as old programs write them into names and comments, become U+FFFD.
+/// Reads the text of an OBJ file. Bytes that are not UTF-8, as old programs write them into names and comments, become
+/// U+FFFD.
 ///
 /// # Errors
 /// One line that names the file: it cannot be read, is longer than a gibibyte, or is UTF-16.
@@ -75,13 +76,14 @@ pub(crate) fn read_file(path: &Path, remedy: &str) -> Result<String> {
     Ok(String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned()))
 }
 
-/// A corner of a face: indices from 0.
+/// Corner of a face, with indices from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FaceCorner {
+    /// Index of the vertex.
     pub vertex: u32,
-    /// `None` where the face names none, and in [`Detail::Places`].
+    /// Index of the texture coordinates; `None` where the face names none, and in [`Detail::Places`].
     pub texture: Option<u32>,
-    /// `None` where the face names none, and in [`Detail::Places`].
+    /// Index of the normal; `None` where the face names none, and in [`Detail::Places`].
     pub normal: Option<u32>,
 }
 
@@ -96,7 +98,7 @@ pub enum Axes {
 }
 
 impl Axes {
-    /// A vector of the file with z up.
+    /// Rotates a vector of the file so that z is up.
     pub(crate) fn turned(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self {
             Self::ZUp => [x, y, z],
@@ -105,38 +107,38 @@ impl Axes {
     }
 }
 
-/// What a reader of statements wants to know.
+/// Statements that a reader returns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Detail {
     /// Vertices and faces.
     Places,
-    /// Texture coordinates and normals, too.
+    /// Vertices, faces, texture coordinates and normals.
     Full,
 }
 
-/// What a line says.
+/// Statement of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Statement<'r> {
-    /// Finite coordinates.
+    /// Vertex, with finite coordinates.
     Vertex([f64; 3]),
-    /// As written; NaN for what is no number.
+    /// Normal as written; NaN for what is no number.
     Normal([f64; 3]),
-    /// The first coordinate; NaN for what is no number.
+    /// First texture coordinate; NaN for what is no number.
     Texture(f64),
-    /// The name in `usemtl`, which may contain spaces.
+    /// Name in `usemtl`, which may contain spaces.
     Material(Cow<'r, str>),
-    /// The corners of a polygon, at least one. Neighbours differ in their vertices.
+    /// Corners of a polygon, at least one. Neighbours differ in their vertices.
     Face(&'r [FaceCorner]),
 }
 
-/// Goes through the statements of a text.
+/// Reader of the statements of a text.
 pub(crate) struct Reader<'a> {
     label: &'a str,
     lines: std::str::Lines<'a>,
     detail: Detail,
-    /// Of the lines taken from `lines`.
+    /// Number of lines taken from `lines`.
     count: usize,
-    /// The line on which the last statement starts, from 1.
+    /// Line on which the last statement starts, from 1.
     line: usize,
     vertices: usize,
     textures: usize,
@@ -145,23 +147,23 @@ pub(crate) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of a text that messages call `label`.
+    /// Reader of a text that messages call `label`.
     pub fn new(label: &'a str, text: &'a str, detail: Detail) -> Self {
         let lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines();
         Self { label, lines, detail, count: 0, line: 1, vertices: 0, textures: 0, normals: 0, corners: Vec::new() }
     }
 
-    /// The line on which the last statement starts, from 1.
+    /// Line on which the last statement starts, from 1.
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// An error at the last statement.
+    /// Error at the last statement.
     pub fn refuse(&self, message: impl Display) -> Error {
         Error::failed(format_args!("{}:{}: {message}", self.label, self.line))
     }
 
-    /// The next statement.
+    /// Next statement; `None` at the end.
     ///
     /// # Errors
     /// One line that names the place and what is wrong there.
@@ -202,7 +204,7 @@ impl<'a> Reader<'a> {
         Ok(None)
     }
 
-    /// The next line, joined with those that it goes on in.
+    /// Next line, joined with the lines that continue it.
     fn next_line(&mut self) -> Option<Cow<'a, str>> {
         let first = self.take_line()?;
         self.line = self.count;
@@ -244,7 +246,7 @@ impl<'a> Reader<'a> {
         Ok(place)
     }
 
-    /// Fills `corners`.
+    /// Reads a face into `corners`.
     fn face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<()> {
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
@@ -266,7 +268,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// A corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    /// Reads a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&self, word: &str) -> Result<FaceCorner> {
         let mut numbers = word.split('/');
         let first = numbers.next().unwrap_or_default();
@@ -294,13 +296,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What a line says before the backslash at its end, if it has one outside a comment.
+/// Text of a line before the backslash at its end, if it has one outside a comment.
 fn continued(line: &str) -> Option<&str> {
     let begin = line.trim_end().strip_suffix('\\')?;
     (!begin.contains('#')).then_some(begin)
 }
 
-/// A name may contain `#`, but no word of it starts with one.
+/// Name in a `usemtl` line. It may contain `#`, but no word of it starts with one.
 fn material(text: Cow<'_, str>) -> Cow<'_, str> {
     fn name(text: &str) -> &str {
         let rest = text.trim_start().strip_prefix("usemtl").unwrap_or_default();
@@ -313,12 +315,12 @@ fn material(text: Cow<'_, str>) -> Cow<'_, str> {
     }
 }
 
-/// The number in a word, NaN if there is none.
+/// Number in a word, NaN if there is none.
 fn number(word: Option<&str>) -> f64 {
     word.and_then(|word| word.parse().ok()).unwrap_or(f64::NAN)
 }
 
-/// The beginning of a word, for a message.
+/// Beginning of a word, for a message.
 fn shown(word: &str) -> &str {
     word.char_indices().nth(SHOWN).map_or(word, |(end, _)| &word[..end])
 }

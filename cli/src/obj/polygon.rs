@@ -11,30 +11,29 @@
 
 use glam::{DVec2, DVec3};
 
-/// Corners of a polygon that is not seen whole from its first corner. Time grows with the square of their number: this
-/// many take 0.2 s at worst.
+/// Most corners of a polygon that no fan triangulates. Time grows with the square of their number: this many take 0.2 s
+/// at worst.
 pub(crate) const MAX_CORNERS: usize = 4096;
 
-/// Coordinates are written in single precision. Corners nearer to a line than this fraction of the largest coordinate
-/// lie on it.
+/// Fraction of the largest coordinate within which a corner lies on a line: files hold single precision.
 const ON_LINE: f64 = 4.0 * f32::EPSILON as f64;
 
-/// An area or a width below this fraction of that of the polygon's extent is the rounding of its sum.
+/// Fraction of the squared extent below which an area, or a width times the extent, is rounding.
 const NOTHING: f64 = 64.0 * f64::EPSILON;
 
-/// Why a polygon has no triangulation.
+/// Reason why a polygon has no triangulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Uncut {
     /// All corners lie on a line.
     NoArea,
     /// Sides cross or touch.
     MeetsItself,
-    /// More than [`MAX_CORNERS`].
+    /// It is concave and has more than [`MAX_CORNERS`].
     TooManyCorners,
 }
 
 impl Uncut {
-    /// What is wrong and the remedy, in one phrase.
+    /// Message with the remedy, in one phrase.
     pub fn says(self) -> String {
         match self {
             Self::NoArea => "the polygon has no area; remove it".to_owned(),
@@ -46,16 +45,16 @@ impl Uncut {
     }
 }
 
-/// Memory for triangulations, and the last one.
+/// Last triangulation, and memory for the next.
 #[derive(Default)]
 pub(crate) struct Cut {
     /// Indices into the polygon's corners, counter-clockwise as the polygon itself.
     pub triangles: Vec<[usize; 3]>,
-    /// The largest distance of a corner from the plane through the first, at right angles to the mean normal.
+    /// Largest distance of a corner from the plane through the first corner, perpendicular to the mean normal.
     pub off_plane: f64,
-    /// The largest distance from the first corner.
+    /// Largest distance from the first corner.
     pub extent: f64,
-    /// Numbers and projections of the corners that are left.
+    /// Indices and projections of the corners that are left.
     ring: Vec<(usize, DVec2)>,
     is_ear: Vec<bool>,
 }
@@ -64,7 +63,7 @@ impl Cut {
     /// Triangulates a polygon; a triangle is returned as it stands. Equal neighbours count as one corner.
     ///
     /// # Errors
-    /// If there is no triangulation.
+    /// The reason if there is no triangulation: no area, sides that cross or touch, too many corners.
     pub fn cut(&mut self, corners: &[DVec3]) -> Result<(), Uncut> {
         self.triangles.clear();
         (self.off_plane, self.extent) = (0.0, 0.0);
@@ -124,14 +123,14 @@ impl Cut {
         Ok(())
     }
 
-    /// Whether all triangles of the fan from the first corner are higher than `least`, and it turns less than once:
-    /// then no two overlap.
-    fn is_fan(&self, least: f64) -> bool {
+    /// Whether all triangles of the fan from the first corner are higher than `min`, and it turns less than once: then
+    /// no two overlap.
+    fn is_fan(&self, min: f64) -> bool {
         let first = self.ring[0].1;
         let mut turned = 0.0;
         for pair in self.ring[1..].windows(2) {
             let [a, b] = [pair[0].1, pair[1].1];
-            if height(first, a, b) <= least {
+            if height(first, a, b) <= min {
                 return false;
             }
             turned += (a - first).angle_to(b - first);
@@ -139,12 +138,13 @@ impl Cut {
         turned < std::f64::consts::TAU
     }
 
+    /// Cuts ears until one triangle is left.
     fn clip_ears(&mut self, on_line: f64) -> Result<(), Uncut> {
         // First clear ears; then those that only rounding tells from a straight line; then what rounding has turned
         // over.
-        for (least, clear) in [(on_line, on_line), (0.0, 0.0), (-on_line, -on_line)] {
+        for (min, clear) in [(on_line, on_line), (0.0, 0.0), (-on_line, -on_line)] {
             self.is_ear.clear();
-            let ears = (0..self.ring.len()).map(|place| is_ear(&self.ring, place, least, clear));
+            let ears = (0..self.ring.len()).map(|place| is_ear(&self.ring, place, min, clear));
             self.is_ear.extend(ears);
             let mut place = 0;
             let mut tried = 0;
@@ -162,7 +162,7 @@ impl Cut {
                 tried = 0;
                 let count = self.ring.len();
                 for changed in [(place + count - 1) % count, place % count] {
-                    self.is_ear[changed] = is_ear(&self.ring, changed, least, clear);
+                    self.is_ear[changed] = is_ear(&self.ring, changed, min, clear);
                 }
                 // From the corner after the next: else one corner would collect a fan of ever slimmer triangles.
                 place += 1;
@@ -177,27 +177,27 @@ impl Cut {
     }
 }
 
-/// Twice the area of a triangle; positive if it is counter-clockwise.
+/// Twice the area of a triangle, positive if it is counter-clockwise.
 fn area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// The height of a triangle over its longest side, with the sign of its area.
+/// Height of a triangle over its longest side, with the sign of its area.
 fn height(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt();
     if longest > 0.0 { area(a, b, c) / longest } else { 0.0 }
 }
 
-/// The places before and after one in a ring.
+/// Positions before and after a position in a ring.
 fn around(place: usize, count: usize) -> [usize; 2] {
     [(place + count - 1) % count, (place + 1) % count]
 }
 
-/// Whether the triangle at a corner is higher than `least` and no other corner lies in it or within `clear` of it.
-fn is_ear(ring: &[(usize, DVec2)], place: usize, least: f64, clear: f64) -> bool {
+/// Whether the triangle at a corner is higher than `min` and no other corner lies in it or within `clear` of it.
+fn is_ear(ring: &[(usize, DVec2)], place: usize, min: f64, clear: f64) -> bool {
     let [before, after] = around(place, ring.len());
     let [a, b, c] = [ring[before].1, ring[place].1, ring[after].1];
-    if height(a, b, c) <= least {
+    if height(a, b, c) <= min {
         return false;
     }
     let sides = [(a, b), (b, c), (c, a)];

@@ -1,4 +1,4 @@
-//! The materials that come with the program: files of refractiveindex.info (CC0) and a few biological ones.
+//! Built-in materials: data files of refractiveindex.info (CC0) and a few biological materials.
 
 use goniochrome::optics::medium::Extrapolate;
 
@@ -7,7 +7,7 @@ use super::parts::NamedMedium;
 use super::refractive_index_info;
 use crate::support::error::Result;
 
-/// A material: its name, its data file and, in short, where these come from.
+/// Material: name, data file, and its source in short.
 type Material = (&'static str, &'static str, &'static str);
 
 #[rustfmt::skip]
@@ -58,12 +58,12 @@ const MATERIALS: &[Material] = &[
         "Levy-Lior et al., Cryst. Growth Des. 8, 507 (2008): in the plane of a plate, one value"),
 ];
 
-/// The names of the built-in materials.
+/// Names of the built-in materials.
 pub fn names() -> impl Iterator<Item = &'static str> {
     MATERIALS.iter().map(|&(name, ..)| name)
 }
 
-/// The built-in material of that name, upper or lower case.
+/// Built-in material by its name, in upper or lower case.
 #[must_use]
 pub fn get(name: &str, extrapolate: Extrapolate) -> Option<Result<NamedMedium>> {
     let &(name, text, _) = MATERIALS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name))?;
@@ -72,10 +72,10 @@ pub fn get(name: &str, extrapolate: Extrapolate) -> Option<Result<NamedMedium>> 
     Some(medium.map(|medium| NamedMedium { name: name.to_owned(), medium }))
 }
 
-/// A line on each built-in material: name, the wavelengths for which it has data, and its source.
+/// List of the built-in materials, one a line: name, range of wavelengths with data, and source.
 ///
 /// # Errors
-/// None for the materials that come with the program.
+/// A data file that cannot be read; the tests read every built-in one.
 pub fn list() -> Result<String> {
     let mut lines = String::new();
     let width = names().map(str::len).max().unwrap_or(0);

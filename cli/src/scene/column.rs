@@ -1,9 +1,9 @@
-//! A table's column of n or of k: what its rows say without doubt, and where they do not.
+//! Column of n or k in a table: which of its rows can be used, and what is wrong with the others.
 //!
-//! A row is in its place if every row before it has a smaller wavelength and every row after it a larger one; a row
-//! that repeats the one before it exactly is passed over. Between two neighbours that are in their places the table is
-//! unambiguous. Elsewhere, and beside a value that no passive medium has, nothing is known; only those who ask for
-//! these wavelengths are told.
+//! A row is in order if every row before it has a smaller wavelength and every row after it a larger one. A row that
+//! repeats the one before it exactly is skipped. The table is unambiguous between two neighbouring rows in order.
+//! Elsewhere, and next to a value that no passive medium has, the value is unknown (NaN): a command fails only if it
+//! needs such a wavelength.
 
 use goniochrome::optics::medium::IndexPart;
 
@@ -11,13 +11,14 @@ use super::diagnostics::SourceText;
 use super::dispersion::OwnedDispersion;
 use crate::support::error::Result;
 
-/// Metals in the far infrared reach n and k of some thousand; beyond this a number is a slip, and its square a danger.
+/// Largest n or k. Metals reach some thousand in the far infrared; a larger number is a mistake, and its square loses
+/// precision.
 pub(super) const MAX_INDEX: f64 = 1e6;
 
-/// k below 0 by no more than this is 0 after rounding or a fit: over a path of a millimetre it would amplify by 1 %.
+/// Largest −k that counts as a rounded 0: over a path of a millimetre it would amplify by 1 %.
 const ROUNDING_OF_K: f64 = 1e-6;
 
-/// A wavelength and a value, and where they stand.
+/// Row of a column: wavelength, value and line in the file.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
     pub line: usize,
@@ -25,23 +26,23 @@ pub(super) struct Row {
     pub value: f64,
 }
 
-/// n or k, and what its reader should know.
+/// n or k of a medium, with notes for its user.
 #[derive(Debug)]
 pub(super) struct Column {
     pub dispersion: OwnedDispersion,
     pub notes: Notes,
 }
 
-/// What is wrong with a column.
+/// Faults of a column.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Notes {
-    /// The wavelengths of values that are not known, and why.
+    /// Wavelengths of unknown values, each with the reason.
     pub faults: Vec<(f64, String)>,
-    /// The wavelengths at which k is 0 for a value just below it.
+    /// Wavelengths at which k lay just below 0 and is taken as 0.
     pub rounded_nm: Vec<f64>,
 }
 
-/// The column of rows in the order of their file: increasing wavelengths, or decreasing ones.
+/// Builds a column from rows in the order of their file, by increasing or decreasing wavelength.
 pub(super) fn column(source: &SourceText<'_>, part: IndexPart, mut rows: Vec<Row>) -> Result<Column> {
     if rows.first().map(|row| row.wavelength_nm) > rows.last().map(|row| row.wavelength_nm) {
         rows.reverse();
@@ -61,16 +62,15 @@ pub(super) fn column(source: &SourceText<'_>, part: IndexPart, mut rows: Vec<Row
             }
             continue;
         }
-        // One value that is not known stands for all rows between those that are in their places.
+        // One unknown value stands for all rows between those in order.
         let nm = rows[here.clone()].iter().map(|row| row.wavelength_nm);
-        let (least, most) =
-            nm.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), nm| (least.min(nm), most.max(nm)));
+        let (min, max) = nm.fold((f64::INFINITY, 0.0), |(min, max): (f64, f64), nm| (min.min(nm), max.max(nm)));
         let middle = if here.start == 0 {
-            least
+            min
         } else if at == rows.len() {
-            most
+            max
         } else {
-            f64::midpoint(least, most)
+            f64::midpoint(min, max)
         };
         wavelength_nm.push(middle);
         value.push(f64::NAN);
@@ -83,23 +83,23 @@ pub(super) fn column(source: &SourceText<'_>, part: IndexPart, mut rows: Vec<Row
     Ok(Column { dispersion: OwnedDispersion::Table { wavelength_nm, value }, notes })
 }
 
-/// Which rows are in their places.
+/// Whether each row is in order.
 fn in_place(rows: &[Row]) -> Vec<bool> {
     let mut good = vec![true; rows.len()];
-    let mut most = 0.0;
+    let mut max = 0.0;
     for (good, row) in good.iter_mut().zip(rows) {
-        *good = row.wavelength_nm > most;
-        most = row.wavelength_nm.max(most);
+        *good = row.wavelength_nm > max;
+        max = row.wavelength_nm.max(max);
     }
-    let mut least = f64::INFINITY;
+    let mut min = f64::INFINITY;
     for (good, row) in good.iter_mut().zip(rows).rev() {
-        *good &= row.wavelength_nm < least;
-        least = row.wavelength_nm.min(least);
+        *good &= row.wavelength_nm < min;
+        min = row.wavelength_nm.min(min);
     }
     good
 }
 
-/// The value of a row, NaN if no passive medium has it.
+/// Value of a row, NaN if no passive medium has it.
 fn known(source: &SourceText<'_>, part: IndexPart, row: &Row, notes: &mut Notes) -> f64 {
     let value = row.value;
     let fault = match part {
@@ -119,7 +119,7 @@ fn known(source: &SourceText<'_>, part: IndexPart, row: &Row, notes: &mut Notes)
     f64::NAN
 }
 
-/// What is wrong with the first rows among `run` that do not follow one another.
+/// Message about the first rows among `run` that are out of order.
 fn disorder(source: &SourceText<'_>, part: IndexPart, rows: &[Row], run: std::ops::Range<usize>) -> String {
     let first = run.start.max(1);
     let pair = rows[first - 1..run.end].windows(2).find(|pair| pair[0].wavelength_nm >= pair[1].wavelength_nm);

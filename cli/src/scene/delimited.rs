@@ -1,10 +1,9 @@
-//! n and k as columns of text: CSV with commas, semicolons or tabs, or columns set apart by blanks.
+//! n and k as columns of text: CSV with commas, semicolons or tabs, or columns separated by blanks.
 //!
-//! A line of numbers is a row: wavelength, n and, if there is a third, k. A line that begins with no number may name
-//! the columns, also in another order and among columns that are passed over; such a line after rows begins a further
-//! table, as in the CSV files of refractiveindex.info, where one of n is followed by one of k. Empty lines and lines
-//! that begin with
-//! `#`, `%`, `!` or `//` are passed over. With semicolons, tabs or blanks, numbers may have a decimal comma.
+//! A line of numbers is a row: wavelength, n and, in a third column, k. A line that does not begin with a number may
+//! name the columns, in any order and among columns that are skipped. Such a line after rows begins a further table:
+//! CSV files of refractiveindex.info have a table of n and then one of k. Empty lines and lines that begin with `#`,
+//! `%`, `!` or `//` are skipped. Numbers may have a decimal comma unless commas separate the columns.
 
 use goniochrome::optics::medium::{Extrapolate, IndexPart};
 
@@ -14,7 +13,7 @@ use super::medium::OwnedMedium;
 use super::refractive_index_info::{medium, nanometres};
 use crate::support::error::Result;
 
-/// The unit of wavelengths.
+/// Unit of wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unit {
     Nanometres,
@@ -33,16 +32,16 @@ impl Unit {
         }
     }
 
-    /// The unit of wavelengths from `least` to `most`: tables of nanometres that begin below 150, and of micrometres
-    /// that begin below 0.1 or above 5 or end above 100, are too rare to be told from the other unit.
-    fn guess(least: f64, most: f64) -> Option<Self> {
+    /// Guesses the unit of wavelengths from `min` to `max`. Tables of nanometres that begin below 150, and of
+    /// micrometres that begin below 0.1 or above 5 or end above 100, are too rare: the guess is `None`.
+    fn guess(min: f64, max: f64) -> Option<Self> {
         const MIN_NM: f64 = 150.0;
         const MIN_UM: f64 = 0.1;
         const MAX_FIRST_UM: f64 = 5.0;
         const MAX_UM: f64 = 100.0;
-        if least >= MIN_NM {
+        if min >= MIN_NM {
             Some(Self::Nanometres)
-        } else if (MIN_UM..=MAX_FIRST_UM).contains(&least) && most <= MAX_UM {
+        } else if (MIN_UM..=MAX_FIRST_UM).contains(&min) && max <= MAX_UM {
             Some(Self::Micrometres)
         } else {
             None
@@ -57,7 +56,7 @@ impl Unit {
     }
 }
 
-/// What a column holds.
+/// Contents of a column.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Wavelength,
@@ -65,10 +64,10 @@ enum Role {
     Other,
 }
 
-/// Columns without names.
+/// Roles of columns without names.
 const UNNAMED: [Role; 3] = [Role::Wavelength, Role::Part(IndexPart::N), Role::Part(IndexPart::K)];
 
-/// Rows of text read so far.
+/// Rows read so far.
 struct ColumnReader<'s> {
     source: &'s SourceText<'s>,
     roles: Option<Vec<Role>>,
@@ -77,7 +76,7 @@ struct ColumnReader<'s> {
     k: Vec<Row>,
 }
 
-/// The medium in columns of text. `unit` is that of the scene file, if it names one.
+/// Reads a medium from columns of text. `unit` is that of the scene file, if it names one.
 pub(super) fn parse(source: &SourceText<'_>, unit: Option<Unit>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
     let mut reader = ColumnReader { source, roles: None, unit: None, n: Vec::new(), k: Vec::new() };
     let lines = lines(source)?;
@@ -94,11 +93,11 @@ pub(super) fn parse(source: &SourceText<'_>, unit: Option<Unit>, extrapolate: Ex
         return Err(source.refuse_line(lines.first().map_or(1, |(line, _)| *line), message));
     }
     let size = n.iter().chain(&k).map(|row| row.wavelength_nm);
-    let (least, most) = size.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), x| (a.min(x), b.max(x)));
+    let (min, max) = size.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), x| (a.min(x), b.max(x)));
     let first = n[0].line;
-    let Some(found) = unit.or(named).or_else(|| Unit::guess(least, most)) else {
+    let Some(found) = unit.or(named).or_else(|| Unit::guess(min, max)) else {
         let message =
-            format!("wavelengths from {least} to {most} without a unit; add unit = \"nm\" or \"um\" to the material");
+            format!("wavelengths from {min} to {max} without a unit; add unit = \"nm\" or \"um\" to the material");
         return Err(source.refuse_line(first, message));
     };
     for row in n.iter_mut().chain(&mut k) {
@@ -113,7 +112,7 @@ pub(super) fn parse(source: &SourceText<'_>, unit: Option<Unit>, extrapolate: Ex
     Ok(read.with_guess(guess))
 }
 
-/// The medium in rows of an inline table: wavelengths in nanometres.
+/// Builds a medium from the rows of an inline table, with wavelengths in nanometres.
 pub(super) fn inline(
     source: &SourceText<'_>,
     rows: &[(usize, Vec<f64>)],
@@ -179,7 +178,7 @@ impl ColumnReader<'_> {
         Ok(())
     }
 
-    /// A line that begins with no number: the names of columns, or a title.
+    /// Reads a line that does not begin with a number: the names of columns, or a title.
     fn header(&mut self, line: usize, fields: &[String]) -> Result<()> {
         let roles: Vec<Role> = fields.iter().map(|field| role(field)).collect();
         let refuse = |message: String| Err(self.source.refuse_line(line, message));
@@ -220,7 +219,7 @@ impl ColumnReader<'_> {
     }
 }
 
-/// The words of a column's name, in lower case.
+/// Words of a column's name, in lower case.
 fn words(field: &str) -> Vec<String> {
     let letter = |c: char| c.is_alphanumeric() || matches!(c, 'µ' | 'μ' | 'λ');
     field.to_lowercase().split(|c: char| !letter(c)).filter(|word| !word.is_empty()).map(str::to_owned).collect()
@@ -241,21 +240,21 @@ fn unit_in(field: &str) -> Option<Unit> {
     words(field).iter().find_map(|word| Unit::parse(word))
 }
 
-/// Photon energies, wavenumbers and ångströms stand where a wavelength is expected.
+/// Whether a column holds photon energies, wavenumbers, frequencies or ångströms in place of wavelengths.
 fn is_no_wavelength(field: &str) -> bool {
     let words = words(field);
     let known = ["ev", "energy", "wavenumber", "cm", "thz", "frequency", "å", "angstrom", "angstroms"];
     words.iter().any(|word| known.contains(&word.as_str()))
 }
 
-/// A number, with a decimal point or a decimal comma.
+/// Parses a number with a decimal point or a decimal comma.
 fn number(field: &str) -> Option<f64> {
     let field = field.trim();
     let comma = field.matches(',').count() == 1 && !field.contains('.');
     if comma { field.replace(',', ".").parse().ok() } else { field.parse().ok() }
 }
 
-/// What sets columns apart.
+/// Character that separates columns; `None` for blanks.
 fn delimiter(text: &str) -> Option<u8> {
     let is_row = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | '"'));
     let first = text.lines().map(str::trim).find(is_row).unwrap_or_default();
@@ -270,7 +269,7 @@ fn delimiter(text: &str) -> Option<u8> {
     }
 }
 
-/// The fields of every line that is not passed over, and its number.
+/// Number and fields of every line that is not skipped.
 fn lines(source: &SourceText<'_>) -> Result<Vec<(usize, Vec<String>)>> {
     let passed = |line: &str| line.is_empty() || ["#", "%", "!", "//"].iter().any(|mark| line.starts_with(mark));
     let numbered = source.text.lines().map(str::trim).zip(1..).filter(|(line, _)| !passed(line));
@@ -295,7 +294,7 @@ fn lines(source: &SourceText<'_>) -> Result<Vec<(usize, Vec<String>)>> {
     Ok(found)
 }
 
-/// "400,1,5" may be two numbers with decimal commas or three without.
+/// Refuses columns whose commas may be decimal: "400,1,5" may be two numbers or three.
 fn refuse_decimal_commas(source: &SourceText<'_>, lines: &[(usize, Vec<String>)]) -> Result<()> {
     if delimiter(source.text) != Some(b',') {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Reading input, and saying where in it something is wrong.
+//! Text input, and messages that name the place of a fault in it.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::support::error::{Error, Result};
 
-/// A text and the name by which messages call it.
+/// Text with the name that messages give it.
 #[derive(Clone, Copy)]
 pub(super) struct SourceText<'a> {
     pub label: &'a str,
@@ -15,7 +15,7 @@ pub(super) struct SourceText<'a> {
 }
 
 impl SourceText<'_> {
-    /// An error at a byte offset: `label:line:column: message`, counted from 1.
+    /// Error at a byte offset: `label:line:column: message`, counted from 1.
     pub fn refuse(&self, offset: usize, message: impl Display) -> Error {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line = before.matches('\n').count() + 1;
@@ -23,19 +23,19 @@ impl SourceText<'_> {
         Error::failed(format_args!("{}:{line}:{column}: {message}", self.label))
     }
 
-    /// The line of a byte offset, counted from 1.
+    /// Line of a byte offset, counted from 1.
     pub fn line(&self, offset: usize) -> u32 {
         let before = self.text.get(..offset).unwrap_or(self.text);
         u32::try_from(before.matches('\n').count()).map_or(u32::MAX, |lines| lines.saturating_add(1))
     }
 
-    /// An error at a line, counted from 1.
+    /// Error at a line, counted from 1.
     pub fn refuse_line(&self, line: usize, message: impl Display) -> Error {
         Error::failed(format_args!("{}:{line}: {message}", self.label))
     }
 }
 
-/// The text of a file, without a byte order mark. At most `limit` bytes are read, whatever the file claims to hold.
+/// Reads the text of a file, without a byte order mark, of at most `limit` bytes.
 pub(super) fn read_text(path: &Path, limit: u64) -> Result<String> {
     let label = path.display();
     let failed = |error: std::io::Error| Error::failed(format_args!("{label}: cannot read: {error}"));
@@ -61,13 +61,13 @@ pub(super) fn read_text(path: &Path, limit: u64) -> Result<String> {
     })
 }
 
-/// The one true path of a file, or the path as given where there is none (a pipe).
+/// Canonical path of a file, or the path as given where it has none (a pipe).
 pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// The candidate that `name` was probably meant to be, whatever the case of its letters: one that contains it, or one with
-/// at most a slip for each three letters. None if nothing is that near: a far guess misleads.
+/// Candidate that `name` was probably meant to be, in upper or lower case: one that contains it, or one with at most
+/// one wrong letter in three. `None` if no candidate is that near, since a far guess misleads.
 pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     const LETTERS_PER_SLIP: usize = 3;
     let name = name.to_lowercase();

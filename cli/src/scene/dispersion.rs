@@ -9,23 +9,23 @@ pub enum OwnedDispersion {
     Constant(f64),
     /// A formula of the wavelength in micrometres.
     Formula {
-        /// Which one.
+        /// Kind of formula.
         formula: Formula,
-        /// c₁, c₂, …
+        /// Coefficients c₁, c₂, …
         coefficients: Vec<f64>,
-        /// The wavelengths for which the formula holds, ends included.
+        /// Wavelengths for which the formula holds, ends included.
         range_nm: [f64; 2],
     },
     /// Samples, linear in wavelength between them.
     Table {
-        /// Strictly increasing.
+        /// Wavelengths, strictly increasing.
         wavelength_nm: Vec<f64>,
         /// One value for each wavelength; NaN where it is not known.
         value: Vec<f64>,
     },
 }
 
-/// Values that are not known are equal to one another.
+/// Compares values by their bits, so that unknown values (NaN) are equal to one another.
 impl PartialEq for OwnedDispersion {
     fn eq(&self, other: &Self) -> bool {
         let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
@@ -44,7 +44,7 @@ impl PartialEq for OwnedDispersion {
 }
 
 impl OwnedDispersion {
-    /// The core's view of this function.
+    /// This function as the core takes it.
     #[must_use]
     pub fn borrow(&self) -> Dispersion<'_> {
         match self {

@@ -21,8 +21,8 @@
 //! [interface.glass]                   # one for each `usemtl` name
 //! above = 1.0                         # the medium on the side of the facet's normal
 //! below = 1.5                         # a medium or "mirror"
-//! coating = [ { material = "MgF2", thickness_nm = 100.0 } ]  # optional films on the facets, written like `layers`, from
-//!                                     # `above` to `below`; they take up no room in the mesh
+//! coating = [ { material = "MgF2", thickness_nm = 100.0 } ]  # optional films on the facets, written like `layers`,
+//!                                     # from `above` to `below`; they take up no room in the mesh
 //!
 //! [materials.chitin]                  # n and k, a table or a file; hides a built-in material of the same name
 //! n = 1.56
@@ -54,37 +54,38 @@ use super::{placement, refractive_index_info, surface};
 use crate::support::error::Result;
 use crate::support::text::{one_line, toml_key};
 
-/// After writing out repetitions. Real mirrors have hundreds; a slip in `repeat` asks for millions.
+/// Most layers with repetitions written out. Real mirrors have hundreds; a mistyped `repeat` asks for millions.
 const MAX_LAYERS: u32 = 10_000;
 
-/// `repeat` within `repeat`.
+/// Deepest nesting of `repeat` within `repeat`.
 const MAX_REPEAT_DEPTH: u32 = 16;
 
-/// Refractive index files.
+/// Longest refractive index file.
 const MAX_NK_BYTES: u64 = 16 << 20;
 
+/// Reader of a scene file: its media and the files met so far.
 struct SceneReader<'a> {
-    /// How messages call the scene.
+    /// Name of the scene in messages.
     label: &'a str,
-    /// Where relative paths start; without it the scene can name no files.
+    /// Folder where relative paths start; without it the scene can name no files.
     folder: Option<&'a Path>,
     media: Media,
     files: Vec<PathBuf>,
 }
 
-/// A scene's shape as it is written.
+/// Geometry of a scene as written.
 enum Described {
     Stack(Shape),
     Cell { mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface> },
 }
 
-/// Where a cell's facets come from.
+/// Source of a cell's facets.
 enum Facets<'a> {
     Mesh(TomlItem<'a>),
     Surface(TomlItem<'a>),
 }
 
-/// The scene in a text. `name` is used unless the text has one.
+/// Reads the scene in a text. `name` is used unless the text has one.
 pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) -> Result<Scene> {
     let source = SourceText { label, text };
     let document = DeTable::parse(text).map_err(|error| {
@@ -137,7 +138,7 @@ fn extrapolate(table: &TomlTable<'_>, default: Extrapolate) -> Result<Extrapolat
     }
 }
 
-/// Whether a file of n and k has the format of refractiveindex.info: by its name, else by its one required key.
+/// Whether a file of n and k has the format of refractiveindex.info, judged by its name or its one required key.
 fn is_yaml(path: &Path, content: &str) -> bool {
     let named =
         path.extension().is_some_and(|name| name.eq_ignore_ascii_case("yml") || name.eq_ignore_ascii_case("yaml"));
@@ -149,7 +150,7 @@ fn unit(item: &TomlItem<'_>) -> Result<Unit> {
     Unit::parse(named).ok_or_else(|| item.refuse(format_args!("{named:?} is unknown; write \"nm\" or \"um\"")))
 }
 
-/// A length of at least 0 nm and at most a metre.
+/// Value as a length from 0 nm to a metre.
 fn length(item: &TomlItem<'_>) -> Result<f64> {
     match item.number()? {
         x if x < 0.0 => Err(item.refuse(format_args!("{x} is negative; lengths are 0 nm or more"))),
@@ -170,7 +171,7 @@ impl SceneReader<'_> {
         Ok(path)
     }
 
-    /// `[materials.NAME]`: n and k, a table, or a file.
+    /// Reads `[materials.NAME]`: n and k, a table, or a file.
     fn material(&mut self, item: &TomlItem<'_>, default: Extrapolate) -> Result<OwnedMedium> {
         let table = item.table(format!("[materials.{}]", toml_key(item.key())))?;
         table.allow(&["n", "k", "table", "file", "unit", "extrapolate", "description", "source"])?;
@@ -210,7 +211,7 @@ impl SceneReader<'_> {
         }
     }
 
-    /// `table = [[nm, n, k], …]`.
+    /// Reads `table = [[nm, n, k], …]`.
     fn inline(&self, item: &TomlItem<'_>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
         let mut rows = Vec::new();
         for row in item.array()? {
@@ -235,7 +236,7 @@ impl SceneReader<'_> {
         Ok(Shape::Stack { ambient, layers, substrate })
     }
 
-    /// A list of layers with its repetitions written out; counted first, so that nothing large is ever made.
+    /// Reads a list of layers and writes its repetitions out. The layers are counted first, which bounds the memory.
     fn layers(&mut self, item: &TomlItem<'_>) -> Result<Vec<Layer>> {
         let count = count_layers(item, 0)?;
         if count > u64::from(MAX_LAYERS) {
@@ -314,7 +315,7 @@ impl SceneReader<'_> {
     }
 }
 
-/// A layer, or a repeated group of layers.
+/// Table of a layer, or of a repeated group of layers.
 fn layer_table<'a>(entry: &TomlItem<'a>) -> Result<TomlTable<'a>> {
     let table = entry.table("layer")?;
     table.allow(&["material", "thickness_nm", "repeat", "layers"])?;
@@ -327,7 +328,7 @@ fn layer_table<'a>(entry: &TomlItem<'a>) -> Result<TomlTable<'a>> {
     }
 }
 
-/// How many layers a list has when written out.
+/// Number of layers of a list with repetitions written out.
 fn count_layers(item: &TomlItem<'_>, depth: u32) -> Result<u64> {
     if depth > MAX_REPEAT_DEPTH {
         return Err(item.refuse(format_args!("repeat within repeat, more than {MAX_REPEAT_DEPTH} deep")));

@@ -11,10 +11,10 @@ use super::model::Scene;
 use super::{delimited, file, presets, refractive_index_info};
 use crate::support::error::{Error, Result};
 
-/// Scene files are written by hand or by a script; 4 MiB hold some 50 000 layers.
+/// Longest scene file: 4 MiB hold some 50 000 layers.
 const MAX_SCENE_BYTES: u64 = 4 << 20;
 
-/// The scene in a file, or the preset of that name. A file hides a preset of the same name.
+/// Loads the scene in a file, or the preset of that name. A file hides a preset with its name.
 ///
 /// # Errors
 /// One line that names the place and the remedy; a name that is neither a file nor a preset is wrong usage.
@@ -43,7 +43,7 @@ pub fn load(name_or_path: &str) -> Result<Scene> {
     }))
 }
 
-/// The scene in a text, with built-in materials alone: a text has no folder, so it can name no files.
+/// Reads the scene in a text, with built-in materials alone: a text has no folder, so it can name no files.
 ///
 /// # Errors
 /// One line that names the place, under `label`, and the remedy.
@@ -51,7 +51,7 @@ pub fn parse(label: &str, text: &str) -> Result<Scene> {
     file::parse(label, text, label, None)
 }
 
-/// The medium in a text in the format of refractiveindex.info.
+/// Reads the medium in a text in the format of refractiveindex.info.
 ///
 /// # Errors
 /// One line that names the place, under `label`.
@@ -59,7 +59,7 @@ pub fn parse_nk(label: &str, text: &str) -> Result<OwnedMedium> {
     refractive_index_info::parse(&SourceText { label, text }, Extrapolate::Refuse)
 }
 
-/// The medium in columns of text: wavelength, n and, if it absorbs, k.
+/// Reads the medium in columns of text: wavelength, n and, if it absorbs, k.
 ///
 /// # Errors
 /// One line that names the place, under `label`.
@@ -67,7 +67,7 @@ pub fn parse_columns(label: &str, text: &str) -> Result<OwnedMedium> {
     delimited::parse(&SourceText { label, text }, None, Extrapolate::Refuse)
 }
 
-/// The mesh in a text in Wavefront OBJ; `interfaces` are the names that `usemtl` may use.
+/// Reads the mesh in a text in Wavefront OBJ; `interfaces` are the names that `usemtl` may use.
 ///
 /// # Errors
 /// One line that names the place, under `label`.

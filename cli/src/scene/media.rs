@@ -1,4 +1,4 @@
-//! The media of a scene: declared ones, built-in ones and plain numbers, each listed once.
+//! Media of a scene, each listed once: declared materials, built-in materials and plain numbers.
 
 use std::collections::HashMap;
 
@@ -20,22 +20,23 @@ use crate::support::text::toml_key;
 const AMBIENT_ABSORBS: &str =
     "light cannot arrive through a medium that absorbs; use k <= 0.001, or make it a layer under a clear ambient";
 
-/// Stands for a perfect mirror where something may lie below.
+/// Name of a perfect mirror, where a medium below is expected.
 const MIRROR: &str = "mirror";
 
-/// Collects the media that a scene uses.
+/// Collector of the media that a scene uses.
 pub(super) struct Media {
-    /// What the scene does with wavelengths beyond the data of its built-in materials.
+    /// Treatment of wavelengths beyond the data of built-in materials.
     extrapolate: Extrapolate,
-    /// `[materials.X]`, by lower-case name.
+    /// Declared materials, `[materials.X]`, by lower-case name.
     declared: HashMap<String, NamedMedium>,
-    /// Where in `list` a material or a number stands; names in lower case, numbers by their bits.
-    seen: HashMap<Key, MediumIndex>,
+    /// Index in `list` of each material or number met so far.
+    seen: HashMap<MediumKey, MediumIndex>,
     list: Vec<NamedMedium>,
 }
 
+/// MediumKey of a medium: a name in lower case, or n and k by their bits.
 #[derive(PartialEq, Eq, Hash)]
-enum Key {
+enum MediumKey {
     Name(String),
     Number(u64, u64),
 }
@@ -45,7 +46,7 @@ impl Media {
         Self { extrapolate, declared: HashMap::new(), seen: HashMap::new(), list: Vec::new() }
     }
 
-    /// Adds `[materials.NAME]`, which hides a built-in material of that name.
+    /// Declares `[materials.NAME]`, which hides a built-in material of that name.
     pub fn declare(&mut self, item: &TomlItem<'_>, medium: OwnedMedium) -> Result<()> {
         let name = item.key();
         if name.eq_ignore_ascii_case(MIRROR) {
@@ -61,12 +62,12 @@ impl Media {
         }
     }
 
-    /// The medium that a value names: a number n, a pair [n, k], or the name of a material.
+    /// Medium that a value names: a number n, a pair [n, k], or the name of a material.
     pub fn resolve(&mut self, item: &TomlItem<'_>) -> Result<MediumIndex> {
         let forms = "a number, a pair [n, k] or the name of a material";
-        let (key, name, make): (Key, String, OwnedMedium);
+        let (key, name, make): (MediumKey, String, OwnedMedium);
         if let Some(text) = item.as_text() {
-            key = Key::Name(text.to_lowercase());
+            key = MediumKey::Name(text.to_lowercase());
             if let Some(&index) = self.seen.get(&key) {
                 return Ok(index);
             }
@@ -78,7 +79,7 @@ impl Media {
                 _ => return Err(item.refuse(format_args!("expected {forms}, found {}", item.found()))),
             };
             make = constant(item, n, k)?;
-            key = Key::Number(n.to_bits(), k.to_bits());
+            key = MediumKey::Number(n.to_bits(), k.to_bits());
             if let Some(&index) = self.seen.get(&key) {
                 return Ok(index);
             }
@@ -89,7 +90,7 @@ impl Media {
         Ok(index)
     }
 
-    /// What lies below: a medium, or a perfect mirror.
+    /// Medium or perfect mirror below an interface.
     pub fn resolve_below(&mut self, item: &TomlItem<'_>) -> Result<Below> {
         match item.as_text() {
             Some(text) if text.eq_ignore_ascii_case(MIRROR) => Ok(Below::Mirror),
@@ -97,7 +98,7 @@ impl Media {
         }
     }
 
-    /// The medium in which light arrives; it must hardly absorb, for else a wave from far away never arrives.
+    /// Medium in which light arrives. It must hardly absorb: otherwise no wave arrives from far away.
     pub fn resolve_ambient(&mut self, item: &TomlItem<'_>) -> Result<MediumIndex> {
         let index = self.resolve(item)?;
         if self.list[usize::from(index)].medium.always_absorbs() {
@@ -135,7 +136,8 @@ impl Media {
         }))
     }
 
-    /// The same η under two names (1.0 and "vacuum" apart) is one medium: facets compare media by number.
+    /// Adds a medium, or finds an equal one. Equal η under two names is one medium, since facets compare media by
+    /// index.
     fn add(&mut self, item: &TomlItem<'_>, name: String, medium: OwnedMedium) -> Result<MediumIndex> {
         let index = self.list.iter().position(|known| known.medium == medium).unwrap_or_else(|| {
             self.list.push(NamedMedium { name, medium });
@@ -145,7 +147,7 @@ impl Media {
     }
 }
 
-/// A constant medium, refused at `item` unless n > 0 and k ≥ 0.
+/// Constant medium; `item` is the place of the error unless n > 0 and k ≥ 0.
 pub(super) fn constant(item: &TomlItem<'_>, n: f64, k: f64) -> Result<OwnedMedium> {
     if n.max(k) > MAX_INDEX {
         return Err(item.refuse(format_args!("n = {n}, k = {k}: more than {MAX_INDEX}")));

@@ -1,11 +1,11 @@
-//! A medium that owns its coefficients and tables, checked once.
+//! Medium that owns its coefficients and tables, checked once.
 
 use goniochrome::optics::medium::{Extrapolate, IndexPart, MAX_AMBIENT_K, Medium, MediumError};
 
 use super::column::Notes;
 use super::dispersion::OwnedDispersion;
 
-/// A passive medium: n(λ), k(λ), what to do beyond their data, and what is wrong with their tables.
+/// Passive medium: n(λ), k(λ), the treatment of wavelengths beyond their data, and the faults of their tables.
 #[derive(Clone, Debug)]
 pub struct OwnedMedium {
     n: OwnedDispersion,
@@ -13,11 +13,11 @@ pub struct OwnedMedium {
     extrapolate: Extrapolate,
     n_notes: Notes,
     k_notes: Notes,
-    /// What was guessed when it was read.
+    /// Message about a guess made when it was read.
     guess: Option<String>,
 }
 
-/// Media are equal if their η is, whatever file it comes from.
+/// Compares η alone: media are equal whatever file they come from.
 impl PartialEq for OwnedMedium {
     fn eq(&self, other: &Self) -> bool {
         self.n == other.n && self.k == other.k && self.extrapolate == other.extrapolate
@@ -25,34 +25,34 @@ impl PartialEq for OwnedMedium {
 }
 
 impl OwnedMedium {
-    /// A medium from its n and its k. A formula that leaves the passive domain is found when it is evaluated.
+    /// Medium of a given n(λ) and k(λ). A formula that leaves the passive domain is found when it is evaluated.
     ///
     /// # Errors
-    /// Those of [`Medium::new`].
+    /// Refuses what [`Medium::new`] refuses: tables or ranges out of order, values that are not finite or not passive.
     pub fn new(n: OwnedDispersion, k: OwnedDispersion, extrapolate: Extrapolate) -> Result<Self, MediumError> {
         Medium::new(n.borrow(), k.borrow(), extrapolate)?;
         Ok(Self { n, k, extrapolate, n_notes: Notes::default(), k_notes: Notes::default(), guess: None })
     }
 
-    /// The same medium, with what is wrong with its tables of n and of k.
+    /// Adds the faults of the tables of n and of k.
     pub(super) fn with_notes(self, n_notes: Notes, k_notes: Notes) -> Self {
         Self { n_notes, k_notes, ..self }
     }
 
-    /// The same medium, with what was guessed when it was read.
+    /// Adds the message about a guess made when it was read.
     pub(super) fn with_guess(self, guess: Option<String>) -> Self {
         Self { guess, ..self }
     }
 
-    /// A medium of the same n + ik at every wavelength.
+    /// Medium with one n + ik at every wavelength.
     ///
     /// # Errors
-    /// [`MediumError::NotFinite`], [`MediumError::NotPassive`].
+    /// [`MediumError::NotFinite`] if n or k is not finite, [`MediumError::NotPassive`] if n ≤ 0 or k < 0.
     pub fn constant(n: f64, k: f64) -> Result<Self, MediumError> {
         Self::new(OwnedDispersion::Constant(n), OwnedDispersion::Constant(k), Extrapolate::Refuse)
     }
 
-    /// The core's view of this medium.
+    /// This medium as the core takes it.
     ///
     /// # Panics
     /// Never: the constructor made the same check.
@@ -61,7 +61,7 @@ impl OwnedMedium {
         Medium::new(self.n.borrow(), self.k.borrow(), self.extrapolate).expect("checked by OwnedMedium::new")
     }
 
-    /// True where every datum of k is above [`MAX_AMBIENT_K`]: light can arrive through such a medium at no wavelength.
+    /// Whether every datum of k is above [`MAX_AMBIENT_K`]: such a medium lets light arrive at no wavelength.
     #[must_use]
     pub fn always_absorbs(&self) -> bool {
         match &self.k {
@@ -71,7 +71,7 @@ impl OwnedMedium {
         }
     }
 
-    /// What `error`, an answer of [`Medium::eta`], means for this medium: which of n and k, where, and why.
+    /// Describes an error of [`Medium::eta`] for this medium: which of n and k, where, and why.
     #[must_use]
     pub fn describe(&self, error: &MediumError) -> String {
         match *error {
@@ -92,7 +92,7 @@ impl OwnedMedium {
         }
     }
 
-    /// Why a table is of no use at a wavelength, and between which.
+    /// Message about an unknown value: between which wavelengths, and why.
     fn fault(&self, part: IndexPart, wavelength_nm: f64) -> String {
         let (dispersion, notes) = match part {
             IndexPart::N => (&self.n, &self.n_notes),
@@ -118,7 +118,7 @@ impl OwnedMedium {
         format!("{part} is not known at {wavelength_nm} nm ({stretch}){reason}")
     }
 
-    /// What a reader should know who uses the medium at these wavelengths.
+    /// Note for a user of the medium at these wavelengths: a guessed unit, or a k below 0 that is taken as 0.
     #[must_use]
     pub fn note(&self, wavelengths_nm: &[f64]) -> Option<String> {
         if let Some(guess) = &self.guess {

@@ -1,4 +1,4 @@
-//! The mesh of a cell, from Wavefront OBJ, with the line of every face.
+//! Mesh of a cell, from Wavefront OBJ, with the line of every face.
 
 use std::path::{Path, PathBuf};
 
@@ -13,36 +13,36 @@ use crate::support::error::Result;
 use crate::support::memory;
 use crate::support::text::toml_key;
 
-/// Of memory for each triangle: its hierarchy, checks and file.
+/// Bytes of memory that a triangle takes: hierarchy, checks and file.
 const BYTES: usize = 390;
 
-/// A corner may lie this fraction of the polygon's extent outside its plane: coordinates written with five digits.
+/// Fraction of a polygon's extent by which a corner may lie off its plane: coordinates written with five digits.
 const PLANAR: f64 = 1e-4;
 
-/// A triangle mesh.
+/// Triangle mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Coordinates in nanometres, z up.
+    /// Vertices in nanometres, z up.
     pub vertices: Vec<[f64; 3]>,
-    /// At least one.
+    /// Triangles, at least one.
     pub triangles: Vec<Triangle>,
-    /// The file, as messages name it.
+    /// File, as messages name it.
     pub path: PathBuf,
 }
 
-/// A facet. Counter-clockwise vertices, seen from the side of its normal.
+/// Facet of a mesh, its vertices counter-clockwise seen from the side of its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Triangle {
     /// Indices into the mesh's vertices.
     pub vertices: [u32; 3],
     /// Index into the scene's interfaces.
     pub interface: u16,
-    /// The line of its face in the file; the triangles of one polygon share it.
+    /// Line of its face in the file; the triangles of one polygon share it.
     pub line: u32,
 }
 
 impl Mesh {
-    /// The mesh in a file; `interfaces` are the names that `usemtl` may use.
+    /// Reads the mesh in a file; `interfaces` are the names that `usemtl` may use.
     pub(super) fn read(path: &Path, interfaces: &[&str], frame: MeshFrame) -> Result<Self> {
         let text = read_file(path, "")?;
         let mesh = parse(&path.display().to_string(), &text, interfaces, frame, MAX_TRIANGLES)?;
@@ -51,7 +51,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Forgets vertices that no triangle uses: they have no say in how high or wide the surface is.
+    /// Drops vertices that no triangle uses: they do not count for the bounds of the surface.
     pub(super) fn drop_unused(&mut self) {
         const UNUSED: u32 = u32::MAX;
         let mut numbers = vec![UNUSED; self.vertices.len()];
@@ -67,7 +67,7 @@ impl Mesh {
         self.vertices = used;
     }
 
-    /// The mesh in a text that messages call `label`.
+    /// Reads the mesh in a text that messages call `label`.
     pub(super) fn parse(label: &str, text: &str, interfaces: &[&str]) -> Result<Self> {
         parse(label, text, interfaces, MeshFrame::default(), MAX_TRIANGLES)
     }
@@ -127,7 +127,7 @@ fn unknown_interface(name: &str, interfaces: &[&str]) -> String {
     format!("usemtl {name:?} has no [interface]; {near}declare each usemtl name in the scene file")
 }
 
-/// A face, and memory to cut it.
+/// Face, with memory to triangulate it.
 #[derive(Default)]
 struct Face {
     vertices: Vec<u32>,
@@ -143,7 +143,7 @@ impl Face {
         self.places.extend(self.vertices.iter().map(|&vertex| DVec3::from(places[vertex as usize])));
     }
 
-    /// Cuts the face into triangles, or says why a cell cannot have it.
+    /// Cuts the face into triangles; the error says why a cell cannot have it.
     fn cut(&mut self) -> std::result::Result<(), String> {
         let count = self.vertices.len();
         if count < 3 {

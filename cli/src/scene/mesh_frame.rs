@@ -5,9 +5,10 @@ use super::toml_value::TomlTable;
 use crate::obj::Axes;
 use crate::support::error::Result;
 
-/// The axes and the unit of a mesh.
+/// Axes and unit of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeshFrame {
+    /// Which way is up.
     pub axes: Axes,
     /// Length of a unit of the file.
     pub unit_nm: f64,
@@ -20,7 +21,7 @@ impl Default for MeshFrame {
 }
 
 impl MeshFrame {
-    /// The keys `axes` and `unit_nm` of a `[cell]`.
+    /// Reads the keys `axes` and `unit_nm` of a `[cell]`.
     pub fn read(cell: &TomlTable<'_>) -> Result<Self> {
         let mut frame = Self::default();
         if let Some(item) = cell.get("axes") {
@@ -41,12 +42,12 @@ impl MeshFrame {
         Ok(frame)
     }
 
-    /// A vertex of the file in nanometres, z up.
+    /// Converts a vertex of the file to nanometres, z up.
     pub fn place(self, vertex: [f64; 3]) -> [f64; 3] {
         self.axes.turned(vertex).map(|x| self.unit_nm * x)
     }
 
-    /// What is wrong with a coordinate beyond [`MAX_LENGTH_NM`].
+    /// Message about a coordinate beyond [`MAX_LENGTH_NM`].
     pub fn too_long(self, coordinate_nm: f64) -> String {
         let unit = match self.unit_nm {
             1.0 => "units are nanometres unless [cell] has unit_nm".to_owned(),

@@ -1,4 +1,4 @@
-//! Scenes: what stands in a scene file, an OBJ mesh and refractive index files, as plain data.
+//! Scenes as plain data, read from scene files, OBJ meshes and refractive index files.
 
 mod diagnostics;
 mod toml_value;

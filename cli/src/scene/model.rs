@@ -14,9 +14,9 @@ use crate::support::error::{Error, Result};
 /// Scene: media, and the surface that they form.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The scene's own name, else that of the preset or file.
+    /// Name of the scene: its own, else that of the preset or file.
     pub name: String,
-    /// The scene file as read, for the metadata of what is made from it.
+    /// Scene file as read, for the metadata of what is made from it.
     pub toml: String,
     /// Every medium in use, each once; a [`MediumIndex`] counts in this list.
     pub media: Vec<NamedMedium>,
@@ -44,11 +44,11 @@ impl Scene {
 pub enum Shape {
     /// Plane layers.
     Stack {
-        /// The medium in which light arrives.
+        /// Medium in which light arrives.
         ambient: MediumIndex,
-        /// From the top, repetitions written out.
+        /// Layers from the top, repetitions written out.
         layers: Vec<Layer>,
-        /// What lies under the last layer.
+        /// Medium or mirror under the last layer.
         substrate: Below,
     },
     /// A mesh of horizontal planes, periodic in x and y.

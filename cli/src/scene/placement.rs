@@ -1,19 +1,19 @@
-//! How the mesh of a cell is placed: its axes, its unit, and where its period starts.
+//! Placement of a mesh in the period of its cell.
 //!
 //! A cell has z up, nanometres, and fills 0 to its period in x and y. Modelling programs export y up, another unit and
-//! a mesh centred on 0. `axes` and `unit_nm` tell the first two. The third needs no key: a mesh that spans exactly one
-//! period is moved to start at 0, since a periodic surface is the same wherever its period starts.
+//! a mesh centred on 0. The keys `axes` and `unit_nm` state the first two. The third needs no key: a mesh that spans
+//! exactly one period is moved to start at 0, since a periodic surface is the same wherever its period starts.
 
 use super::mesh::Mesh;
 use super::mesh_frame::MeshFrame;
 use crate::obj::Axes;
 use crate::support::error::{Error, Result};
 
-/// Modelling programs keep coordinates in single precision: spans are good to some units in the last place of the
-/// largest.
+/// Relative rounding of a span: modelling programs keep coordinates in single precision, good to some units in the last
+/// place of the largest.
 const SINGLE: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Spans agree with the period up to a factor if the factors of both axes differ by less: five digits in the file.
+/// Relative difference of the factors span : period of both axes that counts as none: five digits in the file.
 const SAME_FACTOR: f64 = 1e-5;
 
 /// Moves a mesh that spans exactly one period to start at 0.
@@ -27,7 +27,7 @@ pub(super) fn fit(mesh: &mut Mesh, period_nm: [f64; 2], frame: MeshFrame) -> Res
             (*low, *high) = (low.min(x), high.max(x));
         }
     }
-    let largest = bounds.iter().flatten().chain(&period_nm).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let largest = bounds.iter().flatten().chain(&period_nm).fold(0.0, |max: f64, x| max.max(x.abs()));
     let resolution_nm = SINGLE * largest;
     let spans = bounds.map(|[low, high]| high - low);
     let is_period = |axis: usize| (spans[axis] - period_nm[axis]).abs() <= resolution_nm;
@@ -56,7 +56,7 @@ pub(super) fn fit(mesh: &mut Mesh, period_nm: [f64; 2], frame: MeshFrame) -> Res
     Ok(())
 }
 
-/// What to write into the scene where the mesh spans the period in another frame.
+/// Remedy for a mesh that spans the period in other axes or another unit.
 fn remedy(spans: [f64; 3], [width, depth]: [f64; 2], frame: MeshFrame, resolution_nm: f64) -> Option<String> {
     let [x, y, z] = spans;
     let other_axes = match frame.axes {
@@ -78,7 +78,7 @@ fn remedy(spans: [f64; 3], [width, depth]: [f64; 2], frame: MeshFrame, resolutio
     factor(z).map(|unit_nm| format!("{other_axes}, and unit_nm = {unit_nm}"))
 }
 
-/// To five digits.
+/// Rounds to five digits.
 fn rounded(x: f64) -> f64 {
     format!("{x:.4e}").parse().unwrap_or(x)
 }

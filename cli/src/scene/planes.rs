@@ -1,9 +1,11 @@
-//! Cells made of horizontal planes: the decision that a mesh is such a cell, the check that its planes are closed, and
-//! the planes from the top.
+//! Cells of horizontal planes: whether a mesh is one, whether its planes are closed, and the planes from the top.
 //!
-//! A plane covers the period exactly once if (1) its facets are oriented alike, (2) every edge that is not on the border
-//! of the period's rectangle is passed as often in one direction as in the other, and (3) their area is that of the
-//! rectangle. By (2) the number of facets over a point is the same all over the rectangle, by (3) that number is 1.
+//! A plane covers the period exactly once under three conditions:
+//!
+//! 1. Its facets are oriented alike.
+//! 2. Every edge off the border of the period's rectangle is passed equally often in both directions. Hence the number
+//!    of facets over a point is constant over the rectangle.
+//! 3. The area of its facets is that of the rectangle. Hence that number is 1.
 
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -15,17 +17,16 @@ use super::parts::{Layer, NamedInterface, NamedMedium};
 use super::watertight::ClosedCell;
 use crate::support::error::{Error, Result};
 
-/// A horizontal plane that covers the whole period.
+/// Horizontal plane that covers the whole period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// Its height.
+    /// Height of the plane.
     pub z_nm: f64,
-    /// The media above and below it, in the sense of z.
+    /// Media above and below it along z.
     pub interface: Interface,
 }
 
-/// A cell of horizontal planes. Each covers the period exactly once, and neighbours agree about the medium between
-/// them.
+/// Cell of horizontal planes. Each covers the period exactly once, and neighbours agree on the medium between them.
 #[derive(Clone, Debug)]
 pub struct FlatCell {
     planes: Vec<Plane>,
@@ -33,7 +34,7 @@ pub struct FlatCell {
 }
 
 impl FlatCell {
-    /// The planes of a mesh; `None` if it has other facets than horizontal ones.
+    /// Finds and checks the planes of a mesh; `None` if it has other facets than horizontal ones.
     ///
     /// # Errors
     /// One line that names the first plane that is open, or the two planes that disagree.
@@ -66,21 +67,21 @@ impl FlatCell {
         Ok(Some(Self { planes, polygons }))
     }
 
-    /// The planes from the top, coatings written out.
+    /// Planes from the top, coatings written out.
     #[must_use]
     pub fn planes(&self) -> &[Plane] {
         &self.planes
     }
 
-    /// The planes as polygons: each one rectangle over the period, coatings left to the interfaces.
+    /// Planes as polygons: each one rectangle over the period, with coatings left to the interfaces.
     #[must_use]
     pub fn polygons(&self) -> &ClosedCell {
         &self.polygons
     }
 }
 
-/// Adds a plane with its coating written out. The films take up no room in the mesh, so that everything below moves down
-/// by their thickness, which is returned.
+/// Adds a plane with its coating written out, and returns the thickness of its films. The films take up no room in the
+/// mesh, so everything below moves down by that thickness.
 fn coat(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plane>) -> f64 {
     let Interface { mut above, below } = sheet.plane.interface;
     let mut thickness_nm = 0.0;
@@ -100,13 +101,13 @@ fn coat(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plan
     thickness_nm
 }
 
-/// Modelling programs keep coordinates in single precision, so heights or corners that are meant to be equal may differ by
-/// the rounding of the largest coordinate.
+/// Resolution of coordinates. Modelling programs keep them in single precision, so heights or corners that are meant to
+/// be equal may differ by the rounding of the largest coordinate.
 fn resolution_nm(mesh: &Mesh) -> f64 {
     mesh.vertices.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())) * f64::from(f32::EPSILON)
 }
 
-/// The facets of one interface at one height.
+/// Facets of one interface at one height.
 struct Sheet {
     plane: Plane,
     /// Whether its facets face down.
@@ -131,7 +132,7 @@ impl PlaneCheck<'_> {
         facet.vertices.map(|index| self.mesh.vertices[index as usize])
     }
 
-    /// How messages call a sheet.
+    /// Name of a sheet in messages.
     fn name(&self, sheet: &Sheet) -> String {
         format!("the plane {:?} at z = {} nm", self.usemtl(sheet), sheet.plane.z_nm)
     }
@@ -140,7 +141,7 @@ impl PlaneCheck<'_> {
         &self.interfaces[usize::from(sheet.facets[0].interface)].name
     }
 
-    /// Facets by interface and height; `None` where they do not lie in horizontal planes.
+    /// Groups facets by interface and height; `None` where they do not lie in horizontal planes.
     fn sheets(&self) -> Option<Vec<Sheet>> {
         struct Level {
             low: f64,
@@ -158,7 +159,7 @@ impl PlaneCheck<'_> {
         });
         let same = |a: &Level, b: &Level| a.facet.interface == b.facet.interface && b.low - a.low <= self.resolution_nm;
         let sheet = |group: &[Level]| {
-            let (z_nm, high) = (group[0].low, group.iter().fold(f64::NEG_INFINITY, |most, level| most.max(level.high)));
+            let (z_nm, high) = (group[0].low, group.iter().fold(f64::NEG_INFINITY, |max, level| max.max(level.high)));
             // The whole plane, not each facet alone: a fine mesh climbs by less than rounding from facet to facet.
             if high - z_nm > self.resolution_nm {
                 return None;

@@ -1,6 +1,6 @@
-//! The scenes that come with the program.
+//! Presets: the scenes that come with the program.
 
-/// Name and scene file; the first line of each is its description.
+/// Name and scene file of each preset; the first line of a file is its description.
 const PRESETS: &[(&str, &str)] = &[
     ("paper-fig3", include_str!("../../data/presets/paper-fig3.toml")),
     ("paper-fig4", include_str!("../../data/presets/paper-fig4.toml")),
@@ -24,23 +24,23 @@ const PRESETS: &[(&str, &str)] = &[
     ("pigment-paint", include_str!("../../data/presets/pigment-paint.toml")),
 ];
 
-/// The names of the presets.
+/// Names of the presets.
 pub fn names() -> impl Iterator<Item = &'static str> {
     PRESETS.iter().map(|&(name, _)| name)
 }
 
-/// The scene file of a preset, upper or lower case.
+/// Scene file of a preset by its name, in upper or lower case.
 #[must_use]
 pub fn get(name: &str) -> Option<&'static str> {
     find(name).map(|(_, toml)| toml)
 }
 
-/// Name as listed and scene file.
+/// Name as listed, and scene file, of a preset.
 pub(super) fn find(name: &str) -> Option<(&'static str, &'static str)> {
     PRESETS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).copied()
 }
 
-/// Every preset: name and one-line description.
+/// Name and one-line description of every preset.
 pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     PRESETS.iter().map(|&(name, toml)| (name, description(toml)))
 }

@@ -1,8 +1,8 @@
 //! n and k in the YAML format of refractiveindex.info.
 //!
-//! Read are the entries of `DATA`: `formula 1` to `formula 9` with `coefficients` and `wavelength_range` (`range` in older
-//! files), `tabulated nk`, `tabulated n` and `tabulated k`; wavelengths in micrometres. One extension: `exponential k`
-//! with two coefficients, k = c₁ exp(−λ/c₂), c₂ in micrometres (melanin).
+//! The reader takes the entries of `DATA`: `formula 1` to `formula 9` with `coefficients` and `wavelength_range`
+//! (`range` in older files), `tabulated nk`, `tabulated n` and `tabulated k`. Wavelengths are in micrometres. One type
+//! is an extension: `exponential k` with two coefficients, k = c₁ exp(−λ/c₂), c₂ in micrometres (melanin).
 
 use goniochrome::optics::medium::{Extrapolate, Formula, IndexPart};
 
@@ -13,9 +13,10 @@ use super::medium::OwnedMedium;
 use super::yaml::{self, Node, Value};
 use crate::support::error::Result;
 
+/// Known types of entries, for messages.
 const TYPES: &str = "formula 1 to 9, tabulated nk, tabulated n, tabulated k, exponential k";
 
-/// The medium that a file describes.
+/// Reads the medium that a file describes.
 pub(super) fn parse(source: &SourceText<'_>, extrapolate: Extrapolate) -> Result<OwnedMedium> {
     let root = yaml::parse(source)?;
     let data = root.get("DATA").ok_or_else(|| {
@@ -48,7 +49,7 @@ pub(super) fn parse(source: &SourceText<'_>, extrapolate: Extrapolate) -> Result
     medium(source, data.line, n, k, extrapolate)
 }
 
-/// The medium of a column of n and one of k; without k it does not absorb.
+/// Builds a medium from a column of n and one of k; without k it does not absorb.
 pub(super) fn medium(
     source: &SourceText<'_>,
     line: usize,
@@ -69,9 +70,10 @@ pub(super) fn medium(
     Ok(medium.map_err(|error| source.refuse_line(line, error))?.with_notes(n.notes, k.notes))
 }
 
+/// Type of an entry.
 enum EntryKind {
     Formula(IndexPart, Formula),
-    /// The columns after the wavelength.
+    /// Columns after the wavelength.
     Table(&'static [IndexPart]),
 }
 
@@ -94,7 +96,7 @@ fn kind(source: &SourceText<'_>, entry: &Node) -> Result<EntryKind> {
     Err(source.refuse_line(node.line, format_args!("unknown type {text:?} (known: {TYPES})")))
 }
 
-/// The value of an entry's first key among `names`.
+/// Value of an entry's first key among `names`.
 fn field<'a>(source: &SourceText<'_>, entry: &'a Node, names: &[&str]) -> Result<&'a Node> {
     names
         .iter()
@@ -102,7 +104,7 @@ fn field<'a>(source: &SourceText<'_>, entry: &'a Node, names: &[&str]) -> Result
         .ok_or_else(|| source.refuse_line(entry.line, format_args!("this DATA entry has no {}", names[0])))
 }
 
-/// Numbers, finite or not.
+/// Parses numbers, finite or not.
 fn numbers(source: &SourceText<'_>, line: usize, text: &str) -> Result<Vec<f64>> {
     let number = |word: &str| {
         word.parse::<f64>().map_err(|_| source.refuse_line(line, format_args!("{word:?} is not a number")))
@@ -147,7 +149,7 @@ fn formula(source: &SourceText<'_>, entry: &Node, formula: Formula) -> Result<Ow
     Ok(OwnedDispersion::Formula { formula, coefficients, range_nm })
 }
 
-/// The columns of a table.
+/// Reads the columns of a table.
 fn table(source: &SourceText<'_>, entry: &Node, parts: &[IndexPart]) -> Result<Vec<Column>> {
     let data = field(source, entry, &["data"])?;
     let Value::Scalar { text, block: true } = &data.value else {
@@ -177,7 +179,7 @@ fn table(source: &SourceText<'_>, entry: &Node, parts: &[IndexPart]) -> Result<V
     parts.iter().zip(rows).map(|(&part, rows)| column(source, part, rows)).collect()
 }
 
-/// Rounded to 1e-9 nm, so that 0.555 µm is 555 nm and not its neighbour.
+/// Converts micrometres to nanometres, rounded to 1e-9 nm: 0.555 µm is 555 nm, not the next number.
 pub(super) fn nanometres(um: f64) -> f64 {
     let nm = um * 1e3;
     let rounded = (nm * 1e9).round() / 1e9;

@@ -1,4 +1,4 @@
-//! TOML values that know their key and their place, so that every refusal can name both.
+//! TOML values with their key and place, so that every error can name both.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -9,27 +9,27 @@ use toml::de::{DeArray, DeTable, DeValue};
 use super::diagnostics::{SourceText, nearest};
 use crate::support::error::{Error, Result};
 
-/// A value of a scene file.
+/// Value of a scene file.
 #[derive(Clone)]
 pub(super) struct TomlItem<'a> {
     source: SourceText<'a>,
-    /// How messages call it: its key.
+    /// Name in messages: the key.
     key: Cow<'a, str>,
     value: &'a Spanned<DeValue<'a>>,
 }
 
-/// A table of a scene file.
+/// Table of a scene file.
 #[derive(Clone)]
 pub(super) struct TomlTable<'a> {
     source: SourceText<'a>,
-    /// How messages call it: `[stack]`.
+    /// Name in messages, such as `[stack]`.
     name: String,
     offset: usize,
     table: &'a DeTable<'a>,
 }
 
 impl<'a> TomlItem<'a> {
-    /// An error at this value.
+    /// Error at this value.
     pub fn refuse(&self, message: impl Display) -> Error {
         self.source.refuse(self.value.span().start, format_args!("{}: {message}", self.key))
     }
@@ -38,7 +38,7 @@ impl<'a> TomlItem<'a> {
         &self.key
     }
 
-    /// Any number, finite or not.
+    /// Number, finite or not; `None` for other values.
     fn any_number(&self) -> Option<f64> {
         match self.value.get_ref() {
             DeValue::Float(x) => x.as_str().parse().ok(),
@@ -49,7 +49,7 @@ impl<'a> TomlItem<'a> {
         }
     }
 
-    /// A finite number.
+    /// Value as a finite number.
     pub fn number(&self) -> Result<f64> {
         match self.any_number() {
             Some(x) if x.is_finite() => Ok(x),
@@ -58,7 +58,7 @@ impl<'a> TomlItem<'a> {
         }
     }
 
-    /// An integer from 0 to `limit`.
+    /// Value as an integer from 0 to `limit`.
     pub fn count(&self, limit: u32) -> Result<u32> {
         let value = match self.value.get_ref() {
             DeValue::Integer(x) => u32::from_str_radix(x.as_str(), x.radix()).ok().filter(|&x| x <= limit),
@@ -67,7 +67,7 @@ impl<'a> TomlItem<'a> {
         value.ok_or_else(|| self.refuse(format_args!("expected an integer from 0 to {limit}, found {}", self.found())))
     }
 
-    /// true or false.
+    /// Value as true or false.
     pub fn flag(&self) -> Result<bool> {
         match self.value.get_ref() {
             DeValue::Boolean(flag) => Ok(*flag),
@@ -75,12 +75,12 @@ impl<'a> TomlItem<'a> {
         }
     }
 
-    /// The line on which the value starts, counted from 1.
+    /// Line on which the value starts, counted from 1.
     pub fn line(&self) -> u32 {
         self.source.line(self.value.span().start)
     }
 
-    /// A text.
+    /// Value as a text.
     pub fn text(&self) -> Result<&'a str> {
         self.as_text().ok_or_else(|| self.refuse(format_args!("expected a text in quotes, found {}", self.found())))
     }
@@ -104,12 +104,12 @@ impl<'a> TomlItem<'a> {
         }
     }
 
-    /// A list.
+    /// Value as a list.
     pub fn array(&self) -> Result<Vec<Self>> {
         self.as_array().ok_or_else(|| self.refuse(format_args!("expected a list, found {}", self.found())))
     }
 
-    /// A table, called `name` in messages.
+    /// Value as a table, called `name` in messages.
     pub fn table(&self, name: impl Into<String>) -> Result<TomlTable<'a>> {
         match self.value.get_ref() {
             DeValue::Table(table) => {
@@ -119,7 +119,7 @@ impl<'a> TomlItem<'a> {
         }
     }
 
-    /// What stands there, for messages.
+    /// Description of the value, for messages.
     pub fn found(&self) -> String {
         match self.value.get_ref() {
             DeValue::String(text) => format!("the text {text:?}"),
@@ -134,12 +134,12 @@ impl<'a> TomlItem<'a> {
 }
 
 impl<'a> TomlTable<'a> {
-    /// The whole file.
+    /// Table of the whole file.
     pub fn root(source: SourceText<'a>, table: &'a DeTable<'a>) -> Self {
         Self { source, name: "the scene".to_owned(), offset: 0, table }
     }
 
-    /// An error at the start of this table.
+    /// Error at the start of this table.
     pub fn refuse(&self, message: impl Display) -> Error {
         self.source.refuse(self.offset, format_args!("{}: {message}", self.name))
     }
@@ -157,17 +157,18 @@ impl<'a> TomlTable<'a> {
         Err(self.source.refuse(key.span().start, message))
     }
 
+    /// Value of a key.
     pub fn get(&self, key: &str) -> Option<TomlItem<'a>> {
         let (key, value) = self.table.get_key_value(key)?;
         Some(TomlItem { source: self.source, key: Cow::Borrowed(key.get_ref()), value })
     }
 
-    /// The value of a key that must be there; `remedy` says what to write.
+    /// Value of a required key; `remedy` says what to write.
     pub fn require(&self, key: &str, remedy: &str) -> Result<TomlItem<'a>> {
         self.get(key).ok_or_else(|| self.refuse(format_args!("{key:?} is missing; write {remedy}")))
     }
 
-    /// Every entry, in order of key.
+    /// Every entry, in the order of keys.
     pub fn entries(&self) -> impl Iterator<Item = TomlItem<'a>> + use<'a> {
         let source = self.source;
         self.table.iter().map(move |(key, value)| TomlItem {

@@ -1,9 +1,10 @@
-//! Cells of tilted facets: the check that they divide space cleanly, so that no ray can leak from one medium into another.
+//! Cells of tilted facets: the check that they divide space cleanly, so that no ray can leak from one medium into
+//! another.
 //!
-//! Around each edge the facets that meet there, taken modulo the period, are put in order of angle; each pair of neighbours must
-//! agree about the medium between them. An edge with one facet is a hole, unless the facet divides nothing. What the edges
-//! hold together is one sheet or one closed body; a vertical line through each checks that it agrees with what lies over
-//! and under it.
+//! The facets at each edge, taken modulo the period, are sorted by angle; neighbours must agree on the medium between
+//! them. An edge with one facet is a hole, unless the facet has one medium on both sides. Facets connected by edges
+//! form a sheet or a closed body. A vertical line through each body checks that it agrees with what lies above and
+//! below it.
 
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -16,16 +17,16 @@ use super::mesh::{Mesh, Triangle};
 use super::parts::{MAX_LENGTH_NM, NamedInterface, NamedMedium};
 use crate::support::error::{Error, Result};
 
-/// Two facets on one edge overlap if the angle between them is less than this, in radians, or than rounding.
+/// Angle in radians below which two facets at one edge overlap, unless rounding is larger.
 const OVERLAP: f64 = 1e-6;
 
-/// More faults than these say nothing new, and need not be kept.
+/// Most faults that are kept: more say nothing new.
 const MAX_FAULTS: usize = 10_000;
 
-/// Facets that the vertical lines may be tried against: some seconds.
+/// Most tests of a vertical line against a facet: some seconds.
 const MAX_PROBED: usize = 1 << 30;
 
-/// A cell of polygons that divide space cleanly: every boundary between two media is closed over the period.
+/// Cell of polygons that divide space cleanly: every boundary between two media is closed over the period.
 #[derive(Clone, Debug)]
 pub struct ClosedCell {
     mesh: Mesh,
@@ -35,8 +36,8 @@ pub struct ClosedCell {
 
 impl ClosedCell {
     /// Checks a mesh: inside its period, without holes, overlaps or facets that disagree about a medium, and spanning
-    /// the whole period. Triangles without area and vertices without triangles are passed over. Surfaces that cut
-    /// through one another away from their edges are not found.
+    /// the whole period. Triangles without area and vertices without triangles are skipped. Surfaces that intersect
+    /// away from their edges are not found.
     ///
     /// Vertices beside the border of the period are put onto it, since light would fall through between copies of the
     /// mesh that miss each other.
@@ -56,24 +57,24 @@ impl ClosedCell {
         Ok(Self { mesh, period_nm, interfaces })
     }
 
-    /// Rectangles over the period, one over the other, which [`super::FlatCell`] has checked.
+    /// Cell of stacked rectangles over the period, which the caller has checked.
     pub(super) fn of_sheets(mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface>) -> Self {
         Self { mesh, period_nm, interfaces }
     }
 
-    /// The facets.
+    /// Facets of the cell.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// The period in x and in y.
+    /// Period in x and in y.
     #[must_use]
     pub fn period_nm(&self) -> [f64; 2] {
         self.period_nm
     }
 
-    /// What a triangle's `interface` counts.
+    /// Interfaces, which a triangle's `interface` counts.
     #[must_use]
     pub fn interfaces(&self) -> &[NamedInterface] {
         &self.interfaces
@@ -89,35 +90,35 @@ fn check_closed(mesh: &Mesh, period_nm: [f64; 2], interfaces: &[NamedInterface],
     check.through_bodies(&edges, &mut bodies)
 }
 
-/// Modelling programs keep coordinates in single precision: vertices nearer than this are one vertex, and may lie
-/// outside the period by as much.
+/// Resolution of coordinates, which modelling programs keep in single precision: vertices nearer than this are one
+/// vertex, and may lie outside the period by as much.
 fn resolution_nm(mesh: &Mesh, period_nm: [f64; 2]) -> f64 {
-    RESOLUTION * mesh.vertices.iter().flatten().chain(&period_nm).fold(0.0, |most: f64, x| most.max(x.abs()))
+    RESOLUTION * mesh.vertices.iter().flatten().chain(&period_nm).fold(0.0, |max: f64, x| max.max(x.abs()))
 }
 
-/// A vertex modulo the period.
+/// Vertex modulo the period.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct PeriodicCorner {
     number: u32,
     tile: [i8; 2],
 }
 
-/// An edge of a triangle. Equal keys are one edge modulo the period.
+/// Edge of a triangle. Equal keys are one edge modulo the period.
 #[derive(Clone, Copy)]
 struct HalfEdge {
     key: (u32, u32, [i8; 2]),
     triangle: u32,
-    /// Which corner it starts at, going round the triangle.
+    /// Corner at which it starts, going round the triangle.
     corner: u8,
-    /// Whether the triangle passes it in the direction of the key.
+    /// Whether the triangle runs along it in the direction of the key.
     forward: bool,
 }
 
-/// Sets of triangles that hang together.
+/// Sets of connected triangles: a union–find structure.
 struct Bodies(Vec<usize>);
 
 impl Bodies {
-    /// The triangle that stands for the set.
+    /// Representative of the set of a triangle.
     fn of(&mut self, mut triangle: usize) -> usize {
         while self.0[triangle] != triangle {
             self.0[triangle] = self.0[self.0[triangle]];
@@ -132,7 +133,7 @@ impl Bodies {
     }
 }
 
-/// What is wrong at an edge; the worst first.
+/// Fault at an edge; the worst first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Fault {
     Overlap,
@@ -148,7 +149,7 @@ struct WatertightCheck<'a> {
     resolution_nm: f64,
 }
 
-/// A place for a message.
+/// Place, for a message.
 fn at(point: DVec3) -> String {
     let [x, y, z] = point.to_array().map(|x| (x * 1000.0).round() / 1000.0 + 0.0);
     format!("({x}, {y}, {z})")
@@ -163,7 +164,7 @@ impl WatertightCheck<'_> {
         triangle.vertices.map(|index| DVec3::from(self.mesh.vertices[index as usize]))
     }
 
-    /// The media on the side of the normal and behind.
+    /// Media on the side of the normal and behind.
     fn sides(&self, triangle: &Triangle) -> [Below; 2] {
         let interface = self.interfaces[usize::from(triangle.interface)].interface;
         [Below::Medium(interface.above), interface.below]
@@ -202,9 +203,9 @@ impl WatertightCheck<'_> {
         Ok(())
     }
 
-    /// Every vertex modulo the period; those nearer than the resolution get one number.
+    /// Every vertex modulo the period; vertices nearer than the resolution share a number.
     fn corners(&self) -> Vec<PeriodicCorner> {
-        /// Buckets far wider than the resolution: most vertices then lie clear of their walls.
+        /// Width of a bucket in resolutions: most vertices lie clear of its walls.
         const WIDTH: f64 = 16.0;
         let bucket_nm = WIDTH * self.resolution_nm;
         let mut buckets: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(self.mesh.vertices.len());
@@ -279,7 +280,7 @@ impl WatertightCheck<'_> {
         if edge.forward { [from, to, third] } else { [to, from, third] }
     }
 
-    /// The facet's angle about the edge, counted from `reference`, and its extent across the edge.
+    /// Angle of the facet about the edge, counted from `reference`, and its extent across the edge.
     fn angle(&self, edge: &HalfEdge, reference: Option<DVec3>) -> (f64, DVec3) {
         let [from, to, third] = self.ends(edge);
         let along = (to - from).normalize_or_zero();
@@ -289,7 +290,7 @@ impl WatertightCheck<'_> {
         (angle, across)
     }
 
-    /// Media on the two sides of a facet, in the sense of increasing angle: behind it, then before it.
+    /// Media on the two sides of a facet, by increasing angle: behind it, then in front of it.
     fn turning(&self, edge: &HalfEdge) -> [Below; 2] {
         let [above, below] = self.sides(self.triangle(edge));
         if edge.forward { [below, above] } else { [above, below] }
@@ -329,7 +330,7 @@ impl WatertightCheck<'_> {
         self.report(&faults)
     }
 
-    /// The worst fault; among equals, at the facet with most of them, in the first line.
+    /// Reports the worst fault; among equals, the one at the facet with most of them, in the first line.
     fn report(&self, faults: &[(Fault, HalfEdge, HalfEdge)]) -> Result<()> {
         let mut counts: HashMap<u32, usize> = HashMap::new();
         for (_, edge, next) in faults {
@@ -365,7 +366,7 @@ impl WatertightCheck<'_> {
         ))
     }
 
-    /// Follows a vertical line through each body; refuses media that differ, and bodies of which none spans the period.
+    /// Follows a vertical line through each body; refuses media that differ, and bodies none of which spans the period.
     fn through_bodies(&self, edges: &[HalfEdge], bodies: &mut Bodies) -> Result<()> {
         let mut found: HashMap<usize, (f64, f64, usize)> = HashMap::new(); // net and largest area seen from above
         let mut solid: Vec<usize> = edges.iter().map(|edge| edge.triangle as usize).collect();
@@ -392,7 +393,7 @@ impl WatertightCheck<'_> {
         probes.into_iter().step_by(step).try_for_each(|number| self.probe(number, &solid))
     }
 
-    /// The vertical line through a point of a triangle.
+    /// Follows the vertical line through a point of a triangle.
     fn probe(&self, number: usize, solid: &[usize]) -> Result<()> {
         // A place in the triangle that no regular mesh has an edge over.
         let [a, b, c] = self.points(&self.mesh.triangles[number]);

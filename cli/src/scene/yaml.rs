@@ -1,20 +1,21 @@
-//! The part of YAML that data files use, as a tree that knows its lines. Aliases are refused, so a file cannot grow.
+//! Tree of the part of YAML that data files use, with line numbers. Aliases are refused, so a file cannot grow.
 
 use saphyr_parser::{Event, Parser, ScalarStyle};
 
 use super::diagnostics::SourceText;
 use crate::support::error::Result;
 
-/// Data files nest four deep; the limit keeps the tree's recursive drop far from the end of the call stack.
+/// Deepest nesting: data files have four levels, and the tree is dropped recursively on the call stack.
 const MAX_DEPTH: usize = 64;
 
-/// A value and the line where it starts; for a literal block that is its first row, blank or not.
+/// Value with the line where it starts; for a literal block that is its first row, blank or not.
 #[derive(Debug)]
 pub(super) struct Node {
     pub line: usize,
     pub value: Value,
 }
 
+/// Value of a node.
 #[derive(Debug)]
 pub(super) enum Value {
     /// Text; `block` if written as a literal block (`|`), row for row.
@@ -27,7 +28,7 @@ pub(super) enum Value {
 }
 
 impl Node {
-    /// The value of a key of a map.
+    /// Value of a key of a map.
     pub fn get(&self, key: &str) -> Option<&Self> {
         match &self.value {
             Value::Map(entries) => entries.iter().find(|(name, _)| name == key).map(|(_, node)| node),
@@ -35,7 +36,7 @@ impl Node {
         }
     }
 
-    /// The text of a scalar.
+    /// Text of a scalar.
     pub fn text(&self) -> Option<&str> {
         match &self.value {
             Value::Scalar { text, .. } => Some(text),
@@ -44,13 +45,13 @@ impl Node {
     }
 }
 
-/// A list or map that is still open; a map holds the key that waits for its value.
+/// List or map that is still open; a map holds the key that waits for its value.
 struct Open {
     node: Node,
     key: Option<String>,
 }
 
-/// The one document of a text.
+/// Parses the one document of a text.
 pub(super) fn parse(source: &SourceText<'_>) -> Result<Node> {
     let mut open: Vec<Open> = Vec::new();
     let mut root = None;

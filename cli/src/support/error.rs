@@ -4,12 +4,12 @@ use std::fmt;
 
 use crate::support::text::one_line;
 
-/// What the user did wrong or what failed, in one line that says what, where and the remedy.
+/// Error of the command line: one line that says what is wrong, where, and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
     message: String,
     exit_code: u8,
-    /// Whether a medium has no data at a wavelength.
+    /// Whether the cause is a medium without data at a wavelength.
     no_data: bool,
 }
 
@@ -17,29 +17,30 @@ pub struct Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// The command line itself is wrong: exit code 2.
+    /// Wrong usage of the command line: exit code 2.
     pub fn usage(message: impl fmt::Display) -> Self {
         Self::new(message, 2)
     }
 
-    /// A file, a scene or the machine is at fault: exit code 1.
+    /// Fault of a file, a scene or the machine: exit code 1.
     pub fn failed(message: impl fmt::Display) -> Self {
         Self::new(message, 1)
     }
 
-    /// Libraries report over several lines, and names come from files of strangers: a log wants one line of plain text.
+    /// Makes the message one line of plain text: libraries report over several lines, and names come from files of
+    /// strangers.
     fn new(message: impl fmt::Display, exit_code: u8) -> Self {
         Self { message: one_line(&message.to_string()), exit_code, no_data: false }
     }
 
-    /// A medium has no data at a wavelength that a command needs. What can be done depends on the command: see
-    /// [`Error::with_remedy`].
+    /// Missing data of a medium at a wavelength that a command needs: exit code 1. The remedy depends on the command:
+    /// see [`Error::with_remedy`].
     pub fn no_data(message: impl fmt::Display) -> Self {
         Self { no_data: true, ..Self::failed(message) }
     }
 
-    /// The same error, with what can be done where a medium has no data. `asks` says whether the command lets its user
-    /// choose the wavelengths.
+    /// Adds the remedy for missing data of a medium; other errors stay unchanged. `asks` says whether the command lets
+    /// its user choose the wavelengths.
     #[must_use]
     pub fn with_remedy(self, asks: bool) -> Self {
         let remedy = match (self.no_data, asks) {
@@ -50,7 +51,7 @@ impl Error {
         Self { message: format!("{}; {remedy}", self.message), no_data: false, ..self }
     }
 
-    /// 1 or 2.
+    /// Exit code of the program, 1 or 2.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         self.exit_code

@@ -1,27 +1,27 @@
 //! Memory whose size a user chooses.
 //!
-//! A `vec!` that finds no memory ends the program without a word about the cause. What grows with a file, a picture or
-//! a table is made here instead, and says what it was for. Systems that promise more memory than they have may still
-//! stop the program later; stated limits, not these functions, keep sizes within reason.
+//! A `vec!` that finds no memory aborts the program without naming the cause. What grows with a file, a picture or a
+//! table is allocated here instead; the error names its purpose. Systems that promise more memory than they have may
+//! still stop the program later; stated limits, not these functions, keep sizes within reason.
 
 use std::fmt::Display;
 
 use crate::support::error::{Error, Result};
 
-/// `len` times `value`.
+/// List of `len` copies of `value`.
 ///
 /// # Errors
-/// One line that says what the memory was for.
+/// Too little memory; the line says what it was for.
 pub fn filled<T: Clone>(value: T, len: usize, what: impl Display) -> Result<Vec<T>> {
     let mut list = empty(len, what)?;
     list.resize(len, value);
     Ok(list)
 }
 
-/// An empty list with room for `len`.
+/// Empty list with room for `len` items.
 ///
 /// # Errors
-/// One line that says what the memory was for.
+/// Too little memory; the line says what it was for.
 pub fn empty<T>(len: usize, what: impl Display) -> Result<Vec<T>> {
     let mut list = Vec::new();
     list.try_reserve_exact(len).map_err(|_| too_little(len, size_of::<T>(), &what))?;
@@ -31,25 +31,25 @@ pub fn empty<T>(len: usize, what: impl Display) -> Result<Vec<T>> {
 /// Appends an item to a list, which doubles as it fills.
 ///
 /// # Errors
-/// One line that says what the memory was for.
+/// Too little memory; the line says what it was for.
 pub fn push<T>(list: &mut Vec<T>, item: T, what: impl Display) -> Result<()> {
     list.try_reserve(1).map_err(|_| too_little(list.len().saturating_mul(2), size_of::<T>(), &what))?;
     list.push(item);
     Ok(())
 }
 
-/// Tries whether so much memory can be had, for what allocates piece by piece.
+/// Checks that so much memory is available, for code that allocates piece by piece.
 ///
 /// # Errors
-/// One line that says what the memory was for.
+/// Too little memory; the line says what it was for.
 pub fn expect(bytes: usize, what: impl Display) -> Result<()> {
     empty::<u8>(bytes, what).map(drop)
 }
 
-/// Tries whether there is memory for a list of `T`, as long as the product of `factors`.
+/// Checks that memory is available for a list of `T` as long as the product of `factors`.
 ///
 /// # Errors
-/// One line that says what the memory was for.
+/// Too little memory; the line says what it was for.
 pub fn expect_list<T>(factors: &[usize], what: impl Display) -> Result<()> {
     expect(factors.iter().fold(size_of::<T>(), |bytes, factor| bytes.saturating_mul(*factor)), what)
 }

@@ -1,9 +1,9 @@
-//! What every part of the program stands on: errors, files, threads, memory and words for the terminal.
+//! Foundations of every part of the program: errors, files, threads, memory and text for the terminal.
 
-pub mod direction;
-pub mod text;
+pub(crate) mod direction;
+pub(crate) mod text;
 pub mod error;
-pub mod memory;
-pub mod parallel;
-pub mod output;
-pub mod progress;
+pub(crate) mod memory;
+pub(crate) mod parallel;
+pub(crate) mod output;
+pub(crate) mod progress;

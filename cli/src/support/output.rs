@@ -9,11 +9,17 @@ use tempfile::NamedTempFile;
 use crate::support::error::{Error, Result};
 
 /// Writes `bytes` to `path`, replacing what is there only once everything is on disk.
+///
+/// # Errors
+/// A folder in place of the file, a missing folder, no permission, a full disk. An earlier file stays as it was.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, |writer| writer.write_all(bytes))
 }
 
 /// Writes `text` to `path`, or to standard output where `path` is `-`.
+///
+/// # Errors
+/// A file that [`write_file`] cannot write, a standard output that fails. A closed pipe is no error.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
     if path != Path::new("-") {
         return write_file(path, text.as_bytes());
@@ -28,7 +34,11 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
 
 /// Lets `fill` write to `path`. A failure leaves an earlier file untouched and no temporary file behind.
 ///
-/// Symbolic links are followed. Devices and pipes (`/dev/null`) are written in place, since renaming would replace them.
+/// Symbolic links are followed. Devices and pipes (`/dev/null`) are written in place, since renaming would replace
+/// them.
+///
+/// # Errors
+/// A folder in place of the file, a missing folder, no permission, a full disk, an error of `fill`.
 pub fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     check_destination(path, &[])?;
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
@@ -41,6 +51,9 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<(
 }
 
 /// Writes `bytes` to `path` and does `also`, another output: if that fails, `path` stays as it was.
+///
+/// # Errors
+/// A file that [`write_file`] cannot write, an error of `also`.
 pub fn write_file_and(path: &Path, bytes: &[u8], also: impl FnOnce() -> Result<()>) -> Result<()> {
     check_destination(path, &[])?;
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
@@ -54,6 +67,9 @@ pub fn write_file_and(path: &Path, bytes: &[u8], also: impl FnOnce() -> Result<(
 }
 
 /// Refuses an output that is one of the inputs, whatever names and links lead to it.
+///
+/// # Errors
+/// Wrong usage that names the output and the input.
 pub fn refuse_overwrite_of_inputs(output: &Path, inputs: &[PathBuf]) -> Result<()> {
     match inputs.iter().find(|input| same_file(output, input)) {
         None => Ok(()),
@@ -66,6 +82,9 @@ pub fn refuse_overwrite_of_inputs(output: &Path, inputs: &[PathBuf]) -> Result<(
 }
 
 /// Refuses two outputs in one file, of which the second would replace the first.
+///
+/// # Errors
+/// Wrong usage that names both outputs.
 pub fn refuse_same_output(a: &Path, b: &Path) -> Result<()> {
     let place = |path: &Path| {
         let known = fs::canonicalize(folder_of(path)).ok().zip(path.file_name());
@@ -78,7 +97,10 @@ pub fn refuse_same_output(a: &Path, b: &Path) -> Result<()> {
     Err(Error::usage(format_args!("{a} and {b} are one file for two outputs; choose another for one of them")))
 }
 
-/// Refuses, before long work, an output that cannot be written at its end: an input, a folder, or a file in no folder.
+/// Refuses an output that cannot be written, before long work begins.
+///
+/// # Errors
+/// An output that is one of the inputs, a folder, or in a folder that does not exist.
 pub fn check_destination(output: &Path, inputs: &[PathBuf]) -> Result<()> {
     if output == Path::new("-") {
         return Ok(());
@@ -102,12 +124,12 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A device or a pipe.
+/// Whether the path leads to a device or a pipe.
 pub(crate) fn is_stream(target: &Path) -> bool {
     target.exists() && !target.is_file()
 }
 
-/// Everything is on disk, beside the target and under another name.
+/// Writes a temporary file beside the target, complete and on disk.
 fn staged(target: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".goniochrome-");
@@ -119,7 +141,7 @@ fn staged(target: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
     Ok(temporary)
 }
 
-/// Gives the file its name, for good: a name is on disk when its folder is.
+/// Renames the file to its target and syncs the folder, so that the name is on disk too.
 fn named(file: NamedTempFile, target: &Path) -> io::Result<()> {
     file.persist(target).map(drop).map_err(|error| error.error)?;
     // Not every system lets a folder be opened; the file itself is on disk.
@@ -137,7 +159,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
     a == b || same_inode(&a, &b)
 }
 
-/// Whether the path leads to this open file, and not to one that took its name. Taken for granted where files have no number.
+/// Whether the path leads to this open file, and not to one that took its name; always true where files have no inode.
 pub(crate) fn is_still_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -166,7 +188,7 @@ fn same_inode(_: &Path, _: &Path) -> bool {
     false
 }
 
-/// What went wrong in writing `path`, and the remedy.
+/// Error for a failure to write `path`, with the remedy.
 pub(crate) fn explain(path: &Path, error: &io::Error) -> Error {
     let path = path.display();
     match error.kind() {

@@ -1,11 +1,11 @@
-//! Work shared among threads.
+//! Work distributed over threads.
 
 use std::sync::Mutex;
 
-/// Hands every item to one of `threads` workers; each worker makes itself a `local`, its own memory, once.
+/// Does `work` on every item, on `threads` threads; each thread calls `local` once for its own memory.
 ///
-/// Which worker takes an item depends on chance, what becomes of the item does not: results are the same for any number
-/// of threads as long as `work` depends on its item alone.
+/// Chance decides which thread takes an item. Results are the same for any number of threads as long as `work` depends
+/// on its item alone.
 pub fn for_each<T: Send, L>(
     threads: usize,
     items: impl Iterator<Item = T> + Send,
@@ -32,7 +32,7 @@ pub fn for_each<T: Send, L>(
     });
 }
 
-/// Threads to use where the user names none: as many as the machine runs at once.
+/// Default number of threads: as many as the machine runs at once.
 #[must_use]
 pub fn available() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)

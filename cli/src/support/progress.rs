@@ -1,4 +1,4 @@
-//! Progress of long work, and remarks, on standard error.
+//! Progress of long work, and notes, on standard error.
 
 use std::fmt;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::support::text::plain;
 
-/// A bar that shows itself on a terminal if the work takes longer than a moment.
+/// Progress bar, shown on a terminal once the work takes more than 0.2 s.
 #[must_use]
 pub fn bar(what: &str, steps: usize, quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
@@ -19,7 +19,7 @@ pub fn bar(what: &str, steps: usize, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// One line on standard error, unless quiet.
+/// Prints one line on standard error, unless quiet.
 pub fn note(quiet: bool, line: impl fmt::Display) {
     if !quiet {
         eprintln!("{}", plain(&line.to_string()));

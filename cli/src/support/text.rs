@@ -7,8 +7,8 @@
 
 use std::fmt::Write;
 
-/// Whether a character acts on what shows it instead of being shown: control characters (C0, DEL, C1), line and
-/// paragraph separators, and those that turn the direction of writing.
+/// Whether a character acts on the terminal or document instead of being shown: control characters (C0, DEL, C1), line
+/// and paragraph separators, and those that turn the direction of writing.
 #[must_use]
 pub fn is_active(c: char) -> bool {
     c.is_control()
@@ -27,7 +27,7 @@ pub fn one_line(text: &str) -> String {
     plain(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// A name as TOML takes it for a key: in quotes, with active characters spelled out, unless its letters need none.
+/// Name as a TOML key: bare if its letters allow, else in quotes with active characters spelled out.
 #[must_use]
 pub fn toml_key(name: &str) -> String {
     let bare = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_');
@@ -38,7 +38,7 @@ pub fn toml_key(name: &str) -> String {
     json(&serde_json::Value::from(name).to_string())
 }
 
-/// The same JSON with every active character within its strings spelled out, as `\u009b`; lines stay lines.
+/// JSON with every active character within its strings spelled out, as `\u009b`; lines stay lines.
 ///
 /// JSON has to escape U+0000 to U+001F only, and a terminal acts on others too.
 #[must_use]
@@ -51,7 +51,7 @@ pub fn json(text: &str) -> String {
     })
 }
 
-/// Every active character, all of which have codes below 2¹⁶, by how it is spelled.
+/// Text with every active character replaced by its spelling; their codes are below 2¹⁶.
 fn spelled(text: &str, spelling: impl Fn(u32) -> String) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {

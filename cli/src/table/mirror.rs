@@ -1,19 +1,19 @@
-//! Results in memory: what an estimate produces, and pictures and files take.
+//! BRDF table of a mirror-like surface in memory.
 
 use crate::colour::visible;
 use crate::support::error::{Error, Result};
 use crate::table::metadata::Metadata;
 
-/// Directions that one table may hold; 0.01° steps need 9001.
+/// Most angles of a table; steps of 0.01° need 9001.
 pub const MAX_ANGLES: usize = 16_384;
 
-/// Wavelengths that one table may hold; 0.1 nm steps over the visible range need 4001.
+/// Most wavelengths of a table; steps of 0.1 nm over the visible range need 4001.
 pub const MAX_WAVELENGTHS: usize = 8_192;
 
-/// Angles times wavelengths that one table may hold: 64 MB per polarisation.
+/// Largest product of angles and wavelengths of a table: 64 MB per polarisation.
 pub const MAX_SAMPLES: usize = 1 << 24;
 
-/// BRDF table of a mirror-like surface: the reflectance ρ(θ, λ) of light that leaves at the angle it came.
+/// BRDF table of a mirror-like surface: the reflectance ρ(θ, λ) of light that leaves at its angle of incidence.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MirrorTable {
     /// Angles from the normal in degrees, strictly increasing in 0..=90.
@@ -31,7 +31,11 @@ pub struct MirrorTable {
 }
 
 impl MirrorTable {
-    /// Refuses sizes that do not fit together and numbers that are no reflectances.
+    /// Checks sizes and values.
+    ///
+    /// # Errors
+    /// An empty or too large table, arrays whose lengths do not fit together, angles or wavelengths that are out of
+    /// range or do not increase, a reflectance that is negative or not finite, a colour that is not finite.
     pub fn check(&self) -> Result<()> {
         let (angles, wavelengths) = (self.theta_deg.len(), self.wavelength_nm.len());
         check_size(angles, wavelengths)?;
@@ -55,10 +59,10 @@ impl MirrorTable {
         }
     }
 
-    /// The colours of a table that has any.
+    /// Linear RGB per angle.
     ///
     /// # Errors
-    /// If none of its wavelengths is visible.
+    /// A table without colours, since none of its wavelengths is visible.
     pub fn colours(&self) -> Result<&[[f32; 3]]> {
         if self.rgb.is_empty() {
             return Err(Error::failed(
@@ -75,6 +79,9 @@ impl MirrorTable {
     }
 
     /// Linear RGB at any angle, interpolated between its neighbours and constant beyond the ends.
+    ///
+    /// # Panics
+    /// If the table has no colours.
     #[must_use]
     pub fn rgb_at(&self, theta_deg: f64) -> [f32; 3] {
         let (below, above, weight) = neighbours(&self.theta_deg, theta_deg);
@@ -106,7 +113,7 @@ fn check_count(name: &str, found: usize, expected: usize) -> Result<()> {
     Ok(())
 }
 
-/// Refuses empty tables, and sizes that only a damaged file would ask memory for.
+/// Refuses empty tables, and sizes that only a damaged file asks for.
 pub(crate) fn check_size(angles: usize, wavelengths: usize) -> Result<()> {
     if angles == 0 || wavelengths == 0 {
         return Err(Error::failed(format_args!("the table is empty: {angles} angles × {wavelengths} wavelengths")));
@@ -120,7 +127,7 @@ pub(crate) fn check_size(angles: usize, wavelengths: usize) -> Result<()> {
     Ok(())
 }
 
-/// Wavelengths are positive and increase.
+/// Refuses wavelengths that are not positive or do not increase.
 pub(crate) fn check_wavelengths(wavelength_nm: &[f64]) -> Result<()> {
     check_axis("wavelength_nm", wavelength_nm, |nm| nm > 0.0 && nm.is_finite())
 }
@@ -178,8 +185,7 @@ pub(crate) mod tests {
         assert!(refusal(|t| t.theta_deg = vec![0.0; MAX_ANGLES + 1]).contains("are too many"));
     }
 
-    // Powers of two are exact.
-    #[allow(clippy::float_cmp)]
+    #[expect(clippy::float_cmp, reason = "powers of two are exact")]
     #[test]
     fn colours_are_interpolated_between_angles_and_held_beyond_them() {
         let table = MirrorTable {

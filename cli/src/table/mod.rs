@@ -1,4 +1,4 @@
-//! BRDF tables as data, and their files.
+//! BRDF tables: their data, metadata and files.
 
 pub mod statistics;
 pub mod metadata;

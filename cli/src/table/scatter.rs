@@ -1,4 +1,4 @@
-//! The BRDF of a cell of tilted facets in memory: what an estimate produces, and pictures and files take.
+//! BRDF table of a cell of tilted facets in memory.
 
 use goniochrome::table::ScatterLayout;
 
@@ -7,35 +7,37 @@ use crate::table::metadata::Metadata;
 use crate::table::mirror::{MAX_WAVELENGTHS, check_wavelengths};
 use crate::table::statistics::MeanWithError;
 
-/// Pairs of directions that one table may hold: 16 × 32 incident by 64 × 128 outgoing.
+/// Most pairs of directions of a table: 16 × 32 incident by 64 × 128 outgoing.
 pub const MAX_PAIRS: usize = 1 << 22;
 
-/// Pairs of directions times wavelengths that one table may hold: 512 MiB.
+/// Largest product of pairs of directions and wavelengths of a table: 512 MiB.
 pub const MAX_VALUES: usize = 1 << 27;
 
-/// Where the light of one incident direction goes, weighted by luminance; fractions of the incident light.
+/// Energy balance of one incident direction: fractions of the incident light, weighted by luminance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
-    /// Through the top: the directional albedo.
+    /// Light that leaves through the top: the directional albedo.
     pub reflected: MeanWithError,
-    /// Through the bottom.
+    /// Light that leaves through the bottom.
     pub transmitted: f64,
-    /// By media.
+    /// Light that media absorb.
     pub absorbed: f64,
-    /// Of rays that were dropped or lost.
+    /// Light of rays that were dropped or lost.
     pub truncated: f64,
-    /// 1 less all of these: rounding without interference; where paths interfere, power balances only on average.
+    /// 1 less the sum of the above. Without interference it is rounding alone; where paths interfere, power balances
+    /// only on average.
     pub imbalance: MeanWithError,
-    /// Of starting rays that were followed without interference, since their waves have no sum.
+    /// Fraction of starting rays that were traced without interference, since their interference series diverges.
     pub without_interference: f64,
-    /// Starting rays.
+    /// Number of starting rays.
     pub rays: u64,
 }
 
-/// f(wi, wo) on a grid of directions, spectral and RGB, in 1/sr, unpolarised; the mean over each outgoing bin.
+/// BRDF table of a cell: f(wi, wo) on a grid of directions, spectral and RGB, in 1/sr, unpolarised. Values are means
+/// over each outgoing bin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterTable {
-    /// The grid of directions.
+    /// Grid of directions.
     pub layout: ScatterLayout,
     /// Vacuum wavelengths in nanometres, strictly increasing and positive.
     pub wavelength_nm: Vec<f64>,
@@ -45,7 +47,7 @@ pub struct ScatterTable {
     pub rgb: Vec<[f32; 3]>,
     /// Standard error of the luminance of f, `[incident][bin]`, not negative.
     pub luminance_error: Vec<f32>,
-    /// One for each incident direction.
+    /// Energy balance of each incident direction.
     pub energy: Vec<Energy>,
     /// What made the table: scene, seed, colour space.
     pub metadata: Metadata,
@@ -66,7 +68,11 @@ impl ScatterTable {
         (0..self.wavelength_nm.len()).map(move |wavelength| self.row(incident, wavelength)[bin])
     }
 
-    /// Refuses sizes that do not fit together and numbers that are no BRDF.
+    /// Checks sizes and values.
+    ///
+    /// # Errors
+    /// An empty or too large table, arrays whose lengths do not fit the layout, wavelengths that are not positive or do
+    /// not increase, a value or standard error that is negative or not finite, a colour or energy that is not finite.
     pub fn check(&self) -> Result<()> {
         check_scatter_size(&self.layout, self.wavelength_nm.len())?;
         let pairs = self.layout.count();
@@ -102,7 +108,7 @@ impl ScatterTable {
         Ok(())
     }
 
-    /// The imbalance of largest size, among those that count.
+    /// Imbalance of largest size, among those for which `counts` is true.
     #[must_use]
     pub fn worst_imbalance(&self, counts: impl Fn(MeanWithError) -> bool) -> MeanWithError {
         let larger = |a: MeanWithError, b: MeanWithError| if b.value.abs() > a.value.abs() { b } else { a };
@@ -110,21 +116,21 @@ impl ScatterTable {
         imbalances.filter(|imbalance| counts(*imbalance)).fold(MeanWithError::default(), larger)
     }
 
-    /// The largest standard error of a directional albedo.
+    /// Largest standard error of a directional albedo.
     #[must_use]
     pub fn worst_error(&self) -> f64 {
         self.energy.iter().map(|energy| energy.reflected.std_error).fold(0.0, f64::max)
     }
 }
 
-/// A number that is negative or not finite. Most tables have none: all of a chunk are asked at once.
+/// First number that is negative or not finite. Most tables have none, so a whole chunk is tested at once.
 fn bad_value(values: &[f32]) -> Option<f32> {
     let good = |x: &f32| (0.0..f32::INFINITY).contains(x);
     let sound = |chunk: &&[f32]| chunk.iter().fold(true, |sound, x| sound & good(x));
     values.chunks(1024).find(|chunk| !sound(chunk))?.iter().copied().find(|x| !good(x))
 }
 
-/// Refuses sizes that only a damaged file, or a slip of the keyboard, would ask memory for.
+/// Refuses sizes that only a damaged file or a mistyped option asks for.
 pub(crate) fn check_scatter_size(layout: &ScatterLayout, wavelengths: usize) -> Result<()> {
     if wavelengths == 0 {
         return Err(Error::failed("the table is empty: it has no wavelengths"));

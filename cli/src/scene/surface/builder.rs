@@ -9,40 +9,44 @@ use crate::support::error::Result;
 /// Most triangles of a surface: far finer than any microscopic one needs; a slip in a count asks for billions.
 const MAX_TRIANGLES: u64 = 1_000_000;
 
-/// Mesh being made.
+/// Mesh under construction.
 pub(super) struct Builder {
     pub mesh: Mesh,
-    /// The scene's number of each interface of the kind.
+    /// Index in the scene of each interface of the kind.
     pub numbers: Vec<u16>,
+    /// Line of the surface in the scene file.
     pub line: u32,
     /// Period in x and y.
     pub period_nm: [f64; 2],
 }
 
 impl Builder {
+    /// Adds a vertex and returns its index.
     pub fn vertex(&mut self, point: DVec3) -> u32 {
         self.mesh.vertices.push(point.to_array());
         self.mesh.vertices.len() as u32 - 1 // MAX_TRIANGLES bounds it
     }
 
-    /// A triangle of the kind's interface of this number, counter-clockwise seen from the side of its normal.
+    /// Adds a triangle of the kind's interface of this number, counter-clockwise seen from the side of its normal.
     pub fn triangle(&mut self, vertices: [u32; 3], interface: usize) {
         self.mesh.triangles.push(Triangle { vertices, interface: self.numbers[interface], line: self.line });
     }
 
+    /// Adds a quadrilateral as two triangles, counter-clockwise seen from the side of its normal.
     pub fn quad(&mut self, [a, b, c, d]: [u32; 4], interface: usize) {
         self.triangle([a, b, c], interface);
         self.triangle([a, c, d], interface);
     }
 
-    /// A horizontal plane over the whole period, its normal up.
+    /// Adds a horizontal plane over the whole period, its normal up.
     pub fn plane(&mut self, z_nm: f64, interface: usize) {
         let [x, y] = self.period_nm;
         let corners = [(0.0, 0.0), (x, 0.0), (x, y), (0.0, y)].map(|(x, y)| self.vertex(DVec3::new(x, y, z_nm)));
         self.quad(corners, interface);
     }
 
-    /// The surface under a line of (x, z), left to right, at every y; its normals point to the left of the line's way, that is up.
+    /// Extrudes a line of (x, z), from left to right, along y. The normals point to the left of the line's direction:
+    /// up.
     pub fn extrude(&mut self, profile: &[[f64; 2]], interface: usize) {
         let y = self.period_nm[1];
         let mut ends = Vec::with_capacity(profile.len());
@@ -55,7 +59,7 @@ impl Builder {
         }
     }
 
-    /// A height field of nx × ny squares, each two triangles, and its vertices' height.
+    /// Adds a height field of nx × ny squares, each of two triangles; `height` takes fractions of the period.
     pub fn height_field(&mut self, [nx, ny]: [u32; 2], interface: usize, height: impl Fn(f64, f64) -> f64) {
         let [px, py] = self.period_nm;
         let first = self.mesh.vertices.len() as u32;
@@ -76,7 +80,7 @@ impl Builder {
     }
 }
 
-/// Refuses a surface of too many triangles before any of it is made.
+/// Refuses a surface of too many triangles before it is made.
 pub(super) fn bounded(table: &TomlTable<'_>, triangles: u64) -> Result<()> {
     if triangles > MAX_TRIANGLES {
         return Err(table.refuse(format_args!("{triangles} triangles; at most {MAX_TRIANGLES}; use smaller counts")));

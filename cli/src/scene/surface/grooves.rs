@@ -1,7 +1,7 @@
-//! A profile that is the same at every y: gratings, tracks of optical discs, blazed and triangular grooves.
+//! Profile extruded along y: gratings, tracks of optical discs, blazed and triangular grooves.
 //!
-//! `points_nm = [[x, z], …]` are joined by straight lines from x = 0 to x = Λx; lines may be vertical or overhang. Where the
-//! last height is not the first, a vertical wall stands on the border of the period.
+//! Straight lines join `points_nm = [[x, z], …]` from x = 0 to x = Λx. They may be vertical or overhang. Where the last
+//! height is not the first, a vertical wall stands on the border of the period.
 
 use super::builder::{Builder, bounded};
 use super::keys::list;

@@ -10,7 +10,7 @@ use crate::scene::toml_value::{TomlItem, TomlTable};
 use crate::support::error::Result;
 use crate::support::text::toml_key;
 
-/// Kind, its interfaces in the order of their numbers, and how it is made.
+/// Name of each kind, its interfaces in the order of their numbers, and its generator.
 const KINDS: &[(&str, Interfaces, Generator)] = &[
     ("sines", sines::interfaces, sines::build),
     ("pits", |_| &["pits"], pits::build),
@@ -24,7 +24,7 @@ const KINDS: &[(&str, Interfaces, Generator)] = &[
 type Interfaces = fn(&TomlTable<'_>) -> &'static [&'static str];
 type Generator = fn(&TomlTable<'_>, &mut Builder) -> Result<()>;
 
-/// The mesh of `surface = { … }`; `names` are the scene's interfaces.
+/// Makes the mesh of `surface = { … }`; `names` are the scene's interfaces.
 pub(in crate::scene) fn build(item: &TomlItem<'_>, label: &str, period_nm: [f64; 2], names: &[&str]) -> Result<Mesh> {
     let table = item.table("surface")?;
     let kinds = KINDS.iter().map(|(kind, ..)| *kind);

@@ -1,9 +1,10 @@
-//! A ridge along y that carries shelves on both sides, like those on the scales of Morpho butterflies.
+//! Ridge along y that carries shelves on both sides, like those on the scales of Morpho butterflies.
 //!
-//! A trunk `trunk_nm` wide stands in the middle of the period on a flat base at z = 0. It carries `shelves` on either side,
-//! `shelf_nm` thick and `gap_nm` apart, the lowest a gap above the base (those on the right `stagger_nm` higher, less than a gap). From tip
-//! to tip the lowest measure `width_nm`, the highest `top_width_nm`, the others between. The trunk ends half a gap above the
-//! highest shelf. Shelves and trunk are one body of rectangles, without faces inside.
+//! A trunk `trunk_nm` wide stands in the middle of the period on a flat base at z = 0. It carries `shelves` shelves on
+//! either side, `shelf_nm` thick and `gap_nm` apart; the lowest lies a gap above the base. Those on the right lie
+//! `stagger_nm` higher, less than a gap. From tip to tip the lowest shelves measure `width_nm`, the highest
+//! `top_width_nm`, the others between. The trunk ends half a gap above the highest shelf. Shelves and trunk are one
+//! body of rectangles, without faces inside.
 
 use super::builder::{Builder, bounded};
 use super::keys::{count, length, positive, within};

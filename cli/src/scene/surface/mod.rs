@@ -1,27 +1,29 @@
 //! Surfaces that a scene file describes in place of a mesh: `[cell] surface = { kind = "…", … }`.
 //!
-//! Each kind becomes the same triangle mesh as an OBJ file would, from x = 0, y = 0 to the period, z up, normals up (of
-//! particles: outwards). What is random is drawn from `seed` alone (an integer, 0 if left out), so that a scene is the same wherever it
-//! is loaded. Lengths are in nanometres. The scene needs one `[interface.NAME]` for each name in the last column, and may
-//! have no others.
+//! Each kind becomes a triangle mesh like that of an OBJ file, from x = 0, y = 0 to the period, with z and the normals
+//! up (normals of particles point outwards). Random numbers follow from `seed` alone (an integer, 0 if left out), so
+//! that a scene is the same on every machine. Lengths are in nanometres. The scene needs one `[interface.NAME]` for
+//! each name in the last column, and may have no others.
 //!
 //! | kind | is | interfaces |
 //! |---|---|---|
-//! | `sines` | a smooth bumpy sheet, or two of them a vertical distance apart | `upper`; with `offset_nm` also `lower` |
+//! | `sines` | a smooth bumpy sheet, or two at a vertical distance | `upper`; with `offset_nm` also `lower` |
 //! | `pits` | a hexagonal lattice of concave spherical caps | `pits` |
 //! | `lamellae` | a ridge along y that carries shelves on both sides | `cuticle` |
 //! | `grooves` | a profile, the same at every y | `grooves` |
 //! | `pyramids` | upright or inverted square pyramids | `pyramids` |
 //! | `scratches` | random heights along x, the same at every y | `scratches` |
-//! | `particles` | closed ellipsoids or flakes in a layer between planes | `top`, with `film_nm` also `film`, `base`, `particle` |
+//! | `particles` | closed ellipsoids or flakes in a layer | `top`, with `film_nm` also `film`, `base`, `particle` |
 //!
-//! The keys of each kind are described in its file's first lines; all but those marked optional are required.
+//! The first lines of each kind's file describe its keys. All but those marked optional are required.
 //!
 //! - `sines`: `waves` (1 to 1000), `highest` (1 to 100), `rms_slope`, `grid = [nx, ny]`; optional `seed`, `offset_nm`
 //! - `pits`: `depth_nm`; optional `rings` (8)
-//! - `lamellae`: `shelves`, `width_nm`, `shelf_nm`, `gap_nm`, `trunk_nm`; optional `top_width_nm` (as `width_nm`), `stagger_nm` (0)
+//! - `lamellae`: `shelves`, `width_nm`, `shelf_nm`, `gap_nm`, `trunk_nm`; optional `top_width_nm` (as `width_nm`),
+//!   `stagger_nm` (0)
 //! - `grooves`: `points_nm = [[x, z], …]`
-//! - `pyramids`: `count = [nx, ny]`; optional `angle_deg` (54.7356), `fill = [least, most]` ([1, 1]), `inverted` (false), `seed`
+//! - `pyramids`: `count = [nx, ny]`; optional `angle_deg` (54.7356), `fill = [min, max]` ([1, 1]), `inverted` (false),
+//!   `seed`
 //! - `scratches`: `segments` (2 to 100 000), `rms_slope`; optional `seed`
 //! - `particles`: `shape = "ellipsoid" | "flake"`, `radii_nm = [x, y, z]`, `count = [nx, ny, nz]`, `depth_nm`; optional
 //!   `film_nm` (none), `tilt_deg` (0), `subdivisions` (2), `seed`

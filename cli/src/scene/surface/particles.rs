@@ -1,11 +1,12 @@
 //! Closed particles in a layer of binder between two planes, with or without a film on top.
 //!
-//! The binder is `depth_nm` deep, from z = 0 down to the plane `base`. Without a film its surface is the plane `top`; with
-//! `film_nm` the plane `film` is its surface and `top` lies that far above. The binder is divided into `count` = [nx, ny, nz] boxes,
-//! each with one `particle` at a random place that keeps it inside. An "ellipsoid" is an icosahedron whose faces are
-//! divided in four `subdivisions` (2) times, a "flake" a hexagonal plate. `radii_nm` are half their extents along their own x, y, z.
-//! A particle is turned at random about z and then tilted by a random angle, at most `tilt_deg`, about a random horizontal
-//! axis. Its normals point into the binder: `above` is the binder, `below` the particle.
+//! The binder is `depth_nm` deep, from z = 0 down to the plane `base`. Without a film its surface is the plane `top`;
+//! with `film_nm` the plane `film` is its surface and `top` lies that far above. The binder is divided into `count` =
+//! [nx, ny, nz] boxes, each with one `particle` at a random place that keeps it inside. An "ellipsoid" is an
+//! icosahedron whose faces are divided in four `subdivisions` (2) times, a "flake" a hexagonal plate. `radii_nm` are
+//! half their extents along their own x, y, z. A particle is turned at random about z and then tilted by a random
+//! angle, at most `tilt_deg`, about a random horizontal axis. Its normals point into the binder: `above` is the binder,
+//! `below` the particle.
 
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_3, TAU};
@@ -18,7 +19,7 @@ use super::random::Draws;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-/// A part of its box that each particle leaves free on every side, so that none touch.
+/// Fraction of its box that each particle leaves free on every side, so that none touch.
 const MARGIN: f64 = 0.01;
 
 pub(super) fn interfaces(table: &TomlTable<'_>) -> &'static [&'static str] {
@@ -84,9 +85,10 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
     Ok(())
 }
 
+/// Vertices and triangles of a closed body.
 type Polyhedron = (Vec<DVec3>, Vec<[usize; 3]>);
 
-/// A unit sphere of 20 · 4ⁿ triangles.
+/// Unit sphere of 20 · 4ⁿ triangles.
 fn sphere(subdivisions: u32) -> Polyhedron {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
     let mut points: Vec<DVec3> = Vec::new();
@@ -125,7 +127,7 @@ fn sphere(subdivisions: u32) -> Polyhedron {
     (points, faces)
 }
 
-/// A hexagonal plate of half-extents 1.
+/// Hexagonal plate of half-extents 1.
 fn plate() -> Polyhedron {
     let corner = |i: u32, z: f64| DVec3::new((FRAC_PI_3 * f64::from(i)).cos(), (FRAC_PI_3 * f64::from(i)).sin(), z);
     let points = (0..6).map(|i| corner(i, 1.0)).chain((0..6).map(|i| corner(i, -1.0))).collect();

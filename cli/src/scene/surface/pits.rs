@@ -11,7 +11,7 @@ use super::keys::{count, length};
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-/// The period may differ from √3 to 1 by this fraction: numbers rounded to whole nanometres.
+/// Fraction by which the period may differ from √3 to 1: numbers rounded to whole nanometres.
 const RATIO: f64 = 1e-3;
 
 pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
@@ -38,7 +38,8 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
         let nearest = centres.into_iter().map(squared).fold(f64::INFINITY, f64::min);
         radius - (radius * radius - nearest).max(0.0).sqrt() - depth_nm
     };
-    // Rows of equilateral triangles; ridges run along them. Odd rows are half a step aside, with an extra point on either border.
+    // Rows of equilateral triangles; ridges run along them. Odd rows are shifted by half a step, with an extra point on
+    // either border.
     let steps = 3 * rings;
     let rows: Vec<Vec<u32>> = (0..=2 * rings)
         .map(|j| {

@@ -1,8 +1,9 @@
 //! Square pyramids, such as alkaline etching leaves on silicon.
 //!
-//! The period is divided into `count` = [nx, ny] squares (it must be in that ratio). Each holds one pyramid whose base covers a random
-//! fraction of the square's side between the two numbers of `fill`, at a random place in it; what is left is flat, at
-//! z = 0. `angle_deg` is the slope of the faces: 54.7356° between (111) and (100) in silicon. `inverted` pyramids go down.
+//! The period is divided into `count` = [nx, ny] squares (it must be in that ratio). Each holds one pyramid at a random
+//! place. The side of its base is a random fraction of the square's side, between the two numbers of `fill`. The rest
+//! is flat, at z = 0. `angle_deg` is the slope of the faces: 54.7356° between (111) and (100) in silicon. `inverted`
+//! pyramids go down.
 
 use glam::DVec3;
 
@@ -12,10 +13,10 @@ use super::random::Draws;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-/// arctan √2: between the planes (111) and (100) of a cubic crystal.
+/// Angle between the planes (111) and (100) of a cubic crystal, arctan √2.
 const ETCHED_SILICON_DEG: f64 = 54.735_610_317_245_35;
 
-/// Fills above this leave no rim, so that no facet is a sliver.
+/// Largest fill that leaves a rim: a narrower rim would be of slivers.
 const FULL: f64 = 0.999;
 
 pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
@@ -25,9 +26,9 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
     let fill = match table.get("fill") {
         None => [1.0, 1.0],
         Some(item) => {
-            let [least, most] = list::<2>(&item)?;
-            let least = within(&least, [0.05, 1.0])?;
-            [least, within(&most, [least, 1.0])?]
+            let [min, max] = list::<2>(&item)?;
+            let min = within(&min, [0.05, 1.0])?;
+            [min, within(&max, [min, 1.0])?]
         }
     };
     let inverted = table.get("inverted").map_or(Ok(false), |item| item.flag())?;

@@ -1,7 +1,7 @@
-//! Random heights along x, the same at every y: brushed metal.
+//! Random heights along x, extruded along y: brushed metal.
 //!
-//! `segments` facets of equal width have random slopes of normal distribution with the root mean square `rms_slope`, exactly;
-//! they add up to no rise over the period.
+//! `segments` facets of equal width have normally distributed random slopes. Their root mean square is exactly
+//! `rms_slope`, and their sum is 0, so that both ends of the period are level.
 
 use super::builder::{Builder, bounded};
 use super::keys::{count, within};

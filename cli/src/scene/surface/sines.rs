@@ -1,9 +1,10 @@
-//! A sum of periodic sines: a smooth bumpy sheet.
+//! Sum of periodic sines: a smooth bumpy sheet.
 //!
-//! z = Σ a sin(2π(m x/Λx + n y/Λy) + φ), with `waves` different random pairs of integers 0 < m² + n² ≤ `highest`² and random
-//! phases. Each wave has the same share of the mean square slope ⟨|∇z|²⟩ = `rms_slope`². `grid` counts the squares of
-//! the mesh along x and y: at least four to a period of the shortest wave. With `offset_nm` a second sheet `lower` follows the
-//! first that far below: a film whose thickness across a facet is offset_nm times the cosine of its slope.
+//! z = Σ a sin(2π(m x/Λx + n y/Λy) + φ), with `waves` different random pairs of integers 0 < m² + n² ≤ `highest`² and
+//! random phases. Each wave has an equal part of the mean square slope ⟨|∇z|²⟩ = `rms_slope`². `grid` counts the
+//! squares of the mesh along x and y: at least four to a period of the shortest wave. With `offset_nm` a second sheet
+//! `lower` follows the first that far below: a film whose thickness across a facet is offset_nm times the cosine of its
+//! slope.
 
 use std::f64::consts::TAU;
 
@@ -34,9 +35,9 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
 
     // One of each pair (m, n), (−m, −n): they are the same wave.
     let reach = f64::from(highest);
-    let most = highest as i32; // at most 100
-    let mut pairs: Vec<[f64; 2]> = (0..=most)
-        .flat_map(|m| (-most..=most).map(move |n| (m, n)))
+    let max = highest as i32; // at most 100
+    let mut pairs: Vec<[f64; 2]> = (0..=max)
+        .flat_map(|m| (-max..=max).map(move |n| (m, n)))
         .filter(|&(m, n)| m > 0 || n > 0)
         .map(|(m, n)| [f64::from(m), f64::from(n)])
         .filter(|[m, n]| m * m + n * n <= reach * reach)

@@ -1,4 +1,4 @@
-//! What both kinds of table files share: 32-bit float channels, text attributes, equal bytes for equal contents.
+//! EXR container of both kinds of table: 32-bit float channels, text attributes, equal bytes for equal contents.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -20,28 +20,31 @@ use crate::support::error::{Error, Result};
 use crate::support::parallel::for_each;
 use crate::table::metadata::Metadata;
 
-/// Before the name of each attribute of ours.
+/// Prefix of the name of each attribute of this program.
 pub(crate) const PREFIX: &str = "goniochrome.";
 pub(super) const KIND: &str = "kind";
 pub(super) const WAVELENGTH: &str = "wavelength_nm";
 
-/// OpenEXR's own limit, less the prefix.
+/// Longest key: OpenEXR's own limit, less the prefix.
 const MAX_KEY_LENGTH: usize = 255 - PREFIX.len();
 
-/// Blocks that are in memory at once: sixteen lines of all channels can be megabytes.
+/// Most blocks in memory at once: sixteen lines of all channels can be megabytes.
 const MAX_BLOCKS: usize = 4;
 
-/// An image to write: its pixels, and text under our prefix.
+/// Image to write: its pixels, and text attributes.
 pub(super) struct Contents<'t> {
+    /// Width and height.
     pub size: (usize, usize),
+    /// Compression of all channels.
     pub compression: Compression,
-    /// Row by row from the top.
+    /// Names and values of channels, row by row from the top.
     pub channels: Vec<(String, LazyChannel<'t>)>,
+    /// Text attributes by their names without the prefix.
     pub attributes: BTreeMap<String, String>,
 }
 
 impl Contents<'_> {
-    /// Adds the user's metadata, which must not use the names of what is there already.
+    /// Adds the metadata of a table; refuses keys that are attributes already.
     pub fn add_metadata(&mut self, metadata: &Metadata) -> Result<()> {
         for (key, value) in metadata.iter() {
             if self.attributes.insert(key.to_owned(), value.to_owned()).is_some() {
@@ -51,7 +54,7 @@ impl Contents<'_> {
         Ok(())
     }
 
-    /// The bytes of the EXR file.
+    /// Encodes the image as an EXR file.
     pub fn encode(self, threads: usize) -> Result<Vec<u8>> {
         let failed =
             |error: &dyn std::fmt::Display| Error::failed(format_args!("cannot encode the table as EXR: {error}"));
@@ -74,7 +77,7 @@ impl Contents<'_> {
     }
 }
 
-/// The image's blocks are gathered and compressed by several threads, as many at once; in the file they are in order.
+/// Encodes the image. Threads gather and compress blocks, one each at a time; in the file the blocks are in order.
 fn write(image: &Image<Layer<AnyChannels<LazyChannel<'_>>>>, threads: usize) -> exr::error::Result<Vec<u8>> {
     let headers = image.write().infer_meta_data();
     let layers = image.layer_data.create_writer(&headers);
@@ -102,12 +105,14 @@ fn write(image: &Image<Layer<AnyChannels<LazyChannel<'_>>>>, threads: usize) -> 
     Ok(bytes.into_inner())
 }
 
-/// A file whose header alone has been read: it bounds the memory that the pixels may ask for.
+/// EXR file whose header alone has been read: it bounds the memory for the pixels.
 pub(super) struct Opened<'b> {
     bytes: &'b [u8],
+    /// Width and height.
     pub size: (usize, usize),
+    /// Number of channels.
     pub channels: usize,
-    /// Text under our prefix, without it.
+    /// Text attributes of this program by their names without the prefix.
     pub attributes: BTreeMap<String, String>,
 }
 
@@ -127,7 +132,7 @@ impl<'b> Opened<'b> {
         Ok(Self { bytes, size: (width, height), channels: header.channels.list.len(), attributes })
     }
 
-    /// Takes an attribute out.
+    /// Removes and returns an attribute.
     pub fn take(&mut self, key: &str) -> Result<String> {
         self.attributes.remove(key).ok_or_else(|| {
             Error::failed(format_args!(
@@ -136,7 +141,7 @@ impl<'b> Opened<'b> {
         })
     }
 
-    /// Takes a list of numbers out.
+    /// Removes an attribute and returns its list of numbers.
     pub fn take_numbers<T: std::str::FromStr>(&mut self, key: &str) -> Result<Vec<T>> {
         let text = self.take(key)?;
         let number = |word: &str| {
@@ -145,7 +150,7 @@ impl<'b> Opened<'b> {
         text.split_whitespace().map(number).collect()
     }
 
-    /// Refuses an image that is not what the attributes say.
+    /// Refuses an image whose size or number of channels contradicts the attributes.
     pub fn expect(&self, size: (usize, usize), max_channels: usize) -> Result<()> {
         if self.size != size {
             return Err(Error::failed(format_args!(
@@ -160,7 +165,7 @@ impl<'b> Opened<'b> {
     }
 
     /// Reads the pixels.
-    pub fn pixels(&self) -> Result<Columns> {
+    pub fn pixels(&self) -> Result<PixelChannels> {
         let image = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
@@ -170,38 +175,38 @@ impl<'b> Opened<'b> {
             .non_parallel()
             .from_buffered(Cursor::new(self.bytes))
             .map_err(broken)?;
-        let mut columns = BTreeMap::new();
+        let mut channels = BTreeMap::new();
         for channel in image.layer_data.channel_data.list {
             if let FlatSamples::F32(values) = channel.sample_data {
-                columns.insert(channel.name.to_string(), values);
+                channels.insert(channel.name.to_string(), values);
             }
         }
-        Ok(Columns { columns, length: self.size.0 * self.size.1 })
+        Ok(PixelChannels { channels, length: self.size.0 * self.size.1 })
     }
 }
 
-/// The 32-bit float channels of an image.
-pub(super) struct Columns {
-    columns: BTreeMap<String, Vec<f32>>,
+/// 32-bit float channels of an image.
+pub(super) struct PixelChannels {
+    channels: BTreeMap<String, Vec<f32>>,
     length: usize,
 }
 
-impl Columns {
-    /// Takes a channel out.
+impl PixelChannels {
+    /// Removes and returns a channel.
     pub fn take(&mut self, name: &str) -> Result<Vec<f32>> {
-        match self.columns.remove(name) {
+        match self.channels.remove(name) {
             Some(values) if values.len() == self.length => Ok(values),
             _ => Err(Error::failed(format_args!("the 32-bit float channel {name} is missing"))),
         }
     }
 }
 
-/// Rust prints the shortest decimal that reads back as the same number.
+/// Formats numbers separated by spaces. Each is the shortest decimal that reads back exactly.
 pub(super) fn format_numbers<T: ToString>(values: impl IntoIterator<Item = T>) -> String {
     values.into_iter().map(|value| value.to_string()).collect::<Vec<_>>().join(" ")
 }
 
-/// `T.550,000000nm` for each wavelength.
+/// Name of the channel of each wavelength, such as `T.550,000000nm`.
 pub(super) fn channel_names(wavelength_nm: &[f64]) -> Result<Vec<String>> {
     let names: Vec<_> =
         wavelength_nm.iter().map(|nm| format!("T.{}nm", format!("{nm:.6}").replace('.', ","))).collect();
@@ -225,7 +230,7 @@ fn check_key(key: &str) -> Result<()> {
     Ok(())
 }
 
-/// Attributes under our prefix, without it. Keys that could not be written again are refused.
+/// Text attributes of this program by their names without the prefix. Keys that could not be written again are refused.
 fn own_attributes(header: &Header) -> Result<BTreeMap<String, String>> {
     let mut found = BTreeMap::new();
     for (name, value) in header.own_attributes.other.iter().chain(&header.shared_attributes.other) {
@@ -239,8 +244,8 @@ fn own_attributes(header: &Header) -> Result<BTreeMap<String, String>> {
     Ok(found)
 }
 
-/// Puts the header's attributes in the order of their names, as OpenEXR itself does: the crate keeps them in a hash map, whose
-/// order differs from run to run. Only the order changes, so no offset does. `None` if the header is cut short.
+/// Sorts the header's attributes by name, as OpenEXR itself does: the `exr` crate keeps them in a hash map, whose order
+/// differs from run to run. Only the order changes, so no offset does. `None` if the header is cut short.
 pub(crate) fn sort_attributes(file: &mut [u8]) -> Option<()> {
     const MAGIC_AND_VERSION: usize = 8;
     let text_length = |bytes: &[u8]| bytes.iter().position(|&b| b == 0);

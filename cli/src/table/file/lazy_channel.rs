@@ -1,5 +1,4 @@
-//! A channel of an image that is not there: each number is asked for when its line is written, so that a table is not copied into
-//! channels first.
+//! Channel of an image whose values are computed when a line is written, so that a table is not copied first.
 
 use exr::block::lines::LineRefMut;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
@@ -7,16 +6,17 @@ use exr::math::RoundingMode;
 use exr::meta::attribute::{LevelMode, SampleType};
 use exr::meta::header::Header;
 
-/// The number of each pixel, row by row from the top.
+/// Channel given by a function of the pixel, counted row by row from the top.
 pub(super) struct LazyChannel<'t>(Box<dyn Fn(usize) -> f32 + Sync + 't>);
 
 impl<'t> LazyChannel<'t> {
+    /// Channel whose pixel i has the value `at(i)`.
     pub fn new(at: impl Fn(usize) -> f32 + Sync + 't) -> Self {
         Self(Box::new(at))
     }
 }
 
-/// Writes lines of a width.
+/// Writer of the lines of a channel.
 pub(super) struct Lines<'c> {
     at: &'c (dyn Fn(usize) -> f32 + Sync + 'c),
     width: usize,

@@ -1,4 +1,4 @@
-//! Tables of mirror-like surfaces: one pixel per angle.
+//! Files of mirror-like tables: one pixel per angle.
 //!
 //! | channel | holds |
 //! |---|---|
@@ -6,8 +6,9 @@
 //! | `T.550,000000nm` | unpolarised reflectance at a wavelength |
 //! | `s.T.550,000000nm`, `p.T.550,000000nm` | its polarised parts |
 //!
-//! `goniochrome.theta_deg` holds the angles in degrees at full precision, `goniochrome.wavelength_nm` the wavelengths: decimal,
-//! parted by spaces. `tests/python/read_table.py` reads them in NumPy. ZIP compression line by line.
+//! `goniochrome.theta_deg` holds the angles in degrees at full precision, `goniochrome.wavelength_nm` the wavelengths:
+//! decimal numbers separated by spaces. `tests/python/read_table.py` reads them in NumPy. Lines are ZIP-compressed one
+//! by one.
 
 use exr::prelude::Compression;
 
@@ -17,10 +18,15 @@ use crate::colour::visible;
 use crate::support::error::Result;
 use crate::table::mirror::{MirrorTable, check_size};
 
+/// Value of the attribute `kind`.
 pub(super) const MIRROR: &str = "mirror";
 const THETA: &str = "theta_deg";
 
-/// The bytes of the EXR file.
+/// Encodes a table as an EXR file.
+///
+/// # Errors
+/// A table that [`MirrorTable::check`] refuses, metadata whose keys are reserved or not printable, wavelengths too
+/// close for names of channels.
 pub fn encode(table: &MirrorTable) -> Result<Vec<u8>> {
     table.check()?;
     let names = channel_names(&table.wavelength_nm)?;
@@ -50,7 +56,7 @@ pub fn encode(table: &MirrorTable) -> Result<Vec<u8>> {
     contents.encode(1)
 }
 
-/// The table in a file whose kind is known.
+/// Decodes the table in a file of this kind.
 pub(super) fn decode(mut file: Opened<'_>) -> Result<MirrorTable> {
     let theta_deg: Vec<f64> = file.take_numbers(THETA)?;
     let wavelength_nm: Vec<f64> = file.take_numbers(WAVELENGTH)?;

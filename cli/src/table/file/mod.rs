@@ -2,7 +2,7 @@
 //!
 //! All channels are 32-bit floats, ZIP-compressed. String attributes hold the axes at full precision
 //! (`goniochrome.wavelength_nm`, …), the kind of table (`goniochrome.kind`: `mirror`, see [`mirror`], or `scatter`, see
-//! [`scatter`]) and every entry of the metadata with the prefix `goniochrome.`. Equal tables give equal bytes.
+//! [`scatter`]) and every entry of the metadata, with the prefix `goniochrome.`. Equal tables give equal bytes.
 
 mod lazy_channel;
 mod container;
@@ -17,11 +17,18 @@ use container::{KIND, Opened};
 pub(crate) use container::{PREFIX, sort_attributes};
 
 /// Writes the table to `path`, whole or not at all.
+///
+/// # Errors
+/// A table that [`Table::check`] refuses, metadata whose keys are reserved or not printable, wavelengths too close for
+/// names of channels, a file that cannot be written.
 pub fn write(path: &Path, table: &Table, threads: usize) -> Result<()> {
     crate::support::output::write_file(path, &encode(table, threads)?)
 }
 
 /// Reads a table that [`write()`] wrote.
+///
+/// # Errors
+/// A file that cannot be read, or in which [`decode`] finds no table; the message names the file.
 pub fn read(path: &Path) -> Result<Table> {
     let name = path.display();
     let bytes = std::fs::read(path).map_err(|error| {
@@ -30,7 +37,11 @@ pub fn read(path: &Path) -> Result<Table> {
     decode(&bytes).map_err(|error| Error::failed(format_args!("{name}: {error}")))
 }
 
-/// The bytes of the EXR file, which any number of threads writes alike.
+/// Encodes a table as an EXR file. The bytes do not depend on the number of threads.
+///
+/// # Errors
+/// A table that [`Table::check`] refuses, metadata whose keys are reserved or not printable, wavelengths too close for
+/// names of channels.
 pub fn encode(table: &Table, threads: usize) -> Result<Vec<u8>> {
     match table {
         Table::Mirror(table) => mirror::encode(table),
@@ -38,7 +49,11 @@ pub fn encode(table: &Table, threads: usize) -> Result<Vec<u8>> {
     }
 }
 
-/// The table in the bytes of an EXR file.
+/// Decodes the table in the bytes of an EXR file.
+///
+/// # Errors
+/// Bytes that are no EXR file, a missing attribute or channel, sizes that contradict one another, a table that
+/// [`Table::check`] refuses.
 pub fn decode(bytes: &[u8]) -> Result<Table> {
     let mut file = Opened::new(bytes)?;
     let kind = file.take(KIND)?;

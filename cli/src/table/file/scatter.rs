@@ -1,10 +1,10 @@
-//! Tables of cells of tilted facets: an atlas, one tile per incident direction.
+//! Files of scattering tables: an atlas, one tile per incident direction.
 //!
-//! The image is T·N pixels high and P·M wide for T × P incident directions and N × M outgoing bins
-//! ([`ScatterLayout`] says which directions they are). The tile of θ_i row t and φ_i column p begins
-//! at pixel x = p·M, y = t·N; inside it, x counts the bins in the relative azimuth φ_o − φ_i (bin 0: back to the light, bin M/2:
-//! the mirror direction's side) and y the bins in cos θ_o, **from the horizon**: the first line of a tile is grazing, its last
-//! faces the normal. The first line of tiles is the incidence nearest to the normal.
+//! The image is T·N pixels high and P·M wide for T × P incident directions and N × M outgoing bins ([`ScatterLayout`]
+//! defines the directions). The tile of θ_i row t and φ_i column p begins at pixel x = p·M, y = t·N. Inside it, x
+//! counts the bins in the relative azimuth φ_o − φ_i (bin 0: back to the light, bin M/2: the side of the mirror
+//! direction) and y the bins in cos θ_o, **from the horizon**: the first line of a tile is grazing, its last faces the
+//! normal. The first line of tiles is the incidence nearest to the normal.
 //!
 //! | channel | holds |
 //! |---|---|
@@ -22,15 +22,16 @@
 //! | `bin_cos_edges` | the N + 1 edges of the bins in cos θ_o, from the horizon |
 //! | `bin_phi_edges_deg` | the M + 1 edges of the bins in the relative azimuth φ_o − φ_i; bin 0 lies around 0° |
 //! | `wavelength_nm` | the wavelengths at full precision |
-//! | `reflected`, `reflected_error`, `transmitted`, `absorbed`, `truncated` | for each incident direction, row by row: fractions of the incident light, weighted by luminance, and the standard error of the first |
-//! | `imbalance`, `imbalance_error` | for each incident direction, what is missing from 1, and its standard error |
-//! | `without_interference` | for each incident direction, the share of starting rays that were followed without interference |
-//! | `rays` | starting rays of each incident direction |
+//! | `reflected`, `transmitted`, `absorbed`, `truncated` | fractions of the incident light, weighted by luminance |
+//! | `reflected_error` | standard error of `reflected` |
+//! | `imbalance`, `imbalance_error` | what is missing from 1, and its standard error |
+//! | `without_interference` | fraction of starting rays that were traced without interference |
+//! | `rays` | number of starting rays |
 //!
-//! Numbers in attributes are decimal, parted by spaces. ZIP compression of 16 lines at a time. With P = 1 the table is
-//! a mean over azimuths, and φ_i is that of its first. `tests/python/read_table.py` reads all of it in a few lines of
-//! NumPy. The four lists of angles follow from T, P, N and M. Older files lack them, `imbalance`, `imbalance_error` and
-//! `without_interference`.
+//! The last five rows hold one number for each incident direction, row by row. Numbers in attributes are decimal,
+//! separated by spaces. Blocks of 16 lines are ZIP-compressed. With P = 1 the table is a mean over azimuths, and φ_i is
+//! that of its first. `tests/python/read_table.py` reads all of it in a few lines of NumPy. The four lists of angles
+//! follow from T, P, N and M. Older files lack them, `imbalance`, `imbalance_error` and `without_interference`.
 
 use exr::prelude::Compression;
 use goniochrome::measure::bins::DirectionBins;
@@ -43,6 +44,7 @@ use crate::support::memory::filled;
 use crate::table::scatter::{Energy, ScatterTable, check_scatter_size};
 use crate::table::statistics::MeanWithError;
 
+/// Value of the attribute `kind`.
 pub(super) const SCATTER: &str = "scatter";
 const INCIDENT: &str = "incident";
 const BINS: &str = "bins";
@@ -50,7 +52,7 @@ const RAYS: &str = "rays";
 const AXES: [&str; 4] = ["incident_theta_deg", "incident_phi_deg", "bin_cos_edges", "bin_phi_edges_deg"];
 const ERROR: &str = "error.Y";
 const ENERGIES: [&str; 5] = ["reflected", "reflected_error", "transmitted", "absorbed", "truncated"];
-/// Those that older files lack.
+/// Energies that older files lack.
 const LATER_ENERGIES: [&str; 3] = ["imbalance", "imbalance_error", "without_interference"];
 
 /// Width and height of the atlas.
@@ -59,7 +61,7 @@ fn atlas(layout: &ScatterLayout) -> (usize, usize) {
     (layout.phi() as usize * bins.phi as usize, layout.theta() as usize * bins.cos as usize)
 }
 
-/// The pixel of every pair of directions, incident by incident, bin by bin.
+/// Pixel of every pair of directions, incident by incident, bin by bin.
 fn pixels(layout: &ScatterLayout) -> impl Iterator<Item = usize> {
     let (width, _) = atlas(layout);
     let (columns, rows, tiles) = (layout.bins().phi as usize, layout.bins().cos as usize, layout.phi() as usize);
@@ -72,7 +74,7 @@ fn pixels(layout: &ScatterLayout) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The pair of directions of a pixel: the inverse of [`pixels`].
+/// Pair of directions of a pixel: the inverse of [`pixels`].
 fn pair_of(layout: &ScatterLayout, pixel: usize) -> usize {
     let (width, _) = atlas(layout);
     let (columns, rows, tiles) = (layout.bins().phi as usize, layout.bins().cos as usize, layout.phi() as usize);
@@ -95,7 +97,11 @@ fn axes(layout: &ScatterLayout) -> [(&'static str, String); 4] {
     std::array::from_fn(|i| (AXES[i], lists[i].clone()))
 }
 
-/// The bytes of the EXR file.
+/// Encodes a table as an EXR file.
+///
+/// # Errors
+/// A table that [`ScatterTable::check`] refuses, metadata whose keys are reserved or not printable, wavelengths too
+/// close for names of channels.
 pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
     table.check()?;
     let layout = &table.layout;
@@ -142,13 +148,13 @@ pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
     contents.encode(threads)
 }
 
-/// Two whole numbers.
+/// Removes an attribute and returns its two whole numbers.
 fn pair(file: &mut Opened<'_>, key: &str) -> Result<[u32; 2]> {
     let numbers: Vec<u32> = file.take_numbers(key)?;
     numbers.try_into().map_err(|_| Error::failed(format_args!("{PREFIX}{key} must hold two numbers")))
 }
 
-/// The table in a file whose kind is known.
+/// Decodes the table in a file of this kind.
 pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
     let ([theta, phi], [cos, around]) = (pair(&mut file, INCIDENT)?, pair(&mut file, BINS)?);
     let layout = ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around }).map_err(Error::failed)?;
@@ -201,19 +207,19 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
     length(RAYS, rays.len())?;
     energy.iter_mut().zip(rays).for_each(|(energy, rays)| energy.rays = rays);
 
-    let mut columns = file.pixels()?;
+    let mut channels = file.pixels()?;
     let place: Vec<usize> = pixels(&layout).collect();
     let mut brdf = filled(0.0, layout.count() * names.len(), "the table")?;
     let bins = layout.bins().count();
     for (w, name) in names.iter().enumerate() {
-        let image = columns.take(name)?;
+        let image = channels.take(name)?;
         for (incident, place) in place.chunks(bins).enumerate() {
             let row = &mut brdf[(incident * names.len() + w) * bins..][..bins];
             row.iter_mut().zip(place).for_each(|(value, &pixel)| *value = image[pixel]);
         }
     }
-    let [r, g, b] = [columns.take("R")?, columns.take("G")?, columns.take("B")?];
-    let error = columns.take(ERROR)?;
+    let [r, g, b] = [channels.take("R")?, channels.take("G")?, channels.take("B")?];
+    let error = channels.take(ERROR)?;
     let table = ScatterTable {
         rgb: place.iter().map(|&pixel| [r[pixel], g[pixel], b[pixel]]).collect(),
         luminance_error: place.iter().map(|&pixel| error[pixel]).collect(),
