@@ -14,3 +14,8 @@ pub mod render;
 pub(crate) mod view;
 pub(crate) mod paper;
 pub mod commands;
+
+/// The example of README.md, compiled as a documentation test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -203,3 +203,8 @@ pub mod trace;
 pub mod measure;
 pub mod colour;
 pub mod table;
+
+/// The examples of README.md, compiled and run as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
