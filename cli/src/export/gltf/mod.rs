@@ -201,7 +201,7 @@ mod tests {
         }
         let (fits, own) = (Summary::of(&fits), Summary::of(&own));
         println!("n = 1.33 on 1.5, 100 to 800 nm by 25, 0 to {MAX_DEG}°: fitted {fits:?}, with its own values {own:?}");
-        /// The 95th percentile of ΔE2000 that the README states.
+        /// The 95th percentile of ΔE2000 that the book states.
         const STATED: f64 = 3.67;
         assert!(fits.p95 < own.p95 && fits.p95 <= STATED);
     }
