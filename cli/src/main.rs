@@ -1,4 +1,4 @@
-//! The `goniochrome` command: parse, call, exit code.
+//! The `goniochrome` command: parses its arguments, runs them, and returns an exit code.
 
 use std::process::ExitCode;
 
@@ -11,7 +11,7 @@ use goniochrome_cli::support::error::Error;
 fn main() -> ExitCode {
     let result = match CommandLine::try_parse() {
         Ok(line) => commands::run(&line.command),
-        // Help and version are not errors; the rest is told in one line, like all else.
+        // Help and version are not errors. Wrong usage is reported in one line, as all errors are.
         Err(error) if !error.use_stderr() => return if error.print().is_ok() { 0 } else { 1 }.into(),
         Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Err(Error::usage("a command is missing; goniochrome --help lists them"))
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The first paragraph of clap's message, and its hint where it has one.
+/// A usage error with the first paragraph of clap's message, and clap's hint if it has one.
 fn usage(message: &str) -> Error {
     let message = message.strip_prefix("error: ").unwrap_or(message);
     let said: Vec<&str> =

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use goniochrome_cli::scene::parse;
 use goniochrome_cli::solve::diffraction::{OrdersRequest, orders};
 use goniochrome_cli::solve::mesh_scene::MeshScene;
-use goniochrome_cli::solve::order_error::{SILENT, error_bounds, warning};
+use goniochrome_cli::solve::order_error::{MAX_SILENT, error_bounds, warning};
 use goniochrome_cli::solve::precision::Precision;
 use serde::Deserialize;
 
@@ -96,7 +96,7 @@ fn no_efficiency_errs_by_more_than_the_bound_says() {
             case.theta_deg,
             case.phi_deg
         );
-        assert_eq!(silent, bound <= SILENT, "what is said is what is bounded");
+        assert_eq!(silent, bound <= MAX_SILENT, "what is said is what is bounded");
         untrue += u32::from(s.max(p) > bound);
         silences += u32::from(silent);
     }
@@ -122,7 +122,7 @@ fn shelves_have_no_bound_and_planes_the_least() {
     assert!(bound(&format!("{shelves}{BETWEEN}")) >= 1.0);
     let flat = "[cell]\nperiod_nm = [500, 500]\nsurface = { kind = \"grooves\", points_nm = [[0, 0], [500, 0]] }\n\
                 [interface.grooves]\n";
-    assert!(bound(&format!("{flat}{BETWEEN}")) < SILENT);
+    assert!(bound(&format!("{flat}{BETWEEN}")) < MAX_SILENT);
 }
 
 /// The error of grazing light on flat metal under n = 1.5 with k = 1e-3 is bounded: R_p at 88° is off by 0.115, for

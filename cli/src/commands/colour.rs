@@ -45,7 +45,7 @@ pub fn run(args: &ColourArgs) -> Result<()> {
     }
 }
 
-/// For eyes: a swatch beside each row, where the terminal can show one.
+/// The colours as a table to read, with a swatch in each row if the terminal can show one.
 fn table(theta_deg: &[f64], colours: &[Colour], space: RgbSpace) -> String {
     let coloured = std::io::stdout().is_terminal();
     let mut text = String::from(" theta       R       G       B  on a screen\n");

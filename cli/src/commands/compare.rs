@@ -13,7 +13,7 @@ use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
 
-/// Each wavelength is a curve and a disc; more of them make no picture that can be read.
+/// The largest number of wavelengths in a picture: each is a curve and a disc, and more cannot be read.
 const MAX_CURVES: usize = 24;
 
 pub fn run(args: &CompareArgs) -> Result<()> {

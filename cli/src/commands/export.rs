@@ -17,7 +17,7 @@ use crate::support::progress::note;
 use crate::table::metadata::MetadataKey;
 use crate::table::{Table, file};
 
-/// Texels over cos θ.
+/// The default number of texels over cos θ.
 const WIDTH: u16 = 256;
 
 pub fn run(args: &ExportArgs) -> Result<()> {
@@ -70,6 +70,7 @@ fn write_blob(args: &ExportArgs) -> Result<()> {
     Ok(())
 }
 
+/// Whether a file name is that of a table.
 fn is_table(path: &Path) -> bool {
     has_extension(path, "exr")
 }
@@ -78,7 +79,7 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
-/// Refuses what the format has no use for, so that nothing the user asks for is silently ignored.
+/// Refuses options that the format has no use for, so that none is silently ignored.
 fn check_options(args: &ExportArgs) -> Result<()> {
     let lut = args.to == ExportKind::Lut;
     for (given, name, fits, of) in [
@@ -105,7 +106,7 @@ fn check_options(args: &ExportArgs) -> Result<()> {
     Ok(())
 }
 
-/// Refuses names that say another format.
+/// Refuses file names with the extension of another format.
 fn check_name(args: &ExportArgs) -> Result<()> {
     let wanted: &[&str] = match args.to {
         ExportKind::Lut => &["exr", "png"],
@@ -121,6 +122,7 @@ fn check_name(args: &ExportArgs) -> Result<()> {
     Ok(())
 }
 
+/// Writes a lut, with its shader function if one is asked for.
 fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     let shader = args.shader.as_deref().map(snippet).transpose()?;
     if let Some(path) = &args.shader {
@@ -183,6 +185,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
+/// Writes a glTF material and notes how well it fits.
 fn gltf(args: &ExportArgs) -> Result<()> {
     let path = Path::new(&args.source);
     let scene = if is_table(path) { scene_of_table(path)? } else { load(&args.source)? };
@@ -220,7 +223,7 @@ fn scene_of_table(path: &Path) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The shader function in the language that a file's name says.
+/// The shader function in the language of a file's extension.
 fn snippet(path: &Path) -> Result<&'static str> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("glsl") => Ok(include_str!("../../data/shaders/lut.glsl")),

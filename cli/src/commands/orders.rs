@@ -40,8 +40,8 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     write(args, wavelengths, &found)
 }
 
-/// One row for each order and wavelength. The last column is that of the wavelength: light that was not followed to
-/// where it leaves.
+/// Writes one row for each order and wavelength. The last column belongs to the wavelength: light that was not traced
+/// until it left.
 fn write(args: &OrdersArgs, wavelengths: &[f64], found: &Diffraction) -> Result<()> {
     let left_out = |nm: f64| {
         let place = wavelengths.iter().position(|known| *known == nm).unwrap_or_default();

@@ -17,11 +17,11 @@ use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
 
-/// A bigger file is no mesh or environment that this program could hold: 1 GiB.
+/// The size of the largest file that is read as an environment: 1 GiB.
 const MAX_BYTES: u64 = 1 << 30;
 
 pub fn run(args: &RenderArgs) -> Result<()> {
-    let format = Format::of(&args.output)?;
+    let format = RenderFormat::of(&args.output)?;
     let source = TableSource::find(&args.table)?;
     let mut inputs = source.files();
     inputs.extend([file_of(&args.env), file_of(&args.mesh)].into_iter().flatten());
@@ -36,7 +36,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         return Err(Error::usage(what));
     }
     let view = args.view.view();
-    // Bad options are told before files are read.
+    // Bad options are refused before files are read.
     Camera::new(&view, glam::DVec3::ZERO, 1.0)?;
 
     let table = source.table(args.running.quiet)?;
@@ -65,25 +65,26 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         note(args.running.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
     }
     let bytes = match format {
-        Format::Png => {
+        RenderFormat::Png => {
             let (png, out_of_gamut) = film.png(args.exposure, args.tonemap);
             if let Some(said) = out_of_gamut.note() {
                 note(args.running.quiet, format_args!("{}: {said}", args.output.display()));
             }
             png
         }
-        Format::Exr => film.exr(&format!("{} on {} in {} light", table.name(), args.mesh, args.env))?,
+        RenderFormat::Exr => film.exr(&format!("{} on {} in {} light", table.name(), args.mesh, args.env))?,
     };
     output::write_file(&args.output, &bytes)
 }
 
+/// The format of a rendered picture.
 #[derive(Clone, Copy)]
-enum Format {
+enum RenderFormat {
     Exr,
     Png,
 }
 
-impl Format {
+impl RenderFormat {
     fn of(path: &Path) -> Result<Self> {
         match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
             Some("exr") => Ok(Self::Exr),
@@ -96,11 +97,12 @@ impl Format {
     }
 }
 
-/// The file that an option names, where it is no built-in.
+/// The file that an option names, unless it names something built in.
 fn file_of(word: &str) -> Option<PathBuf> {
     (!["white", "studio", "teapot", "sphere", "plane"].contains(&word)).then(|| PathBuf::from(word))
 }
 
+/// The light that `--env` names.
 fn light(word: &str, quiet: bool) -> Result<EnvironmentLight> {
     match word {
         "white" => Ok(EnvironmentLight::White),
@@ -114,6 +116,7 @@ fn light(word: &str, quiet: bool) -> Result<EnvironmentLight> {
     }
 }
 
+/// The shape that `--mesh` names.
 fn shape(word: &str, axes: Axes, level: u32, quiet: bool) -> Result<BodyShape> {
     match word {
         "teapot" => Ok(BodyShape::Mesh(TriangleMesh::teapot(level))),
@@ -128,6 +131,7 @@ fn shape(word: &str, axes: Axes, level: u32, quiet: bool) -> Result<BodyShape> {
     }
 }
 
+/// Reads a file of limited size.
 fn read(file: &str, remedy: &str) -> Result<Vec<u8>> {
     let failed = |error: std::io::Error| Error::failed(format_args!("cannot read {file}: {error}; {remedy}"));
     let size = fs::metadata(file).map_err(failed)?.len();

@@ -7,7 +7,7 @@ use crate::commands::args::{ScatterArgs, spelled};
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
 use crate::commands::notes::note_on_media;
 use crate::scene::load;
-use crate::solve::cell_warnings::{unbalanced, without_sum};
+use crate::solve::cell_warnings::{not_converged, unbalanced};
 use crate::solve::mesh_scene::MeshScene;
 use crate::solve::order_error;
 use crate::solve::scatter::{Coherence, ScatterRequest, Scattered, scatter, steps};
@@ -57,7 +57,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
             _ => None,
         };
         let warnings: Vec<String> =
-            [unbalanced(request.coherence, found.imbalance), without_sum(found.without_interference.value), off]
+            [unbalanced(request.coherence, found.imbalance), not_converged(found.without_interference.value), off]
                 .into_iter()
                 .flatten()
                 .collect();
@@ -71,10 +71,10 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
     output::write_text(&args.json, &(text::json(&text) + "\n"))
 }
 
-/// With a target, rays double up to here.
+/// The largest number of rays that a target error asks for.
 const MAX_RAYS: u32 = 1 << 28;
 
-/// The largest standard error of a number that is printed.
+/// The largest standard error of all printed numbers.
 fn largest_error(found: &[Scattered]) -> f64 {
     let numbers = |found: &Scattered| {
         let totals = [found.reflected, found.transmitted, found.absorbed];
@@ -83,6 +83,7 @@ fn largest_error(found: &[Scattered]) -> f64 {
     found.iter().map(numbers).fold(0.0, f64::max)
 }
 
+/// A mean with its error as JSON.
 fn estimate(of: MeanWithError) -> Value {
     json!({ "value": of.value, "std_error": of.std_error })
 }

@@ -1,9 +1,11 @@
-//! Finished parts of long work, kept beside its output: killed at any moment, the same command goes on from there.
+//! Checkpoints: the finished parts of long work, kept beside its output. After an interruption the same command
+//! resumes.
 //!
-//! `OUTPUT.checkpoint` is a log. Its head is text: a line for each thing that decides the numbers. Records follow, one for each
-//! finished part in the order in which they were finished: the part's number (u64, little endian), its bytes, SHA-256 of both.
-//! Reading stops at the first record that is cut short or does not match its sum; what follows is computed again. The file is
-//! locked while a run writes it, so that a second run to the same output is refused, and goes when the output is complete.
+//! `OUTPUT.checkpoint` is a log. Its head is text: a line for each input that decides the numbers. Records follow, one
+//! for each finished part in the order of finishing: the part's number (u64, little endian), its bytes, SHA-256 of
+//! both. Reading stops at the first record that is cut short or does not match its sum; the parts after it are computed
+//! again. The file is locked while a run writes it, so that a second run to the same output is refused, and is removed
+//! when the output is complete.
 
 use std::fmt::{self, Display, Write as _};
 use std::fs::{File, TryLockError};
@@ -21,28 +23,28 @@ use crate::support::output;
 /// The first line of every checkpoint.
 const TITLE: &str = "goniochrome checkpoint";
 
-/// Most work that a power cut may cost, as far as the disk keeps its promises.
+/// The time between syncs to disk: a power cut loses at most the work of this time, if the disk obeys.
 const SYNC_EVERY: Duration = Duration::from_secs(5);
 
-/// A part's number.
+/// Bytes of a part's number.
 const NUMBER_BYTES: usize = size_of::<u64>();
 
-/// SHA-256.
+/// Bytes of a SHA-256 sum.
 const SUM_BYTES: usize = 32;
 
-/// What decides the numbers: a checkpoint of anything else is refused.
+/// The inputs that decide the numbers: a checkpoint with another identity is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity(String);
 
 impl Identity {
-    /// Of this program; equal versions with other instructions may round differently.
+    /// The identity of this program: equal versions with other instruction sets may round differently.
     #[must_use]
     pub fn of_program() -> Self {
         let (version, level) = (env!("CARGO_PKG_VERSION"), goniochrome::simd::lanes::simd_level());
         Self(format!("{TITLE}\nversion: goniochrome {version} ({level})\n"))
     }
 
-    /// And of what `what` names, all of which shows when it is printed by `{:?}`.
+    /// Adds the input that `what` names. Everything that matters of `value` must show when it is printed by `{:?}`.
     #[must_use]
     pub fn and(mut self, what: &str, value: &dyn fmt::Debug) -> Self {
         struct Hash(Sha256);
@@ -61,7 +63,7 @@ impl Identity {
     }
 }
 
-/// The log of one run.
+/// The checkpoint of one run.
 #[derive(Debug)]
 pub struct Checkpoint {
     path: PathBuf,
@@ -71,21 +73,21 @@ pub struct Checkpoint {
 #[derive(Debug)]
 struct Log {
     file: File,
-    /// Where the next record goes; everything before it is whole.
+    /// The place of the next record; all records before it are whole.
     end: u64,
-    /// Whether the file outlives this run: it has records, or is another's.
+    /// Whether the file outlives this run: it has records, or belongs to another run.
     stays: bool,
-    /// An earlier run has left records, or the beginning of one.
+    /// Whether an earlier run has left records, or the beginning of one.
     resumed: bool,
     synced: Instant,
 }
 
 impl Checkpoint {
-    /// Opens the checkpoint of an output, or starts one, and locks it. `restart` discards what an earlier run has
-    /// finished, whatever it computed. `None` where the output is a device or a pipe, which has no folder for it.
+    /// Opens or creates the checkpoint of an output, and locks it. `restart` discards the parts that an earlier run has
+    /// finished, whatever it computed. Returns `None` if the output is a device or a pipe, which has no folder for it.
     ///
     /// # Errors
-    /// Another run has it locked, it belongs to other work, or it cannot be written.
+    /// A checkpoint that another run has locked, that belongs to other work, or that cannot be written.
     pub fn open(output: &Path, identity: &Identity, restart: bool) -> Result<Option<Self>> {
         let target = std::fs::canonicalize(output).unwrap_or_else(|_| output.to_path_buf());
         if output::is_stream(&target) {
@@ -104,10 +106,10 @@ impl Checkpoint {
         Ok(Some(checkpoint))
     }
 
-    /// Checks the head, or writes it where there is none or half a one. To `restart`, any checkpoint makes room for it.
+    /// Checks the head, or writes it where the file has none or a part of one. `restart` overwrites any checkpoint.
     fn begin(&self, head: &str, restart: bool) -> Result<()> {
         let mut log = self.log();
-        // Two heads differ in their first KiB, long before which they end.
+        // Heads end well within the first KiB.
         let mut found = Vec::new();
         (&log.file)
             .take(head.len().max(1024) as u64)
@@ -115,7 +117,7 @@ impl Checkpoint {
             .map_err(|error| self.unreadable(&error))?;
         let discards = restart && found.starts_with(TITLE.as_bytes());
         if !discards && found.starts_with(head.as_bytes()) {
-            log.stays = true; // restoring will tell whether it has records
+            log.stays = true; // `restore` finds out whether it has records
             log.resumed = found.len() > head.len();
         } else if discards || head.as_bytes().starts_with(&found) {
             log.file
@@ -130,7 +132,7 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// What to tell the user as the work begins: what happens to it if it is interrupted.
+    /// The note to print as the work begins: what happens if it is interrupted.
     #[must_use]
     pub fn says(&self) -> String {
         let path = self.path.display();
@@ -142,10 +144,11 @@ impl Checkpoint {
         )
     }
 
-    /// Hands every finished part, each of `length` bytes and with a number below `count`, to `take`; says how many there are.
+    /// Calls `take` with the number and bytes of every finished part, each of `length` bytes and with a number below
+    /// `count`. Returns how many parts there are.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// A file that cannot be read.
     pub fn restore(&self, length: usize, count: usize, mut take: impl FnMut(usize, &[u8])) -> Result<usize> {
         let mut log = self.log();
         let mut record = vec![0; NUMBER_BYTES + length + SUM_BYTES];
@@ -178,7 +181,7 @@ impl Checkpoint {
     /// Appends a finished part.
     ///
     /// # Errors
-    /// The disk is full, or broken. The records before this one stay.
+    /// A disk that is full or broken. The records before this one stay.
     pub fn keep(&self, number: usize, part: &[u8]) -> Result<()> {
         let mut record = Vec::with_capacity(NUMBER_BYTES + part.len() + SUM_BYTES);
         record.extend((number as u64).to_le_bytes());
@@ -188,7 +191,7 @@ impl Checkpoint {
         let mut log = self.log();
         let end = log.end;
         if let Err(error) = log.write_at(end, &record) {
-            // Half a record would be passed over anyway; without it the disk has room again.
+            // Half a record would be ignored; removing it gives the disk room again.
             let _ = log.file.set_len(end);
             let kept = "what is finished is kept, and the same command goes on from there";
             return Err(Error::failed(format_args!("{}; {kept}", self.unwritten(&error))));
@@ -198,12 +201,12 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// The output is complete, or never will be.
+    /// Removes the checkpoint: the output is complete, or was refused.
     ///
     /// # Errors
-    /// The file cannot be removed.
+    /// A file that cannot be removed.
     pub fn remove(self) -> Result<()> {
-        // Whatever gets this name from now on is another run's.
+        // From now on a file of this name belongs to another run.
         self.log().stays = true;
         std::fs::remove_file(&self.path)
             .map_err(|error| Error::failed(format_args!("cannot remove {}: {error}", self.path.display())))
@@ -222,7 +225,7 @@ impl Checkpoint {
         output::explain(&self.path, error)
     }
 
-    /// The reason for which a checkpoint is not ours.
+    /// The error for a checkpoint that belongs to other work.
     fn foreign(&self, head: &str, found: &str) -> Error {
         let path = self.path.display();
         if found.lines().next() != Some(TITLE) {
@@ -239,7 +242,7 @@ impl Checkpoint {
     }
 }
 
-/// A log without a record is worth nothing: its file goes with it.
+/// Removes the file if it has no record.
 impl Drop for Checkpoint {
     fn drop(&mut self) {
         if !self.log().stays {
@@ -260,7 +263,7 @@ impl Log {
     }
 }
 
-/// The file at `path`, made if need be, which nobody else has locked.
+/// Opens and locks the file at `path`; creates it if it is missing.
 fn locked(path: &Path, output: &Path) -> Result<File> {
     loop {
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path);
@@ -272,11 +275,11 @@ fn locked(path: &Path, output: &Path) -> Result<File> {
                 let message = format!("another run is writing {output}; wait for its end or choose another output");
                 return Err(Error::failed(message));
             }
-            // Some network disks know no locks. Runs that meet there still write whole files, the last of which stays.
+            // Some network disks have no locks. Runs that meet there still write whole files, and the last one stays.
             Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {}
             Err(TryLockError::Error(error)) => return Err(output::explain(path, &error)),
         }
-        // Between opening and locking, a run that ended may have removed the file; then this is a file without a name.
+        // Between opening and locking, a finished run may have removed the file; then the lock is on an unnamed file.
         if output::is_still_at(&file, path) {
             return Ok(file);
         }

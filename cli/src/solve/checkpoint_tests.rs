@@ -16,7 +16,7 @@ fn part(number: usize) -> Vec<u8> {
     vec![number as u8 + 1; PART]
 }
 
-/// A folder and its output, which nobody has written yet.
+/// A folder and the path of an output in it that is not written yet.
 fn output() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("table.exr");
@@ -27,7 +27,7 @@ fn open(output: &Path) -> Result<Checkpoint> {
     Checkpoint::open(output, &identity("film"), false).map(|checkpoint| checkpoint.expect("no device"))
 }
 
-/// The numbers of the parts that are found; each must be what was kept.
+/// The numbers of the parts that are restored; each must equal the part that was kept.
 fn restored(checkpoint: &Checkpoint) -> Vec<usize> {
     let mut numbers = Vec::new();
     let count = checkpoint.restore(PART, COUNT, |number, bytes| {

@@ -9,14 +9,14 @@ use crate::support::error::Result;
 /// A colour at one angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour {
-    /// CIE 1931, Y = 1 for ρ = 1.
+    /// CIE 1931 XYZ, with Y = 1 for ρ = 1.
     pub xyz: [f64; 3],
-    /// Linear, unclipped, in the space asked for.
+    /// Linear, unclipped RGB in the requested space.
     pub rgb: [f64; 3],
 }
 
 impl Colour {
-    /// What a screen shows: linear sRGB, except that the paper's matrix is its own display.
+    /// The RGB that a screen shows: linear sRGB, except that the RGB of the paper's matrix is shown as it is.
     #[must_use]
     pub fn display(&self, space: RgbSpace) -> [f32; 3] {
         let rgb = match space {
@@ -27,10 +27,10 @@ impl Colour {
     }
 }
 
-/// The colour of unpolarised reflectance at each angle of a grid.
+/// The colours of unpolarised reflectance, one for each angle of a grid.
 ///
 /// # Errors
-/// If none of the wavelengths is visible.
+/// None of the wavelengths is visible.
 pub fn colours(
     spectra: &Spectra,
     illuminant: Illuminant,

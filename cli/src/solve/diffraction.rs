@@ -111,8 +111,8 @@ const MAX_ORDERS: usize = 16_384;
 /// The power below which waves in flight are dropped.
 const MIN_IN_FLIGHT: f64 = 1e-10;
 
-/// The reflected orders that propagate, for light from the unit direction `wi`. `progress` is called after each batch of
-/// each [group](crate::solve::groups::group_count) of wavelengths.
+/// The reflected orders that propagate, for light from the unit direction `wi`. `progress` is called after each batch
+/// of each [group](crate::solve::groups::group_count) of wavelengths.
 ///
 /// # Errors
 /// A mesh that the core refuses, a medium without data at a wavelength, more orders than are computed or memory holds,

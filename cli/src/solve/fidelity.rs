@@ -1,4 +1,4 @@
-//! How true the colours of a spectrum's samples are, for remarks.
+//! The accuracy of the colours of sampled spectra, for notes to the user.
 
 use goniochrome::colour::{Illuminant, Quadrature, VISIBLE_NM, xyz};
 
@@ -9,15 +9,15 @@ use crate::solve::planar_scene::PlanarScene;
 use crate::solve::spectra::{Spectra, SpectraRequest};
 use crate::support::error::Result;
 
-/// ΔE2000 that is worth a remark.
-const NOTICED: f64 = 0.5;
-/// A range with less of Y than this is worth a remark.
-const NEARLY_ALL: f64 = 0.99;
+/// The largest ΔE2000 without a note.
+const MAX_DELTA_E: f64 = 0.5;
+/// The smallest share of X, Y and Z of white that a range holds without a note.
+const MIN_SHARE: f64 = 0.99;
 
-/// The largest ΔE2000 between the colours of samples and of the integral, and the angle where it is.
+/// The largest ΔE2000 between the colours of samples and those of the integral, and its angle.
 ///
 /// # Errors
-/// As [`visible_weights`].
+/// None of the wavelengths is visible.
 pub fn largest_error(spectra: &Spectra, exact: &[[f64; 3]], illuminant: Illuminant) -> Result<(f64, f64)> {
     let weights = visible_weights(&spectra.wavelength_nm, illuminant, Quadrature::Interpolated)?;
     let white = xyz(&weights, weights.iter().map(|_| 1.0));
@@ -28,10 +28,10 @@ pub fn largest_error(spectra: &Spectra, exact: &[[f64; 3]], illuminant: Illumina
     Ok(errors.fold((0.0, 0.0), |worst, error| if error.0 > worst.0 { error } else { worst }))
 }
 
-/// What is to be said of a range of wavelengths from which colours are made, if it leaves out a part of the visible.
+/// A note if the wavelengths from which colours are made leave out a part of the visible range.
 ///
 /// # Errors
-/// As [`visible_weights`].
+/// None of the wavelengths is visible.
 pub fn left_out(wavelength_nm: &[f64], illuminant: Illuminant) -> Result<Option<String>> {
     let &[first, .., last] = wavelength_nm else {
         return Ok(Some(
@@ -39,7 +39,7 @@ pub fn left_out(wavelength_nm: &[f64], illuminant: Illuminant) -> Result<Option<
         ));
     };
     let [x, y, z] = share_of_white(first, last, illuminant)?;
-    if x.min(y).min(z) >= NEARLY_ALL {
+    if x.min(y).min(z) >= MIN_SHARE {
         return Ok(None);
     }
     let [x, y, z] = [x, y, z].map(|share| 100.0 * share);
@@ -49,10 +49,10 @@ pub fn left_out(wavelength_nm: &[f64], illuminant: Illuminant) -> Result<Option<
     )))
 }
 
-/// What is to be said of wavelengths that are too few for the colours of a scene; they increase, and some are visible.
+/// A note if wavelengths are too few for the colours of a scene. They must increase, and some must be visible.
 ///
 /// # Errors
-/// As [`Integral::new`].
+/// A medium without data in the visible range; an optical path of more than some millimetres.
 pub fn too_few(
     planar: &PlanarScene<'_>,
     spectra: &Spectra,
@@ -63,7 +63,7 @@ pub fn too_few(
     let range = [first.max(VISIBLE_NM[0].into()), last.min(VISIBLE_NM[1].into())];
     let exact = Integral::new(planar, range, illuminant, request)?.colours(&spectra.theta_deg)?;
     let (error, theta) = largest_error(spectra, &exact, illuminant)?;
-    Ok((error > NOTICED).then(|| {
+    Ok((error > MAX_DELTA_E).then(|| {
         format!(
             "{} wavelengths are too few for this scene: its colours err by up to ΔE2000 {error:.1} (at {theta}°); give \
              --wavelengths auto",
@@ -72,7 +72,7 @@ pub fn too_few(
     }))
 }
 
-/// The parts of X, Y and Z of white that lie in a range.
+/// The shares of X, Y and Z of white that lie in a range.
 fn share_of_white(first: f64, last: f64, illuminant: Illuminant) -> Result<[f64; 3]> {
     let every_nm: Vec<f64> = (VISIBLE_NM[0]..=VISIBLE_NM[1]).map(f64::from).collect();
     let weights = visible_weights(&every_nm, illuminant, Quadrature::Interpolated)?;

@@ -1,4 +1,4 @@
-//! Angles and wavelengths as the command line gives them.
+//! Lists and ranges of angles and wavelengths, as written on the command line.
 
 use std::str::FromStr;
 
@@ -10,21 +10,21 @@ use crate::solve::spectra::SpectraRequest;
 use crate::support::error::Result;
 use crate::table::mirror::{MAX_ANGLES, MAX_WAVELENGTHS};
 
-/// `380,436,546`, `380:780:5`, `auto` or `420:700:auto`.
+/// Wavelengths to compute, written as `380,436,546`, `380:780:5`, `auto` or `420:700:auto`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Wavelengths {
-    /// These, in the order in which they were given.
+    /// The listed wavelengths, in the given order.
     List(Vec<f64>),
-    /// From the first to the last, as many as the scene's colours need.
+    /// As many wavelengths as the colours of the scene need, from the first to the last.
     Auto([f64; 2]),
 }
 
-/// `0,30,60` or `0:85:5`, degrees in [0, 90], in the order in which they were given.
+/// Angles in degrees in [0, 90], in the given order, written as `0,30,60` or `0:85:5`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Angles(pub Vec<f64>);
 
-/// A list, or a range with a step.
-fn numbers(text: &str, what: &str, most: usize) -> std::result::Result<Vec<f64>, String> {
+/// Parses a list, or a range with a step, of at most `max` numbers.
+fn numbers(text: &str, what: &str, max: usize) -> std::result::Result<Vec<f64>, String> {
     let number = |field: &str| {
         let value = field.trim().parse::<f64>().ok().filter(|x| x.is_finite());
         value.ok_or_else(|| format!("{field:?} is not a number"))
@@ -36,22 +36,22 @@ fn numbers(text: &str, what: &str, most: usize) -> std::result::Result<Vec<f64>,
             if !(step > 0.0 && end >= start) {
                 return Err("a range is start:end:step with end >= start and step > 0".into());
             }
-            // The last step may miss the end by the rounding of the division.
+            // Rounding of the division must not drop the end.
             let steps = ((end - start) / step * (1.0 + 4.0 * f64::EPSILON)).floor();
-            if steps >= most as f64 {
-                return Err(format!("{:.0} {what} are more than the {most} allowed", steps + 1.0));
+            if steps >= max as f64 {
+                return Err(format!("{:.0} {what} are more than the {max} allowed", steps + 1.0));
             }
             (0..=steps as usize).map(|i| start + i as f64 * step).collect()
         }
         _ => return Err("expected a list a,b,c or a range start:end:step".into()),
     };
-    if values.len() > most {
-        return Err(format!("{} {what} are more than the {most} allowed", values.len()));
+    if values.len() > max {
+        return Err(format!("{} {what} are more than the {max} allowed", values.len()));
     }
     Ok(values)
 }
 
-/// Harder than any X-ray that has an index; the phase of a film of a metre still has digits.
+/// The shortest wavelength: below any X-ray that has an index; the phase of a film of a metre still has digits.
 const MIN_WAVELENGTH_NM: f64 = 1e-3;
 
 impl FromStr for Wavelengths {
@@ -89,7 +89,7 @@ impl FromStr for Angles {
 }
 
 impl Wavelengths {
-    /// As many as the scene's colours need.
+    /// As many wavelengths of the visible range as the colours of the scene need.
     pub const VISIBLE: Self = Self::Auto([VISIBLE_NM[0] as f64, VISIBLE_NM[1] as f64]);
 
     /// The visible range in even steps.
@@ -99,7 +99,7 @@ impl Wavelengths {
         Self::List((0..=((last - first) / step_nm) as u32).map(|i| first + f64::from(i) * step_nm).collect())
     }
 
-    /// The same in increasing order, each once, as colours and tables need them.
+    /// The wavelengths in increasing order, each once, as colours and tables need them.
     #[must_use]
     pub fn increasing(&self) -> Self {
         let mut sorted = self.clone();
@@ -110,10 +110,11 @@ impl Wavelengths {
         sorted
     }
 
-    /// The wavelengths to compute for a scene at some angles. Those that the user named come without colours.
+    /// The wavelengths to compute for a scene at some angles. Listed wavelengths come without colours.
     ///
     /// # Errors
-    /// As [`choose`].
+    /// For `auto`: a medium without data in the range; an ambient medium that absorbs too much; an optical path of more
+    /// than some millimetres.
     pub fn resolve(
         &self,
         planar: &PlanarScene<'_>,

@@ -14,7 +14,7 @@ use crate::scene::{Mesh, NamedInterface, Scene};
 use crate::solve::groups::media_of;
 use crate::support::error::{Error, Result};
 
-/// The polygons of a scene, grouped into facets, and the media between them.
+/// A scene of polygons, grouped into facets, and the media between them.
 #[derive(Debug, Clone)]
 pub struct MeshScene<'s> {
     scene: &'s Scene,
@@ -123,7 +123,7 @@ impl<'s> MeshScene<'s> {
     }
 
     /// The longest optical path across a film: Σ n d of a coating, or the distance between the mean heights of two
-    /// interfaces times the index of a medium between interfaces. Media without data there count as none.
+    /// interfaces times the index of a medium between interfaces. Media without data at this wavelength count as 0.
     #[must_use]
     pub fn film_path_nm(&self, wavelength_nm: f64) -> f64 {
         let index = |medium: MediumIndex| {
@@ -169,8 +169,8 @@ fn area_vector(vertices: &[DVec3], triangle: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Groups triangles into facets: triangles that share an edge, an interface and a plane are one facet. Returns the facet
-/// of each triangle, and the facets.
+/// Groups triangles into facets: triangles that share an edge, an interface and a plane are one facet. Returns the
+/// facet of each triangle, and the facets.
 fn group_into_facets(vertices: &[DVec3], triangles: &[[u32; 3]], kinds: &[u16]) -> (Vec<u32>, Vec<Facet>) {
     /// Normals of coplanar triangles differ by the rounding of single-precision files over the length of an edge.
     const COPLANAR: f64 = 1e-6;

@@ -1,25 +1,27 @@
-//! The error bound of diffraction orders: how far physical optics may be off.
+//! The error bound of diffraction orders computed by physical optics.
 //!
-//! [`crate::solve::diffraction::orders`] lets every point of a facet reflect as an infinite plane would, once. The truth
-//! differs at the bends between facets, whose influence reaches about a wavelength, and by light that meets a second
-//! facet, which is dropped. For an efficiency, in s or p,
+//! [`crate::solve::diffraction::orders`] lets every point of a facet reflect as an infinite plane would, once. A real
+//! surface differs at the bends between facets, whose influence reaches about a wavelength, and by light that hits a
+//! second facet, which is dropped here. For an efficiency, in s or p,
 //!
-//! |error| ≤ 0.005 + R (0.3 B (λ + D) + 2 M), and never more than 1.
+//! |error| ≤ min(1, 0.005 + R (0.3 B (λ + D) + 2 M)).
 //!
-//! - R is the power that the lit facets reflect by Fresnel's formulas, each alone, in the polarisation that reflects more. It is
-//!   1 where facets are coated or do not face the medium of the light.
-//! - B is the bend per area, in 1/nm: over all edges, the sum of length × turn, divided by the area of the period. The turn is
-//!   the angle between the two facets over cos² θ_i, at most π/2. It does not change when a mesh is refined.
-//! - D is the depth from the highest to the lowest vertex: light that goes down and up between two walls is guided by them.
-//! - M is the share of the light that meets a second facet after a mirror reflection or would be reflected below the horizon,
-//!   weighted by ½ (1 + 1/cos θ) of the local angle: by so much an oblique facet may count more in another order.
+//! - R is the power that the lit facets reflect by Fresnel's formulas, each alone, in the polarisation that reflects
+//!   more. It is 1 for facets that are coated or do not face the medium of the light.
+//! - B is the bend per area, in 1/nm: the sum over all edges of length × turn, divided by the area of the period. The
+//!   turn is the angle between the two facets over cos² θ_i, at most π/2. Refining a mesh does not change B.
+//! - D is the depth from the highest to the lowest vertex: light that goes down and up between two walls is guided by
+//!   them.
+//! - M is the share of the light that hits a second facet after a mirror reflection or would be reflected below the
+//!   horizon, weighted by ½ (1 + 1/cos θ) of the local angle: by this factor an oblique facet may count more in another
+//!   order.
 //!
-//! Surfaces with overhangs have no bound but 1. Coated and layered cells were not compared with rigorous solvers.
+//! For surfaces with overhangs the bound is 1. Coated and layered cells were not compared with rigorous solvers.
 //!
-//! The form is physical optics' own criterion (a radius of curvature must be many wavelengths); the factors are fitted.
-//! Largest errors of 462 random gratings, in s and in p: lamellar, with walls of 75°, blazed, triangular and
-//! sinusoidal; depths 0.02 to 1 λ; θ_i of 0, 30, 45, 60, 75°, three in four classical or along the grooves, the others
-//! at any azimuth:
+//! The form follows from the criterion of physical optics (a radius of curvature must be many wavelengths); the factors
+//! are fitted. The table lists the largest errors of 462 random gratings, in s and in p: lamellar, with walls of 75°,
+//! blazed, triangular and sinusoidal; depths 0.02 to 1 λ; θ_i of 0, 30, 45, 60, 75°, three in four in a classical mount
+//! or along the grooves, the others at any azimuth:
 //!
 //! | below | θ_i | period 0.8 to 2 λ | 2 to 5 λ | 5 to 10 λ | 10 to 20 λ |
 //! |---|---|---|---|---|---|
@@ -30,7 +32,7 @@
 //! | silver, aluminium, gold | ≤ 45° | 0.506, 0.539 | 0.211, 0.528 | 0.342, 0.070 | 0.079, 0.053 |
 //! | | 60°, 75° | 0.522, 0.572 | 0.520, 0.408 | 0.278, 0.318 | 0.119, 0.205 |
 //!
-//! No error exceeds 0.85 of its bound, also not those of 60 lamellar gratings of 1 to 8 λ depth. 40 of the gratings
+//! No error exceeds 0.85 of its bound; nor do the errors of 60 lamellar gratings of 1 to 8 λ depth. 40 of the gratings
 //! were computed after the fit: the largest reaches 0.30 of its bound. `tests/data/orders.json` holds 34 and 12 of both
 //! kinds.
 
@@ -47,29 +49,29 @@ use crate::scene::Shape;
 use crate::solve::mesh_scene::MeshScene;
 use crate::support::error::Result;
 
-/// No bound is smaller: the last digits that were compared, and those of the references.
-const MIN: f64 = 0.005;
-/// Error per R B (λ + D). The largest of 553 gratings is 0.21.
+/// The smallest bound: the last digits of the computed efficiencies and of the references.
+const MIN_BOUND: f64 = 0.005;
+/// The error per R B (λ + D). The largest ratio of 553 gratings is 0.21.
 const PER_BEND: f64 = 0.3;
-/// Error per M. An amplitude that is off by M puts an efficiency off by 2M.
+/// The error per M. An amplitude that is off by M puts an efficiency off by 2M.
 const PER_LOST: f64 = 2.0;
-/// Up to here [`warning`] is silent.
-pub const SILENT: f64 = 0.01;
+/// The largest bound of which [`warning`] does not warn.
+pub const MAX_SILENT: f64 = 0.01;
 
-/// What of a surface decides the error bound for one direction of the light.
+/// The quantities of a surface that decide the error bound for one direction of the light.
 #[derive(Clone, Debug)]
 struct Relief {
-    /// B.
+    /// B: the bend per area.
     bend_per_nm: f64,
-    /// D.
+    /// D: the depth.
     depth_nm: f64,
-    /// M.
+    /// M: the share of the light that is lost to second facets and the horizon.
     lost: f64,
-    /// No facet is tilted: then there is nothing that bends or shadows.
+    /// Whether no facet is tilted: then nothing bends or shadows.
     flat: bool,
-    /// Some facet faces down.
+    /// Whether some facet faces down.
     overhangs: bool,
-    /// The lit facets.
+    /// The triangles that the light falls on.
     lit: Vec<Lit>,
 }
 
@@ -77,53 +79,53 @@ struct Relief {
 #[derive(Clone, Copy, Debug)]
 struct Lit {
     cos_theta: f64,
-    /// Its share of the light, as if no other triangle stood before it.
+    /// The triangle's share of the light, as if no other triangle shadowed it.
     share: f64,
-    /// What it is made of; none where its reflectance is not that of one plane.
+    /// What lies beyond the triangle; none where its reflectance is not that of one plane.
     below: Option<Below>,
 }
 
-/// Bounds |computed − true| of every efficiency of reflected orders, in s and in p, for light from `wi` at each
-/// wavelength.
+/// Bounds on |computed − true| of every efficiency of reflected orders, in s and in p, for light from `wi`: one for
+/// each wavelength.
 ///
 /// # Errors
 /// A mesh that the core refuses.
 pub fn error_bounds(mesh_scene: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Result<Vec<f64>> {
     let relief = Relief::new(mesh_scene, wi)?;
-    let bound = |&nm: &f64| (relief.error_bound(mesh_scene, nm) + exchange(mesh_scene, wi, nm)).min(1.0);
+    let bound = |&nm: &f64| (relief.error_bound(mesh_scene, nm) + absorbing_ambient_error(mesh_scene, wi, nm)).min(1.0);
     Ok(wavelength_nm.iter().map(bound).collect())
 }
 
-/// What an absorbing ambient medium adds near grazing incidence: ((k/n)/cos²θ)². There the incident wave's own q_n is
-/// complex, which physical optics leaves out. Errors of a flat metal under n = 1.5 with k of 1e-6 to 1e-3 at 88° to 89.9°
-/// are at most half of it.
-fn exchange(mesh_scene: &MeshScene<'_>, wi: DVec3, wavelength_nm: f64) -> f64 {
+/// The error that an absorbing ambient medium adds near grazing incidence: ((k/n)/cos²θ)². There the q_n of the
+/// incident wave is complex, which physical optics leaves out. The errors of a flat metal under n = 1.5 with k of 1e-6
+/// to 1e-3 at 88° to 89.9° are at most half of this.
+fn absorbing_ambient_error(mesh_scene: &MeshScene<'_>, wi: DVec3, wavelength_nm: f64) -> f64 {
     let eta =
         mesh_scene.media()[usize::from(mesh_scene.above())].eta(wavelength_nm).unwrap_or(Complex64::new(1.0, 0.0));
     (eta.im / eta.re / (wi.z * wi.z)).powi(2)
 }
 
-/// What to tell the user of orders for light from `wi`: nothing where every efficiency is within [`SILENT`].
+/// A warning for orders of light from `wi`; none where every efficiency is within [`MAX_SILENT`].
 ///
 /// # Errors
-/// As [`error_bounds`].
+/// A mesh that the core refuses.
 pub fn warning(mesh_scene: &MeshScene<'_>, wi: DVec3, wavelength_nm: &[f64]) -> Result<Option<String>> {
-    /// Light from nearer to the normal than this, in radians, has no plane of incidence to speak of.
-    const NORMAL: f64 = 1e-3;
+    /// The angle from the normal, in radians, below which light has no plane of incidence to speak of.
+    const MAX_NORMAL: f64 = 1e-3;
     let bounds = error_bounds(mesh_scene, wi, wavelength_nm)?;
     let worst = bounds.iter().zip(wavelength_nm).max_by(|a, b| a.0.total_cmp(b.0));
-    let Some((&bound, nm)) = worst.filter(|(bound, _)| **bound > SILENT) else { return Ok(None) };
+    let Some((&bound, nm)) = worst.filter(|(bound, _)| **bound > MAX_SILENT) else { return Ok(None) };
     let how_far = match bound {
         1.0 => "by any amount".to_owned(),
         // Rounded up.
         bound => format!("by up to {:.2}", (100.0 * bound).ceil() / 100.0),
     };
-    let equal = if wi.x.hypot(wi.y) < NORMAL {
+    let equal = if wi.x.hypot(wi.y) < MAX_NORMAL {
         "; at normal incidence level facets have R_s = R_p by construction"
     } else {
         ""
     };
-    let because = if exchange(mesh_scene, wi, *nm) > 0.5 * bound {
+    let because = if absorbing_ambient_error(mesh_scene, wi, *nm) > 0.5 * bound {
         "light near grazing incidence comes through a medium that absorbs"
     } else {
         "bends and shadows of the surface are too near to each other for physical optics"
@@ -150,10 +152,10 @@ impl Relief {
             let (outward, beyond) = match plane {
                 (true, _) => (twice_area, Some(below)),
                 (false, true) => (-twice_area, Some(Below::Medium(above))),
-                // Inside: such a facet is seen through another.
+                // An inner interface: such a facet is seen through another.
                 (false, false) => (if twice_area.z < 0.0 { -twice_area } else { twice_area }, None),
             };
-            relief.overhangs |= beyond.is_some() && outward.z < -OVERHANG * outward.length();
+            relief.overhangs |= beyond.is_some() && outward.z < -MIN_OVERHANG * outward.length();
             let cos_theta = outward.normalize().dot(wi);
             if cos_theta > 0.0 {
                 let share = 0.5 * outward.dot(wi) / (area_nm2 * wi.z);
@@ -165,21 +167,21 @@ impl Relief {
 
     fn error_bound(&self, mesh_scene: &MeshScene<'_>, wavelength_nm: f64) -> f64 {
         if self.flat {
-            return MIN;
+            return MIN_BOUND;
         }
         if self.overhangs {
             return 1.0;
         }
         let per_reflected = PER_BEND * (wavelength_nm + self.depth_nm) * self.bend_per_nm + PER_LOST * self.lost;
         if per_reflected == 0.0 {
-            return MIN;
+            return MIN_BOUND;
         }
-        (MIN + self.reflected(mesh_scene, wavelength_nm) * per_reflected).min(1.0)
+        (MIN_BOUND + self.reflected(mesh_scene, wavelength_nm) * per_reflected).min(1.0)
     }
 
-    /// R.
+    /// R: the power that the lit facets reflect.
     fn reflected(&self, mesh_scene: &MeshScene<'_>, wavelength_nm: f64) -> f64 {
-        // Orders of a medium without data have been refused before.
+        // A medium without data has been refused when the orders were computed.
         let eta: Vec<Option<Complex64>> =
             mesh_scene.media().iter().map(|medium| medium.eta(wavelength_nm).ok()).collect();
         let near = eta[usize::from(mesh_scene.above())];
@@ -193,34 +195,34 @@ impl Relief {
     }
 }
 
-/// A facet is no overhang if it leans over by less than the rounding of single-precision files.
-const OVERHANG: f64 = 1e-6;
+/// The rounding of single-precision files: a facet that leans over by less is no overhang.
+const MIN_OVERHANG: f64 = 1e-6;
 
-/// The larger of Fresnel's R_s and R_p.
+/// The larger of R_s and R_p by Fresnel's formulas.
 fn fresnel(near: Complex64, far: Complex64, cos_theta: f64) -> f64 {
-    let across = near * near * (1.0 - cos_theta * cos_theta).max(0.0);
-    let (q1, q2) = (near * cos_theta, (far * far - across).sqrt());
+    let tangential = near * near * (1.0 - cos_theta * cos_theta).max(0.0);
+    let (q1, q2) = (near * cos_theta, (far * far - tangential).sqrt());
     let s = (q1 - q2) / (q1 + q2);
     let (p1, p2) = (far * far * q1, near * near * q2);
     let p = (p1 - p2) / (p1 + p2);
     s.norm_sqr().max(p.norm_sqr())
 }
 
-/// B times the area of the period.
+/// The bend over the whole period: B times its area.
 fn bend(mesh_scene: &MeshScene<'_>, cos_theta: f64) -> f64 {
-    /// Vertices nearer than this fraction of the period are one: files round to 6 or 7 digits.
+    /// The fraction of the period below which two vertices are one: files round to 6 or 7 digits.
     const SAME: f64 = 1e-5;
-    /// Regular meshes have no vertex between two cells of the raster if it begins here.
+    /// The start of the raster at which regular meshes have no vertex between two of its cells.
     const OFFSET: f64 = 0.381_966;
     let period = mesh_scene.period_nm();
     let raster = SAME * period[0].max(period[1]);
-    // A place modulo the period, and the period that it lies in.
+    // A point modulo the period, and the period that it lies in.
     let corner = |place: DVec3| {
         let cells = period.map(|period| (period / raster).round() as i64);
         let [x, y, z] = place.to_array().map(|x| (x / raster + OFFSET).floor() as i64);
         ([x.rem_euclid(cells[0]), y.rem_euclid(cells[1]), z], [x.div_euclid(cells[0]), y.div_euclid(cells[1])])
     };
-    // At each edge its length, and the directions in which the facets extend from it.
+    // The length of each edge, and the directions in which its facets extend from it.
     let mut edges: HashMap<_, (f64, Vec<DVec3>)> = HashMap::new();
     for (corners, ..) in mesh_scene.triangles() {
         for i in 0..3 {
@@ -228,7 +230,7 @@ fn bend(mesh_scene: &MeshScene<'_>, cos_theta: f64) -> f64 {
             let along = to - from;
             let ((a, tile_a), (b, tile_b)) = (corner(from), corner(to));
             let step = [tile_b[0] - tile_a[0], tile_b[1] - tile_a[1]];
-            // Either way along it.
+            // The same key in both directions along the edge.
             let key = (a, b, step).min((b, a, step.map(|tiles| -tiles)));
             let edge = edges.entry(key).or_insert((along.length(), Vec::new()));
             edge.1.push((third - from).reject_from(along).normalize_or_zero());
@@ -237,28 +239,28 @@ fn bend(mesh_scene: &MeshScene<'_>, cos_theta: f64) -> f64 {
     let turn = |facets: &[DVec3]| {
         let pairs =
             facets.iter().enumerate().flat_map(|(i, a)| facets[..i].iter().map(move |b| PI - a.angle_between(*b)));
-        // An edge without a partner, of a mesh whose facets meet between vertices.
+        // An edge with one facet, in a mesh whose facets meet between vertices.
         pairs.reduce(f64::max).unwrap_or(FRAC_PI_2)
     };
-    let weight = |turn: f64| if turn < FLAT { 0.0 } else { (turn / (cos_theta * cos_theta)).min(FRAC_PI_2) };
+    let weight = |turn: f64| if turn < MIN_TURN { 0.0 } else { (turn / (cos_theta * cos_theta)).min(FRAC_PI_2) };
     edges.values().map(|(length, facets)| length * weight(turn(facets))).sum()
 }
 
-/// Facets that turn by less, in radians, are one plane: the rounding of single-precision files.
-const FLAT: f64 = 1e-5;
+/// The smallest angle between two facets, in radians, that counts as a bend: the rounding of single-precision files.
+const MIN_TURN: f64 = 1e-5;
 
-/// M.
+/// M: the weighted share of the light that hits a second facet or is reflected below the horizon.
 fn lost(cell: &MeshCell<'_>, wi: DVec3) -> f64 {
     const RAYS: u32 = 2048;
     let weight = |ray: u32| {
         let [u, v] = sobol(ray, 0);
-        let Some((meeting, sides)) = cell.first_hit(u, v, -wi).and_then(|at| Some((at, cell.sides(&at)?))) else {
+        let Some((hit, sides)) = cell.first_hit(u, v, -wi).and_then(|at| Some((at, cell.sides(&at)?))) else {
             return 1.0;
         };
         let cos_theta = sides.normal.dot(wi);
         let mirrored = 2.0 * cos_theta * sides.normal - wi;
         let leaves = mirrored.z > 0.0
-            && matches!(cell.next_event(meeting.point_nm, mirrored, sides.near, Some(meeting.facet)), NextEvent::Above);
+            && matches!(cell.next_event(hit.point_nm, mirrored, sides.near, Some(hit.facet)), NextEvent::Above);
         if leaves { 0.0 } else { 0.5 * (1.0 + 1.0 / cos_theta.max(f64::EPSILON)) }
     };
     (0..RAYS).map(weight).sum::<f64>() / f64::from(RAYS)

@@ -1,9 +1,9 @@
-//! Which wavelengths a scene's colours need.
+//! The choice of the wavelengths that the colours of a scene need.
 //!
-//! Intervals are halved, the worst first, until the colour at every angle stands still. Two things are asked of the
-//! samples that are kept, both by ΔE2000 against the integral over the wavelength ([`crate::solve::integral`]): the colour
-//! that they sum to, and the error to be expected if those of the intervals had independent signs. The second keeps
-//! errors that cancel by luck from passing for resolution.
+//! Intervals are halved, the worst first, until the colour at every angle has converged. Two errors of the kept samples
+//! must be small, both as ΔE2000 against the integral over the wavelength ([`crate::solve::integral`]): the error of
+//! the colour that they sum to, and the error to expect if those of the intervals had independent signs. The second
+//! guards against errors that cancel by chance.
 
 use goniochrome::colour::{Illuminant, SpectrumCubic, xyz};
 
@@ -14,28 +14,29 @@ use crate::solve::spectra::SpectraRequest;
 use crate::support::error::Result;
 use crate::table::mirror::{MAX_SAMPLES, MAX_WAVELENGTHS};
 
-/// ΔE2000 below which a colour stands still. Differences below 1 are hardly seen.
-pub const STANDS_STILL: f64 = 0.05;
-/// Each round halves the intervals that make this part of the sum of squared errors.
-const WORST: f64 = 0.75;
-/// Looks at all angles: the first finds nearly everything.
+/// The largest ΔE2000 of a colour that has converged. Differences below 1 are hardly seen.
+pub const MAX_DELTA_E: f64 = 0.05;
+/// The part of the sum of squared errors whose intervals each round halves.
+const WORST_PART: f64 = 0.75;
+/// The largest number of passes over all angles; the first finds nearly everything.
 const MAX_PASSES: usize = 4;
-/// L* of white, for errors of invisible reflectance.
+/// The L* of white, for errors of invisible reflectance.
 const WHITE: f64 = 100.0;
 
-/// Wavelengths, and the colours that they are to give.
+/// Chosen wavelengths, and the colours that they approximate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
-    /// Increasing, at most [`MAX_WAVELENGTHS`].
+    /// Wavelengths, increasing, at most [`MAX_WAVELENGTHS`].
     pub wavelength_nm: Vec<f64>,
     /// XYZ of the integral at each angle.
     pub xyz: Vec<[f64; 3]>,
 }
 
-/// The wavelengths in a range that a scene's colours need at all of some angles.
+/// Chooses the wavelengths in a range that the colours of a scene need at all of the given angles.
 ///
 /// # Errors
-/// As [`Integral::new`].
+/// A medium without data in the range; an ambient medium that absorbs too much; an optical path of more than some
+/// millimetres.
 pub fn choose(
     planar: &PlanarScene<'_>,
     theta_deg: &[f64],
@@ -46,7 +47,7 @@ pub fn choose(
     let max = max_wavelengths(theta_deg.len());
     let integral = Integral::new(planar, range_nm, illuminant, request)?;
     let mut choice = Choice { wavelength_nm: even(range_nm), xyz: Vec::new() };
-    // What one angle adds changes the cubics of the others.
+    // Wavelengths added for one angle change the cubics at the others.
     for _ in 0..MAX_PASSES {
         let before = choice.wavelength_nm.len();
         choice.xyz.clear();
@@ -72,9 +73,9 @@ pub fn max_wavelengths(angles: usize) -> usize {
     MAX_WAVELENGTHS.min(MAX_SAMPLES / angles.max(1))
 }
 
-/// Adds wavelengths of a spectrum to those that are kept until its colour stands still.
+/// Adds wavelengths of a spectrum to the kept ones until its colour has converged, or there are `max` of them.
 fn refine(kept: &mut Vec<f64>, spectrum: &Spectrum, weights: &Weights, max: usize) {
-    while let Some(halves) = Errors::new(kept, spectrum, weights).worst_halves() {
+    while let Some(halves) = ChoiceErrors::new(kept, spectrum, weights).worst_halves() {
         let room = max.saturating_sub(kept.len());
         if room == 0 {
             return;
@@ -84,13 +85,13 @@ fn refine(kept: &mut Vec<f64>, spectrum: &Spectrum, weights: &Weights, max: usiz
     }
 }
 
-/// An interval between two samples that are kept, and what its cubic misses.
+/// An interval between two kept samples, and the error of its cubic.
 struct Interval {
-    /// In XYZ.
+    /// Error in XYZ.
     colour: [f64; 3],
-    /// In the mean of invisible reflectance.
+    /// Error in the mean of invisible reflectance.
     invisible: f64,
-    /// The sample nearest to its middle; none if there is none between.
+    /// The sample nearest to the middle, if any sample lies inside.
     half_nm: Option<f64>,
 }
 
@@ -100,15 +101,15 @@ impl Interval {
     }
 }
 
-/// What a choice of samples misses of a finely sampled spectrum.
-struct Errors {
+/// The errors of a choice of samples against a finely sampled spectrum.
+struct ChoiceErrors {
     intervals: Vec<Interval>,
-    /// ΔE2000 of the sum of errors, or of what is expected of it.
+    /// ΔE2000 of the sum of errors, or of its expectation if that is larger.
     delta_e: f64,
 }
 
-impl Errors {
-    /// `kept` are wavelengths of the spectrum.
+impl ChoiceErrors {
+    /// Measures the errors of the samples at `kept`, which are wavelengths of the spectrum.
     fn new(kept: &[f64], spectrum: &Spectrum, weights: &Weights) -> Self {
         let (nm, rho) = (&spectrum.wavelength_nm, &spectrum.reflectance);
         let at = |wanted: f64| nm.partition_point(|&x| x < wanted);
@@ -120,8 +121,9 @@ impl Errors {
             let (from, to) = (at(pair[0]) + 1, at(pair[1]));
             let mut interval = Interval { colour: [0.0; 3], invisible: 0.0, half_nm: None };
             for j in from..to {
-                let told: f64 = cubic.shares(nm[j]).iter().zip(corners).map(|(share, corner)| share * corner).sum();
-                let missed = rho[j] - told;
+                let predicted: f64 =
+                    cubic.shares(nm[j]).iter().zip(corners).map(|(share, corner)| share * corner).sum();
+                let missed = rho[j] - predicted;
                 for (sum, weight) in interval.colour.iter_mut().zip(weights.xyz[j]) {
                     *sum += weight * missed;
                 }
@@ -138,9 +140,9 @@ impl Errors {
         Self { intervals, delta_e }
     }
 
-    /// Where to sample next; none if the colour stands still or there is nothing finer.
+    /// The wavelengths to sample next; none if the colour has converged or nothing finer is known.
     fn worst_halves(&self) -> Option<Vec<f64>> {
-        if self.delta_e <= STANDS_STILL {
+        if self.delta_e <= MAX_DELTA_E {
             return None;
         }
         let mut worst: Vec<(f64, f64)> = self
@@ -150,7 +152,7 @@ impl Errors {
             .filter(|(square, _)| *square > 0.0)
             .collect();
         worst.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let enough = WORST * worst.iter().map(|(square, _)| square).sum::<f64>();
+        let enough = WORST_PART * worst.iter().map(|(square, _)| square).sum::<f64>();
         let mut sum = 0.0;
         let halves: Vec<f64> = worst
             .into_iter()
@@ -165,8 +167,8 @@ impl Errors {
     }
 }
 
-/// The larger of the ΔE2000 of all errors together and of their root sum of squares, with any signs of X and Z beside
-/// Y.
+/// The ΔE2000 of all errors together or of their root sum of squares, whichever is larger; in the root, X and Z may
+/// have any signs beside Y.
 fn difference(intervals: &[Interval], colour: [f64; 3], white: [f64; 3]) -> f64 {
     let mut sum = [0.0; 3];
     let mut squares = [0.0; 3];

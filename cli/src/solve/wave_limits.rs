@@ -1,5 +1,5 @@
-//! The limits of interfering waves in a mesh: the slots in which they wait to merge with equal waves, and the power below
-//! which they are dropped.
+//! The limits of interfering waves in a mesh: the slots in which they wait to merge with equal waves, and the power
+//! below which they are dropped.
 
 use goniochrome::simd::lanes::{F32, F64};
 use goniochrome::trace::coherent_mesh::{WaveField, WaveState};

@@ -23,8 +23,8 @@ pub struct EstimateArgs {
     /// Planar scenes: number of angles of incidence, evenly spaced from 0 up to but not including 90° [default: 90]
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=9000))]
     pub angles: Option<u16>,
-    /// Wavelengths in nm: a list 450,550, a range 380:780:5 (start:end:step), or auto: as many as the colours of a planar
-    /// scene need [default: auto, for cells 380:780:10]
+    /// Wavelengths in nm: a list 450,550, a range 380:780:5 (start:end:step), or auto: as many as the colours of a
+    /// planar scene need [default: auto, for cells 380:780:10]
     #[arg(long, allow_hyphen_values = true)]
     pub wavelengths: Option<Wavelengths>,
     /// How a cell of tilted facets is sampled
@@ -55,8 +55,8 @@ pub struct CellSampling {
     /// [default: 8x16]
     #[arg(long, value_name = "THETAxPHI")]
     pub incident: Option<Bins>,
-    /// Cells: number of bins of outgoing directions, cos θ × φ; the number of φ must be a multiple of that of --incident
-    /// [default: 16x32]
+    /// Cells: number of bins of outgoing directions, cos θ × φ; the number of φ must be a multiple of that of
+    /// --incident [default: 16x32]
     #[arg(long, value_name = "COSxPHI")]
     pub bins: Option<Bins>,
     /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096]
@@ -75,7 +75,8 @@ pub struct CellSampling {
     /// 4194304 rays
     #[arg(long, value_name = "ERROR")]
     pub target_error: Option<f64>,
-    /// Cells: start over and discard the finished part of an interrupted run; without this option the command resumes it
+    /// Cells: start over and discard the finished part of an interrupted run; without this option the command resumes
+    /// it
     #[arg(long)]
     pub restart: bool,
 }

@@ -16,7 +16,8 @@ pub struct OrdersArgs {
     /// Angle of incidence in degrees, in [0, 90)
     #[arg(long, default_value_t = 0.0)]
     pub theta: f64,
-    /// Azimuth of the direction towards the light in degrees, from the tangent +x; 180 for a wave that travels towards +x
+    /// Azimuth of the direction towards the light in degrees, from the tangent +x; 180 for a wave that travels towards
+    /// +x
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub phi: f64,
     /// Wavelengths in nm: a list 450,550 or a range 380:780:5 (start:end:step)
@@ -28,7 +29,8 @@ pub struct OrdersArgs {
     /// Largest |m| and |n| of the orders [default: all orders that propagate]
     #[arg(long, alias = "most-order", value_parser = clap::value_parser!(i32).range(0..))]
     pub max_order: Option<i32>,
-    /// Hits after which a ray is dropped [default: 1 for one surface, which is single scattering; 64 for several interfaces]
+    /// Hits after which a ray is dropped [default: 1 for one surface, which is single scattering; 64 for several
+    /// interfaces]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub hits: Option<u32>,
     /// Single or double precision

@@ -18,8 +18,9 @@ pub struct PlotArgs {
     /// What to draw
     #[arg(long, value_enum, default_value_t = PlotKind::Disc)]
     pub kind: PlotKind,
-    /// Angles of incidence in degrees [default: 0,45,75 for spectra, which take the nearest of the table; 15,45,75 for lobes
-    /// and spectra of cells; 30 for the disc of a cell, which takes one; 0:75:15 to mark on the path of the colour]
+    /// Angles of incidence in degrees [default: 0,45,75 for spectra, which take the nearest of the table; 15,45,75 for
+    /// lobes and spectra of cells; 30 for the disc of a cell, which takes one; 0:75:15 to mark on the path of the
+    /// colour]
     #[arg(long, allow_hyphen_values = true)]
     pub theta: Option<Angles>,
     /// Cells: azimuth of the light in degrees
@@ -39,8 +40,8 @@ pub struct PlotArgs {
 /// What `plot` draws.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum PlotKind {
-    /// The BRDF as a disc, radius θ and angle φ (the paper's figures 3 and 4); for cells, where light from one direction
-    /// goes
+    /// The BRDF as a disc, radius θ and angle φ (the paper's figures 3 and 4); for cells, where light from one
+    /// direction goes
     Disc,
     /// Cells: f cos θ in the plane of incidence
     Lobes,

@@ -41,8 +41,8 @@ pub struct RenderArgs {
     /// Rays through each pixel; powers of two are spread most evenly, and 1 goes through the middle
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub samples: u32,
-    /// Number of reflections to trace where the body reflects itself. With 1 it does not see itself. With more, light is
-    /// traced from part to part; the last part sees the environment as if nothing stood in between
+    /// Number of reflections to trace where the body reflects itself. With 1 it does not see itself. With more, light
+    /// is traced from part to part; the last part sees the environment as if nothing stood in between
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub reflections: u32,
     /// Shade each wavelength of the table and then integrate, with the environment's RGB turned into smooth spectra;
@@ -75,8 +75,8 @@ pub struct ViewArgs {
     /// Field of view of the picture's shorter side, in degrees
     #[arg(long, default_value_t = View::default().field_of_view_deg)]
     pub fov: f64,
-    /// Distance of the camera from the middle of the mesh, in radii of a sphere around it [default: the sphere fits into
-    /// the picture]
+    /// Distance of the camera from the middle of the mesh, in radii of a sphere around it [default: the sphere fits
+    /// into the picture]
     #[arg(long)]
     pub distance: Option<f64>,
     /// Width and height in pixels: 1024, or 1280x720

@@ -80,8 +80,8 @@ impl From<SpaceArg> for RgbSpace {
     }
 }
 
-/// Implements clap's `ValueEnum` for a type of another module, which does not depend on the command line: variant, name,
-/// help.
+/// Implements clap's `ValueEnum` for a type of another module, which does not depend on the command line: variant,
+/// name, help.
 macro_rules! value_enum {
     ($type:ty: $($variant:ident => $name:expr, $help:literal;)+) => {
         impl ValueEnum for $type {

@@ -14,7 +14,7 @@ use crate::commands::make_table::metadata::scatter_metadata;
 use crate::commands::notes::note_on_media;
 use crate::scene::Scene;
 use crate::solve::cell_table::{TableRequest, estimate};
-use crate::solve::cell_warnings::{too_few, unbalanced, without_sum};
+use crate::solve::cell_warnings::{not_converged, too_few, unbalanced};
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::grid::Wavelengths;
 use crate::solve::mesh_scene::MeshScene;
@@ -92,7 +92,7 @@ pub(super) fn scatter_table(
     let alone = table.energy.iter().map(|energy| energy.without_interference).fold(0.0, f64::max);
     let few = too_few(&mesh_scene, coherence, wavelength_nm);
     let warnings: Vec<String> =
-        [unbalanced(coherence, imbalance), without_sum(alone), few].into_iter().flatten().collect();
+        [unbalanced(coherence, imbalance), not_converged(alone), few].into_iter().flatten().collect();
     warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
     let imbalance = table.worst_imbalance(|_| true).value;
     table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, &warnings);

@@ -15,7 +15,8 @@ use crate::table::Table;
 /// Starting rays for a cell's table that is only drawn: the presets then take seconds.
 const RAYS_IN_MEMORY: u32 = 512;
 
-/// Makes the table of a scene; also returns its summary, and the checkpoint with its finished parts if it has an output.
+/// Makes the table of a scene; also returns its summary, and the checkpoint with its finished parts if it has an
+/// output.
 pub(super) fn make_table(
     args: &EstimateArgs,
     scene: &Scene,
@@ -29,8 +30,8 @@ pub(super) fn make_table(
     }
 }
 
-/// Makes the table of a scene by the defaults of `estimate`, for cells with fewer rays; also returns its summary. Nothing
-/// is written.
+/// Makes the table of a scene by the defaults of `estimate`, for cells with fewer rays; also returns its summary.
+/// Nothing is written.
 pub(super) fn make_table_in_memory(scene: &Scene, quiet: bool) -> Result<(Table, String)> {
     let mut args = EstimateArgs::defaults();
     args.computing.running.quiet = quiet;

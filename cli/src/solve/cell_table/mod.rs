@@ -28,12 +28,12 @@ pub use reciprocal::reciprocal;
 pub use request::TableRequest;
 pub use worker::MAX_RAYS;
 
-/// Traces the table of a cell, without metadata. `progress` is called after each incident direction. Directions that the
-/// checkpoint holds are taken from it, the others are added to it.
+/// Traces the table of a cell, without metadata. `progress` is called after each incident direction. Directions that
+/// the checkpoint holds are taken from it, the others are added to it.
 ///
 /// The rays of every direction are divided into 32 independently scrambled batches, whose spread gives the standard
-/// error. With one incident azimuth (an isotropic table) the batches come from as many azimuths around the normal, and the
-/// error includes the spread between them; where starting rays interfere, each azimuth has 32 batches of its own.
+/// error. With one incident azimuth (an isotropic table) the batches come from as many azimuths around the normal, and
+/// the error includes the spread between them; where starting rays interfere, each azimuth has 32 batches of its own.
 ///
 /// # Errors
 /// Coherence `cell`, a table that is too large, more light left out than

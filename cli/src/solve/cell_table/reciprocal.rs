@@ -2,12 +2,12 @@
 
 use crate::table::scatter::ScatterTable;
 
-/// Replaces f(wi, wo) by ½ [f(wi, wo) + f(wo, wi)], two estimates of the same number. The table then has less noise, and
-/// path tracers may use it from either end.
+/// Replaces f(wi, wo) by ½ [f(wi, wo) + f(wo, wi)], two estimates of the same number. The table then has less noise,
+/// and path tracers may use it from either end.
 ///
-/// f(wo, wi) is looked up in the table itself, linear between its incident directions and bins, for the middle of each bin
-/// inside the grid: θ_o between the first and the last θ_i, and θ_i between the middles of the first and the last row of
-/// bins. Elsewhere, close to the horizon and to the normal, f(wi, wo) stays. The energies stay as traced.
+/// f(wo, wi) is looked up in the table itself, linear between its incident directions and bins, for the middle of each
+/// bin inside the grid: θ_o between the first and the last θ_i, and θ_i between the middles of the first and the last
+/// row of bins. Elsewhere, close to the horizon and to the normal, f(wi, wo) stays. The energies stay as traced.
 pub fn reciprocal(table: &mut ScatterTable) {
     let layout = table.layout;
     let wavelengths = table.wavelength_nm.len();

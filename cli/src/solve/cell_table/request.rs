@@ -14,8 +14,8 @@ pub struct TableRequest<'r> {
     pub layout: ScatterLayout,
     /// Rays of each incident direction, seed, coherence, precision and threads.
     pub tracing: ScatterRequest,
-    /// The standard error of the albedo below which an incident direction is finished: its rays double until then, up to
-    /// [`MAX_RAYS`](crate::solve::cell_table::MAX_RAYS).
+    /// The standard error of the albedo below which an incident direction is finished: its rays double until then, up
+    /// to [`MAX_RAYS`](crate::solve::cell_table::MAX_RAYS).
     pub target_error: Option<f64>,
     /// Weights of XYZ for each wavelength.
     pub weights: &'r [[f64; 3]],
@@ -26,8 +26,8 @@ pub struct TableRequest<'r> {
 }
 
 impl TableRequest<'_> {
-    /// The identity of a checkpoint: everything that decides its numbers. The number of threads does not, nor does what is
-    /// done to the finished table.
+    /// The identity of a checkpoint: everything that decides its numbers. The number of threads does not, nor does what
+    /// is done to the finished table.
     #[must_use]
     pub fn identity(&self, scene: &Scene, wavelength_nm: &[f64]) -> Identity {
         let Self { layout, tracing, target_error, weights, .. } = self;

@@ -6,23 +6,12 @@ use crate::solve::batches::BATCHES;
 use crate::solve::cell_table::request::TableRequest;
 use crate::solve::scatter::Tally;
 
-/// Sums of one batch over its starting rays, weighted by luminance.
-#[derive(Clone, Default)]
-pub(super) struct LuminanceSums {
-    pub reflected: f64,
-    pub transmitted: f64,
-    pub absorbed: f64,
-    pub truncated: f64,
-    pub without_interference: f64,
-    pub bins: Vec<f64>,
-}
-
 /// Sums of one incident direction over its starting rays.
 pub(super) struct DirectionSums {
     /// Power as `[wavelength][bin]`, in bins relative to the incident azimuth.
     pub power: Vec<f64>,
-    /// Luminance of each batch.
-    pub batches: Vec<LuminanceSums>,
+    /// Sums of each batch, weighted by luminance.
+    pub batches: Vec<Tally>,
 }
 
 /// A batch of starting rays of one incident direction.
@@ -38,8 +27,7 @@ pub(super) struct IncidentBatch {
 impl DirectionSums {
     /// Sums without light.
     pub fn new(wavelengths: usize, bins: usize) -> Self {
-        let batch = LuminanceSums { bins: vec![0.0; bins], ..LuminanceSums::default() };
-        Self { power: vec![0.0; wavelengths * bins], batches: vec![batch; BATCHES as usize] }
+        Self { power: vec![0.0; wavelengths * bins], batches: vec![Tally::new(bins); BATCHES as usize] }
     }
 
     /// Adds the means over a batch's starting rays at one wavelength.

@@ -7,7 +7,7 @@ use goniochrome::simd::lanes::Lanes;
 
 use crate::solve::batches::{BATCHES, rays_per_batch, sequence};
 use crate::solve::cell_table::request::TableRequest;
-use crate::solve::cell_table::sums::{DirectionSums, IncidentBatch, LuminanceSums};
+use crate::solve::cell_table::sums::{DirectionSums, IncidentBatch};
 use crate::solve::groups::Group;
 use crate::solve::scatter::{Adding, BinLight, Coherence, Paths, ScatterRequest, Tally, Workspace, trace_batch};
 use crate::support::direction::direction;
@@ -104,8 +104,7 @@ impl<V: Lanes> TableWorker<'_, V> {
             let spread = MeanWithError::over(batches.iter().map(|batch| batch.bins[bin] * per_ray));
             *error = (spread.std_error / solid_angle[bin]) as f32;
         }
-        let mean =
-            |of: &dyn Fn(&LuminanceSums) -> f64| MeanWithError::over(batches.iter().map(|batch| of(batch) * per_ray));
+        let mean = |of: &dyn Fn(&Tally) -> f64| MeanWithError::over(batches.iter().map(|batch| of(batch) * per_ray));
         let whole: f64 = request.weights.iter().map(|weight| weight[1]).sum::<f64>() * f64::from(to);
         Energy {
             reflected: mean(&|batch| batch.reflected),

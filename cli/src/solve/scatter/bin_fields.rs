@@ -64,8 +64,8 @@ impl<'c> BinLight<'c> {
         batches
     }
 
-    /// The tallies of each batch at one group of wavelengths, as many as `media` hold. The mean over batches is the estimate,
-    /// and their spread tells its standard error.
+    /// The tallies of each batch at one group of wavelengths, as many as `media` hold. The mean over batches is the
+    /// estimate, and their spread tells its standard error.
     ///
     /// The power of a bin is |F|² of the mean field F over all batches, so no batch has a power of its own. A batch
     /// gets the jackknife's pseudo-value instead, with F₋ the mean field of the other batches: K |F|² − (K − 1) |F₋|²
@@ -155,8 +155,8 @@ fn components<V: Lanes>(field: &WaveField<V>, lane: usize) -> Components {
     [a, b, c, d, e, f, g, h, i, j, k, l]
 }
 
-/// The jackknife's pseudo-values of the unpolarised power of a sum of fields, one for each batch, in units of the squared
-/// number of rays in a batch.
+/// The jackknife's pseudo-values of the unpolarised power of a sum of fields, one for each batch, in units of the
+/// squared number of rays in a batch.
 fn pseudo_values(sums: impl Iterator<Item = Components> + Clone) -> impl Iterator<Item = f64> {
     let whole = sums.clone().fold([0.0; 12], |whole: Components, sum| std::array::from_fn(|i| whole[i] + sum[i]));
     let power = |field: Components| 0.5 * field.iter().map(|x| x * x).sum::<f64>();

@@ -8,8 +8,8 @@ use crate::solve::scatter::request::{ScatterRequest, Scattered};
 use crate::support::error::Result;
 use crate::table::statistics::MeanWithError;
 
-/// Scatters light from `wi` into reflected orders, each in the bin of its direction. Transmitted orders are not computed:
-/// light that is not reflected remains as imbalance.
+/// Scatters light from `wi` into reflected orders, each in the bin of its direction. Transmitted orders are not
+/// computed: light that is not reflected remains as imbalance.
 pub(super) fn orders_in_bins(
     mesh_scene: &MeshScene<'_>,
     wi: DVec3,

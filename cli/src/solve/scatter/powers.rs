@@ -53,8 +53,8 @@ impl<V: Lanes> Workspace<V> {
 const _: () = assert!(MAX_WAITING * size_of::<Slot<Path<F32>, Coherency<F32>>>() <= 32 * 1024);
 const _: () = assert!(MAX_WAITING * size_of::<Slot<Path<F64>, Coherency<F64>>>() <= 32 * 1024);
 
-/// The limits of paths. Paths below this power are no longer split. A smaller limit costs more than it saves in noise: at
-/// 80 degrees, 0.01 takes 1.7 times as long for the same standard error on the bumpy soap film.
+/// The limits of paths. Paths below this power are no longer split. A smaller limit costs more than it saves in noise:
+/// at 80 degrees, 0.01 takes 1.7 times as long for the same standard error on the bumpy soap film.
 const PATH_LIMITS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
 
 /// The tallies of each batch of starting rays, which add as powers: one for each wavelength.

@@ -3,7 +3,7 @@
 use crate::solve::scatter::request::Scattered;
 use crate::table::statistics::MeanWithError;
 
-/// Means over the starting rays of one batch, at one wavelength.
+/// Means, or weighted sums, over the starting rays of one batch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub reflected: f64,

@@ -40,7 +40,7 @@ pub(super) fn compute(
         )));
     }
     let mut buffer = planar.buffer();
-    let grid = SampleGrid { planar, stack: planar.stack(&mut buffer)?, theta_deg, wavelength_nm, request };
+    let grid = SpectraGrid { planar, stack: planar.stack(&mut buffer)?, theta_deg, wavelength_nm, request };
     let mut entries = vec![Entry { sample: Sample::default(), open: true }; count];
     let open = |entries: &[Entry]| entries.iter().filter(|entry| entry.open).count();
     match request.precision {
@@ -65,7 +65,7 @@ pub(super) fn compute(
 }
 
 /// A planar scene and the grid of angles and wavelengths at which it is computed.
-struct SampleGrid<'g> {
+struct SpectraGrid<'g> {
     planar: &'g PlanarScene<'g>,
     stack: Stack<'g>,
     theta_deg: &'g [f64],
@@ -80,7 +80,7 @@ struct Entry {
     open: bool,
 }
 
-impl SampleGrid<'_> {
+impl SpectraGrid<'_> {
     /// Computes the open entries in lanes of `V`. Entries whose rounding error is too large stay open.
     fn pass<V: Lanes>(&self, entries: &mut [Entry], limits: Limits, progress: &(dyn Fn() + Sync)) -> Result<()> {
         let Self { planar, stack, theta_deg, wavelength_nm, request } = *self;
