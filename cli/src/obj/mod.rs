@@ -9,11 +9,10 @@ pub(crate) mod polygon;
 
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::support::error::{Error, Result};
+use crate::support::input::read_bytes;
 
 /// Longest file: ten million triangles with their vertices take about half of this.
 const MAX_BYTES: u64 = 1 << 30;
@@ -62,14 +61,7 @@ const CURVED: [&str; 17] = [
 pub(crate) fn read_file(path: &Path, remedy: &str) -> Result<String> {
     let label = path.display();
     let failed = |error: std::io::Error| Error::failed(format_args!("cannot read {label}: {error}{remedy}"));
-    if path.is_dir() {
-        return Err(Error::failed(format_args!("{label}: is a folder, expected a file")));
-    }
-    let mut bytes = Vec::new();
-    File::open(path).map_err(failed)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(Error::failed(format_args!("{label}: longer than {} MiB, the limit for a mesh", MAX_BYTES >> 20)));
-    }
+    let bytes = read_bytes(path, MAX_BYTES, "a mesh", failed)?;
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Err(Error::failed(format_args!("{label}: is UTF-16 text; save the file as UTF-8")));
     }

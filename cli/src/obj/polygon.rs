@@ -3,7 +3,7 @@
 //! A polygon of n corners becomes n − 2 triangles of these corners, and no other point. Every side of the polygon stays
 //! a side of one triangle, also where corners lie on a straight line, so a closed mesh of polygons becomes a closed
 //! mesh of triangles. Corners are projected along Newell's normal, the mean normal of the polygon; how far they lie off
-//! that plane is for the caller to judge by [`Cut::off_plane`].
+//! that plane is for the caller to judge by [`Triangulator::off_plane`].
 //!
 //! A fan from the first corner is kept where it is right, as it is for every convex polygon. Other polygons lose one
 //! ear after the other (Meisters 1975): a convex corner whose triangle holds no other corner. Slivers are cut only
@@ -23,21 +23,21 @@ const NOTHING: f64 = 64.0 * f64::EPSILON;
 
 /// Reason why a polygon has no triangulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Uncut {
+pub(crate) enum TriangulationError {
     /// All corners lie on a line.
     NoArea,
     /// Sides cross or touch.
-    MeetsItself,
+    SelfIntersection,
     /// It is concave and has more than [`MAX_CORNERS`].
     TooManyCorners,
 }
 
-impl Uncut {
+impl TriangulationError {
     /// Message with the remedy, in one phrase.
-    pub fn says(self) -> String {
+    pub fn message(self) -> String {
         match self {
             Self::NoArea => "the polygon has no area; remove it".to_owned(),
-            Self::MeetsItself => "the polygon crosses or touches itself; split it into triangles".to_owned(),
+            Self::SelfIntersection => "the polygon crosses or touches itself; split it into triangles".to_owned(),
             Self::TooManyCorners => {
                 format!("a concave polygon of more than {MAX_CORNERS} corners; split it into triangles")
             }
@@ -47,7 +47,7 @@ impl Uncut {
 
 /// Last triangulation, and memory for the next.
 #[derive(Default)]
-pub(crate) struct Cut {
+pub(crate) struct Triangulator {
     /// Indices into the polygon's corners, counter-clockwise as the polygon itself.
     pub triangles: Vec<[usize; 3]>,
     /// Largest distance of a corner from the plane through the first corner, perpendicular to the mean normal.
@@ -59,12 +59,12 @@ pub(crate) struct Cut {
     is_ear: Vec<bool>,
 }
 
-impl Cut {
+impl Triangulator {
     /// Triangulates a polygon; a triangle is returned as it stands. Equal neighbours count as one corner.
     ///
     /// # Errors
     /// The reason if there is no triangulation: no area, sides that cross or touch, too many corners.
-    pub fn cut(&mut self, corners: &[DVec3]) -> Result<(), Uncut> {
+    pub fn triangulate(&mut self, corners: &[DVec3]) -> Result<(), TriangulationError> {
         self.triangles.clear();
         (self.off_plane, self.extent) = (0.0, 0.0);
         if corners.len() == 3 {
@@ -88,17 +88,17 @@ impl Cut {
             return Ok(());
         }
         if self.ring.len() > MAX_CORNERS {
-            return Err(Uncut::TooManyCorners);
+            return Err(TriangulationError::TooManyCorners);
         }
-        if meets_itself(&self.ring) {
-            return Err(Uncut::MeetsItself);
+        if is_self_intersecting(&self.ring) {
+            return Err(TriangulationError::SelfIntersection);
         }
         self.clip_ears(on_line)
     }
 
     /// Projects the ring along Newell's normal, so that it runs counter-clockwise.
-    fn project(&mut self, corners: &[DVec3]) -> Result<(), Uncut> {
-        let Some(&(first, _)) = self.ring.first() else { return Err(Uncut::NoArea) };
+    fn project(&mut self, corners: &[DVec3]) -> Result<(), TriangulationError> {
+        let Some(&(first, _)) = self.ring.first() else { return Err(TriangulationError::NoArea) };
         let origin = corners[first];
         let from = |number: usize| corners[number] - origin;
         let newell: DVec3 = self.ring.windows(2).map(|pair| from(pair[0].0).cross(from(pair[1].0))).sum();
@@ -111,7 +111,7 @@ impl Cut {
         if newell.length() <= NOTHING * self.extent * self.extent {
             let width = self.ring.iter().map(|&(number, _)| from(number).cross(farthest).length()).fold(0.0, f64::max);
             let flat = width <= NOTHING * self.extent * self.extent;
-            return Err(if flat { Uncut::NoArea } else { Uncut::MeetsItself });
+            return Err(if flat { TriangulationError::NoArea } else { TriangulationError::SelfIntersection });
         }
         let normal = newell.normalize();
         let (right, up) = normal.any_orthonormal_pair();
@@ -139,7 +139,7 @@ impl Cut {
     }
 
     /// Cuts ears until one triangle is left.
-    fn clip_ears(&mut self, on_line: f64) -> Result<(), Uncut> {
+    fn clip_ears(&mut self, on_line: f64) -> Result<(), TriangulationError> {
         // First clear ears; then those that only rounding tells from a straight line; then what rounding has turned
         // over.
         for (min, clear) in [(on_line, on_line), (0.0, 0.0), (-on_line, -on_line)] {
@@ -168,9 +168,10 @@ impl Cut {
                 place += 1;
             }
         }
-        let last: [(usize, DVec2); 3] = self.ring.as_slice().try_into().map_err(|_| Uncut::MeetsItself)?;
+        let last: [(usize, DVec2); 3] =
+            self.ring.as_slice().try_into().map_err(|_| TriangulationError::SelfIntersection)?;
         if height(last[0].1, last[1].1, last[2].1) < -on_line {
-            return Err(Uncut::MeetsItself);
+            return Err(TriangulationError::SelfIntersection);
         }
         self.triangles.push(last.map(|(number, _)| number));
         Ok(())
@@ -213,7 +214,7 @@ fn is_one_side(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> bool {
 }
 
 /// Whether two sides that are no neighbours have a point in common.
-fn meets_itself(ring: &[(usize, DVec2)]) -> bool {
+fn is_self_intersecting(ring: &[(usize, DVec2)]) -> bool {
     let count = ring.len();
     let side = |i: usize| (ring[i].1, ring[(i + 1) % count].1);
     (0..count).any(|i| {
@@ -233,10 +234,10 @@ mod tests {
     use super::*;
 
     /// The triangles of a polygon in the plane z = 0, and the sum of their areas.
-    fn cut(corners: &[[f64; 2]]) -> Result<(Vec<[usize; 3]>, f64), Uncut> {
+    fn cut(corners: &[[f64; 2]]) -> Result<(Vec<[usize; 3]>, f64), TriangulationError> {
         let corners: Vec<DVec3> = corners.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect();
-        let mut cut = Cut::default();
-        cut.cut(&corners)?;
+        let mut cut = Triangulator::default();
+        cut.triangulate(&corners)?;
         let areas = cut.triangles.iter().map(|t| {
             let [a, b, c] = t.map(|i| corners[i]);
             0.5 * (b - a).cross(c - a).length()
@@ -319,7 +320,7 @@ mod tests {
                         assert!(keeps_sides(count, &triangles));
                     }
                     // Sides are chords: a twist of few corners may bring them across each other.
-                    Err(uncut) => assert!(spiral > 0.0 && uncut == Uncut::MeetsItself, "{count}"),
+                    Err(error) => assert!(spiral > 0.0 && error == TriangulationError::SelfIntersection, "{count}"),
                 }
             }
         }
@@ -329,8 +330,8 @@ mod tests {
     fn polygons_in_space_are_cut_in_their_own_plane() {
         let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.0);
         let corners: Vec<DVec3> = L.iter().map(|&[x, y]| turn * DVec3::new(x, y, 5.0)).collect();
-        let mut cut = Cut::default();
-        cut.cut(&corners).unwrap();
+        let mut cut = Triangulator::default();
+        cut.triangulate(&corners).unwrap();
         assert_eq!(cut.triangles.len(), 4);
         assert!(cut.off_plane < 1e-12 && (cut.extent - 5.0f64.sqrt()).abs() < 1e-12, "{}", cut.off_plane);
         for t in &cut.triangles {
@@ -341,22 +342,22 @@ mod tests {
 
     #[test]
     fn what_covers_nothing_or_twice_is_refused() {
-        assert_eq!(cut(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]), Err(Uncut::MeetsItself));
-        assert_eq!(cut(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 3.0]]), Err(Uncut::MeetsItself));
-        assert_eq!(cut(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), Err(Uncut::NoArea));
-        assert_eq!(cut(&[[1.0, 1.0]; 5]), Err(Uncut::NoArea));
+        assert_eq!(cut(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]), Err(TriangulationError::SelfIntersection));
+        assert_eq!(cut(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 3.0]]), Err(TriangulationError::SelfIntersection));
+        assert_eq!(cut(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), Err(TriangulationError::NoArea));
+        assert_eq!(cut(&[[1.0, 1.0]; 5]), Err(TriangulationError::NoArea));
         // Once around more than once: all triangles of the fan are convex.
         let pentagram = [0, 2, 4, 1, 3].map(|i| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 5.0).sin_cos();
             [cos, sin]
         });
-        assert_eq!(cut(&pentagram), Err(Uncut::MeetsItself));
+        assert_eq!(cut(&pentagram), Err(TriangulationError::SelfIntersection));
         let comb: Vec<[f64; 2]> = (0..=MAX_CORNERS)
             .map(|i| [i as f64, if i % 2 == 0 { 0.0 } else { 1.0 }])
             .chain([[MAX_CORNERS as f64, -1.0], [0.0, -1.0]])
             .rev()
             .collect();
-        assert_eq!(cut(&comb), Err(Uncut::TooManyCorners));
+        assert_eq!(cut(&comb), Err(TriangulationError::TooManyCorners));
     }
 
     #[test]

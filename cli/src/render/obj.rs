@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::mesh::TriangleMesh;
-use crate::obj::polygon::{Cut, Uncut};
+use crate::obj::polygon::{TriangulationError, Triangulator};
 use crate::obj::{self, Axes, Detail, MAX_TRIANGLES, Reader, Statement};
 use crate::support::error::{Error, Result};
 use crate::support::memory;
@@ -111,7 +111,7 @@ fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh, MeshRepair
 fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Result<Vec<[MeshCorner; 3]>> {
     let (mut positions, mut normals, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     let mut facets = Vec::new();
-    let (mut corners, mut places, mut cut) = (Vec::new(), Vec::new(), Cut::default());
+    let (mut corners, mut places, mut triangulator) = (Vec::new(), Vec::new(), Triangulator::default());
     let mut reader = Reader::new(label, text, Detail::Full);
     while let Some(statement) = reader.next()? {
         match statement {
@@ -136,15 +136,19 @@ fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Res
                 corners.extend(face.iter().map(corner));
                 places.clear();
                 places.extend(corners.iter().map(|corner: &MeshCorner| corner.position));
-                match if corners.len() < 3 { Err(Uncut::NoArea) } else { cut.cut(&places) } {
+                match if corners.len() < 3 {
+                    Err(TriangulationError::NoArea)
+                } else {
+                    triangulator.triangulate(&places)
+                } {
                     Ok(()) => {}
-                    Err(Uncut::NoArea) => {
+                    Err(TriangulationError::NoArea) => {
                         repairs.without_area += 1;
                         continue;
                     }
-                    Err(uncut) => return Err(reader.refuse(uncut.says())),
+                    Err(error) => return Err(reader.refuse(error.message())),
                 }
-                for triangle in &cut.triangles {
+                for triangle in &triangulator.triangles {
                     let facet = triangle.map(|i| corners[i]);
                     if double_area(&facet) > MIN_DOUBLE_AREA {
                         memory::push(&mut facets, facet, "the triangles of a mesh")?;

@@ -1,11 +1,10 @@
 //! Text input, and messages that name the place of a fault in it.
 
 use std::fmt::Display;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::support::error::{Error, Result};
+use crate::support::input::read_bytes;
 
 /// Text with the name that messages give it.
 #[derive(Clone, Copy)]
@@ -39,17 +38,7 @@ impl SourceText<'_> {
 pub(super) fn read_text(path: &Path, limit: u64) -> Result<String> {
     let label = path.display();
     let failed = |error: std::io::Error| Error::failed(format_args!("{label}: cannot read: {error}"));
-    if path.is_dir() {
-        return Err(Error::failed(format_args!("{label}: is a folder, expected a file")));
-    }
-    let mut bytes = Vec::new();
-    File::open(path).map_err(failed)?.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > limit {
-        return Err(Error::failed(format_args!(
-            "{label}: longer than {} MiB, the limit for this kind of file",
-            limit >> 20
-        )));
-    }
+    let bytes = read_bytes(path, limit, "this kind of file", failed)?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..good].iter().filter(|&&b| b == b'\n').count() + 1;

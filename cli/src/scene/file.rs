@@ -74,7 +74,7 @@ struct SceneReader<'a> {
 }
 
 /// Geometry of a scene as written.
-enum Described {
+enum Geometry {
     Stack(Shape),
     Cell { mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface> },
 }
@@ -112,7 +112,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
             if let Some(item) = root.get("interface") {
                 return Err(item.refuse("only a [cell] has interfaces; remove it"));
             }
-            Described::Stack(reader.stack(&stack.table("[stack]")?)?)
+            Geometry::Stack(reader.stack(&stack.table("[stack]")?)?)
         }
         (None, Some(cell)) => reader.cell(&cell.table("[cell]")?, root.get("interface"))?,
         (Some(_), Some(cell)) => return Err(cell.refuse("a scene has either [stack] or [cell]; remove one")),
@@ -121,8 +121,8 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     let SceneReader { media, files, .. } = reader;
     let media = media.finish();
     let shape = match described {
-        Described::Stack(shape) => shape,
-        Described::Cell { mesh, period_nm, interfaces } => Shape::of_mesh(mesh, period_nm, interfaces, &media)?,
+        Geometry::Stack(shape) => shape,
+        Geometry::Cell { mesh, period_nm, interfaces } => Shape::of_mesh(mesh, period_nm, interfaces, &media)?,
     };
     Ok(Scene { name, toml: text.to_owned(), media, shape, files })
 }
@@ -265,7 +265,7 @@ impl SceneReader<'_> {
         self.media.resolve(item)
     }
 
-    fn cell(&mut self, table: &TomlTable<'_>, interfaces: Option<TomlItem<'_>>) -> Result<Described> {
+    fn cell(&mut self, table: &TomlTable<'_>, interfaces: Option<TomlItem<'_>>) -> Result<Geometry> {
         table.allow(&["mesh", "surface", "period_nm", "axes", "unit_nm"])?;
         let facets = match (table.get("mesh"), table.get("surface")) {
             (Some(mesh), None) => Facets::Mesh(mesh),
@@ -300,7 +300,7 @@ impl SceneReader<'_> {
         };
         mesh.drop_unused();
         placement::fit(&mut mesh, period_nm, frame)?;
-        Ok(Described::Cell { mesh, period_nm, interfaces })
+        Ok(Geometry::Cell { mesh, period_nm, interfaces })
     }
 
     fn interface(&mut self, item: &TomlItem<'_>) -> Result<NamedInterface> {

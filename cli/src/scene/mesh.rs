@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::diagnostics::nearest;
 use super::mesh_frame::MeshFrame;
 use super::parts::MAX_LENGTH_NM;
-use crate::obj::polygon::Cut;
+use crate::obj::polygon::Triangulator;
 use crate::obj::{Detail, MAX_TRIANGLES, Reader, Statement, read_file};
 use crate::support::error::Result;
 use crate::support::memory;
@@ -99,14 +99,14 @@ fn parse(label: &str, text: &str, interfaces: &[&str], frame: MeshFrame, max_tri
                 let interface =
                     interface.ok_or_else(|| refuse("a face before any usemtl; name its interface first".to_owned()))?;
                 face.cut().map_err(refuse)?;
-                if mesh.triangles.len() + face.cut.triangles.len() > max_triangles {
+                if mesh.triangles.len() + face.triangulator.triangles.len() > max_triangles {
                     let gigabytes = 1e-9 * (max_triangles * BYTES) as f64;
                     let message = format!("more than {max_triangles} triangles, which take {gigabytes:.1} GB");
                     return Err(refuse(format!("{message}; use a coarser mesh")));
                 }
                 // The size limit keeps lines below 2³⁰.
                 let line = u32::try_from(reader.line()).unwrap_or(u32::MAX);
-                for triangle in &face.cut.triangles {
+                for triangle in &face.triangulator.triangles {
                     let vertices = triangle.map(|corner| face.vertices[corner]);
                     let triangle = Triangle { vertices, interface, line };
                     memory::push(&mut mesh.triangles, triangle, "the triangles of a mesh")?;
@@ -132,7 +132,7 @@ fn unknown_interface(name: &str, interfaces: &[&str]) -> String {
 struct Face {
     vertices: Vec<u32>,
     places: Vec<DVec3>,
-    cut: Cut,
+    triangulator: Triangulator,
 }
 
 impl Face {
@@ -154,9 +154,9 @@ impl Face {
         if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
             return Err("the face uses a vertex twice; split it into triangles".to_owned());
         }
-        self.cut.cut(&self.places).map_err(|uncut| uncut.says())?;
-        let off = self.cut.off_plane;
-        if off > PLANAR * self.cut.extent {
+        self.triangulator.triangulate(&self.places).map_err(|error| error.message())?;
+        let off = self.triangulator.off_plane;
+        if off > PLANAR * self.triangulator.extent {
             let off = (1000.0 * off).round() / 1000.0;
             return Err(format!("the polygon is not planar: a corner lies {off} nm off; split it into triangles"));
         }

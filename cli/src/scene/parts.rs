@@ -36,3 +36,20 @@ pub struct NamedInterface {
     /// Films on the side of the facet's normal, the outermost first; they take up no room in the mesh.
     pub coating: Vec<Layer>,
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use goniochrome::optics::interface::Below;
+
+    use super::*;
+
+    /// Medium of one n + ik.
+    pub fn medium(name: &str, n: f64, k: f64) -> NamedMedium {
+        NamedMedium { name: name.to_owned(), medium: OwnedMedium::constant(n, k).unwrap() }
+    }
+
+    /// Interface without a coating.
+    pub fn interface(name: &str, above: MediumIndex, below: Below) -> NamedInterface {
+        NamedInterface { name: name.to_owned(), interface: Interface { above, below }, coating: Vec::new() }
+    }
+}

@@ -48,20 +48,20 @@ impl FlatCell {
         let Some(mut sheets) = check.sheets() else { return Ok(None) };
         for sheet in &mut sheets {
             check.orient(sheet)?;
-            check.closed(sheet)?;
+            check.check_covers_once(sheet)?;
         }
         sheets.sort_by(|a, b| b.plane.z_nm.total_cmp(&a.plane.z_nm).then(a.facets[0].line.cmp(&b.facets[0].line)));
         for pair in sheets.windows(2) {
-            check.neighbours(&pair[0], &pair[1])?;
+            check.check_neighbours(&pair[0], &pair[1])?;
         }
         if let Some(top) = sheets.first() {
-            check.ambient(top)?;
+            check.check_ambient(top)?;
         }
         let mut planes = Vec::with_capacity(sheets.len());
         let mut lowered_nm = 0.0;
         for sheet in &sheets {
             let coating = &interfaces[usize::from(sheet.facets[0].interface)].coating;
-            lowered_nm += coat(sheet, coating, lowered_nm, &mut planes);
+            lowered_nm += add_coated_plane(sheet, coating, lowered_nm, &mut planes);
         }
         let polygons = ClosedCell::of_sheets(check.rectangles(&sheets), period_nm, interfaces.to_vec());
         Ok(Some(Self { planes, polygons }))
@@ -82,7 +82,7 @@ impl FlatCell {
 
 /// Adds a plane with its coating written out, and returns the thickness of its films. The films take up no room in the
 /// mesh, so everything below moves down by that thickness.
-fn coat(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plane>) -> f64 {
+fn add_coated_plane(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plane>) -> f64 {
     let Interface { mut above, below } = sheet.plane.interface;
     let mut thickness_nm = 0.0;
     let mut add = |film: &Layer| {
@@ -92,7 +92,7 @@ fn coat(sheet: &Sheet, coating: &[Layer], lowered_nm: f64, planes: &mut Vec<Plan
         thickness_nm += film.thickness_nm;
     };
     // From `above` to `below` of its interface, which a plane that faces down has the other way up.
-    if sheet.turned {
+    if sheet.faces_down {
         coating.iter().rev().for_each(&mut add);
     } else {
         coating.iter().for_each(&mut add);
@@ -111,7 +111,7 @@ fn resolution_nm(mesh: &Mesh) -> f64 {
 struct Sheet {
     plane: Plane,
     /// Whether its facets face down.
-    turned: bool,
+    faces_down: bool,
     facets: Vec<Triangle>,
 }
 
@@ -167,7 +167,7 @@ impl PlaneCheck<'_> {
             let mut facets: Vec<Triangle> = group.iter().map(|level| level.facet).collect();
             facets.sort_by_key(|facet| facet.line);
             let interface = self.interfaces[usize::from(facets[0].interface)].interface;
-            Some(Sheet { plane: Plane { z_nm, interface }, turned: false, facets })
+            Some(Sheet { plane: Plane { z_nm, interface }, faces_down: false, facets })
         };
         levels.chunk_by(same).map(sheet).collect()
     }
@@ -180,7 +180,7 @@ impl PlaneCheck<'_> {
             let first = mesh.vertices.len() as u32; // at most as many sheets as the mesh has triangles
             mesh.vertices.extend([[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]].map(|[x, y]| [x, y, sheet.plane.z_nm]));
             let Triangle { interface, line, .. } = sheet.facets[0];
-            let halves = if sheet.turned { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] };
+            let halves = if sheet.faces_down { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] };
             mesh.triangles.extend(halves.map(|corners| Triangle {
                 vertices: corners.map(|corner| first + corner),
                 interface,
@@ -213,13 +213,13 @@ impl PlaneCheck<'_> {
                 return Err(self.refuse(sheet.facets[0].line, message));
             };
             sheet.plane.interface = Interface { above: below, below: Below::Medium(above) };
-            sheet.turned = true;
+            sheet.faces_down = true;
         }
         Ok(())
     }
 
     /// Refuses a plane that does not cover the period exactly once.
-    fn closed(&self, sheet: &Sheet) -> Result<()> {
+    fn check_covers_once(&self, sheet: &Sheet) -> Result<()> {
         let corners = || sheet.facets.iter().flat_map(|facet| self.corners(facet));
         let first_line = sheet.facets[0].line;
         let mut border = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
@@ -283,7 +283,7 @@ impl PlaneCheck<'_> {
         open.min_by(|(a, p), (b, q)| a.cmp(b).then(bits(p[0]).cmp(&bits(q[0]))).then(bits(p[1]).cmp(&bits(q[1]))))
     }
 
-    fn neighbours(&self, upper: &Sheet, lower: &Sheet) -> Result<()> {
+    fn check_neighbours(&self, upper: &Sheet, lower: &Sheet) -> Result<()> {
         let line = lower.facets[0].line;
         if upper.plane.z_nm - lower.plane.z_nm <= self.resolution_nm {
             let message = format!("{} and {} coincide; move or remove one", self.name(upper), self.name(lower));
@@ -304,7 +304,7 @@ impl PlaneCheck<'_> {
         Ok(())
     }
 
-    fn ambient(&self, top: &Sheet) -> Result<()> {
+    fn check_ambient(&self, top: &Sheet) -> Result<()> {
         let medium = &self.media[usize::from(top.plane.interface.above)];
         if medium.medium.always_absorbs() {
             let (top_name, medium) = (self.name(top), &medium.name);

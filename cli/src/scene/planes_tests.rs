@@ -1,23 +1,15 @@
 use super::*;
-use crate::scene::{OwnedMedium, parse_mesh};
+use crate::scene::parse_mesh;
+use crate::scene::parts::tests::{interface, medium};
 
 /// Air (1), film (1.6), glass (1.5), absorber.
 fn media() -> Vec<NamedMedium> {
-    let medium = |n: f64, k: f64| {
-        let name = if k == 0.0 { n.to_string() } else { format!("{n}+{k}i") };
-        NamedMedium { name, medium: OwnedMedium::constant(n, k).unwrap() }
-    };
-    vec![medium(1.0, 0.0), medium(1.6, 0.0), medium(1.5, 0.0), medium(1.5, 0.1)]
+    vec![medium("1", 1.0, 0.0), medium("1.6", 1.6, 0.0), medium("1.5", 1.5, 0.0), medium("1.5+0.1i", 1.5, 0.1)]
 }
 
 /// top (air over film), film (film over glass), base (film over a mirror), odd (glass over air), dark (absorber over
 /// air).
 fn interfaces() -> Vec<NamedInterface> {
-    let interface = |name: &str, above, below| NamedInterface {
-        name: name.to_owned(),
-        interface: Interface { above, below },
-        coating: Vec::new(),
-    };
     vec![
         interface("top", 0, Below::Medium(1)),
         interface("film", 1, Below::Medium(2)),

@@ -83,11 +83,11 @@ impl ClosedCell {
 
 fn check_closed(mesh: &Mesh, period_nm: [f64; 2], interfaces: &[NamedInterface], media: &[NamedMedium]) -> Result<()> {
     let check = WatertightCheck { mesh, period_nm, interfaces, media, resolution_nm: resolution_nm(mesh, period_nm) };
-    check.inside()?;
+    check.check_inside()?;
     let edges = check.edges();
     let mut bodies = Bodies((0..mesh.triangles.len()).collect());
-    check.around_edges(&edges, &mut bodies)?;
-    check.through_bodies(&edges, &mut bodies)
+    check.check_edges(&edges, &mut bodies)?;
+    check.check_bodies(&edges, &mut bodies)
 }
 
 /// Resolution of coordinates, which modelling programs keep in single precision: vertices nearer than this are one
@@ -119,7 +119,7 @@ struct Bodies(Vec<usize>);
 
 impl Bodies {
     /// Representative of the set of a triangle.
-    fn of(&mut self, mut triangle: usize) -> usize {
+    fn find(&mut self, mut triangle: usize) -> usize {
         while self.0[triangle] != triangle {
             self.0[triangle] = self.0[self.0[triangle]];
             triangle = self.0[triangle];
@@ -127,8 +127,8 @@ impl Bodies {
         triangle
     }
 
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
+    fn union(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.find(a), self.find(b));
         self.0[a.max(b)] = a.min(b);
     }
 }
@@ -177,7 +177,7 @@ impl WatertightCheck<'_> {
         }
     }
 
-    fn inside(&self) -> Result<()> {
+    fn check_inside(&self) -> Result<()> {
         let [width, depth] = self.period_nm;
         let first = self.mesh.triangles.first().map_or(1, |triangle| triangle.line);
         if !(width > 0.0 && depth > 0.0 && width.max(depth) <= MAX_LENGTH_NM) {
@@ -291,12 +291,12 @@ impl WatertightCheck<'_> {
     }
 
     /// Media on the two sides of a facet, by increasing angle: behind it, then in front of it.
-    fn turning(&self, edge: &HalfEdge) -> [Below; 2] {
+    fn media_by_angle(&self, edge: &HalfEdge) -> [Below; 2] {
         let [above, below] = self.sides(self.triangle(edge));
         if edge.forward { [below, above] } else { [above, below] }
     }
 
-    fn around_edges(&self, edges: &[HalfEdge], bodies: &mut Bodies) -> Result<()> {
+    fn check_edges(&self, edges: &[HalfEdge], bodies: &mut Bodies) -> Result<()> {
         let mut faults: Vec<(Fault, HalfEdge, HalfEdge)> = Vec::new();
         let mut facets: Vec<(f64, f64, HalfEdge)> = Vec::new();
         for group in edges.chunk_by(|a, b| a.key == b.key) {
@@ -308,14 +308,14 @@ impl WatertightCheck<'_> {
             }));
             facets.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
             for (i, &(angle, height, edge)) in facets.iter().enumerate() {
-                bodies.join(edge.triangle as usize, group[0].triangle as usize);
+                bodies.union(edge.triangle as usize, group[0].triangle as usize);
                 let (next_angle, next_height, next) = facets[(i + 1) % facets.len()];
                 let rounding = 2.0 * self.resolution_nm * (1.0 / height + 1.0 / next_height);
                 let mut turn = (next_angle - angle).abs();
                 turn = turn.min(std::f64::consts::TAU - turn);
                 let fault = if facets.len() > 1 && turn < OVERLAP + rounding && rounding < 0.1 {
                     Fault::Overlap
-                } else if self.turning(&edge)[1] == self.turning(&next)[0] {
+                } else if self.media_by_angle(&edge)[1] == self.media_by_angle(&next)[0] {
                     continue;
                 } else if facets.len() == 1 {
                     Fault::Hole
@@ -356,8 +356,8 @@ impl WatertightCheck<'_> {
                 Fault::Hole => format!("{place} has no partner; fill the hole or share the edge"),
                 Fault::Media => {
                     let side = usize::from(before);
-                    let here = self.name(self.turning(&edge)[side]);
-                    let there = self.name(self.turning(&other)[1 - side]);
+                    let here = self.name(self.media_by_angle(&edge)[side]);
+                    let there = self.name(self.media_by_angle(&other)[1 - side]);
                     format!(
                         "at {place} the facet has {here} where the facet of line {other_line} has {there}; turn its vertices around or correct its usemtl"
                     )
@@ -367,7 +367,7 @@ impl WatertightCheck<'_> {
     }
 
     /// Follows a vertical line through each body; refuses media that differ, and bodies none of which spans the period.
-    fn through_bodies(&self, edges: &[HalfEdge], bodies: &mut Bodies) -> Result<()> {
+    fn check_bodies(&self, edges: &[HalfEdge], bodies: &mut Bodies) -> Result<()> {
         let mut found: HashMap<usize, (f64, f64, usize)> = HashMap::new(); // net and largest area seen from above
         let mut solid: Vec<usize> = edges.iter().map(|edge| edge.triangle as usize).collect();
         solid.sort_unstable();
@@ -375,7 +375,7 @@ impl WatertightCheck<'_> {
         for &number in &solid {
             let [a, b, c] = self.points(&self.mesh.triangles[number]);
             let area = 0.5 * (b - a).cross(c - a).z;
-            let body = found.entry(bodies.of(number)).or_insert((0.0, 0.0, number));
+            let body = found.entry(bodies.find(number)).or_insert((0.0, 0.0, number));
             body.0 += area;
             if area.abs() > body.1 {
                 (body.1, body.2) = (area.abs(), number);

@@ -1,21 +1,13 @@
 use super::*;
+use crate::scene::parts::tests::{interface, medium};
 use crate::scene::{load, parse_mesh};
-use goniochrome::optics::interface::Interface;
-
-use crate::scene::OwnedMedium;
 
 /// Air, film (1.6), glass (1.5), a medium that absorbs.
 fn media() -> Vec<NamedMedium> {
-    let medium = |name: &str, n, k| NamedMedium { name: name.to_owned(), medium: OwnedMedium::constant(n, k).unwrap() };
     vec![medium("air", 1.0, 0.0), medium("film", 1.6, 0.0), medium("glass", 1.5, 0.0), medium("dark", 1.5, 0.1)]
 }
 
 fn interfaces() -> Vec<NamedInterface> {
-    let interface = |name: &str, above, below| NamedInterface {
-        name: name.to_owned(),
-        interface: Interface { above, below },
-        coating: Vec::new(),
-    };
     vec![
         interface("top", 0, Below::Medium(1)),
         interface("base", 1, Below::Medium(2)),

@@ -5,5 +5,6 @@ pub(crate) mod text;
 pub mod error;
 pub(crate) mod memory;
 pub(crate) mod parallel;
+pub(crate) mod input;
 pub(crate) mod output;
 pub(crate) mod progress;

@@ -15,7 +15,7 @@ use glam::{DQuat, DVec3};
 
 use super::builder::{Builder, bounded};
 use super::keys::{count, counts, length, list, positive, within};
-use super::random::Draws;
+use super::random::RandomSequence;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
@@ -37,7 +37,7 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
     let film_nm = table.get("film_nm").map(|item| positive(&item)).transpose()?;
     let tilt = table.get("tilt_deg").map_or(Ok(0.0), |item| within(&item, [0.0, 90.0]))?.to_radians();
     let subdivisions = table.get("subdivisions").map_or(Ok(2), |item| count(&item, [0, 5]))?;
-    let mut random = Draws::read(table)?;
+    let mut random = RandomSequence::read(table)?;
     let (points, faces) = match shape.text()? {
         "ellipsoid" => sphere(subdivisions),
         "flake" => plate(),

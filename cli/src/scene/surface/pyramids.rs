@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::builder::{Builder, bounded};
 use super::keys::{counts, list, within};
-use super::random::Draws;
+use super::random::RandomSequence;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
@@ -32,7 +32,7 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
         }
     };
     let inverted = table.get("inverted").map_or(Ok(false), |item| item.flag())?;
-    let mut random = Draws::read(table)?;
+    let mut random = RandomSequence::read(table)?;
     bounded(table, 12 * u64::from(nx) * u64::from(ny))?;
     let [width, depth] = builder.period_nm;
     let (dx, dy) = (width / f64::from(nx), depth / f64::from(ny));

@@ -6,9 +6,9 @@ use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
 /// Sequence of random numbers of a surface; every seed, 0 too, gives a good one.
-pub(super) struct Draws(Random);
+pub(super) struct RandomSequence(Random);
 
-impl Draws {
+impl RandomSequence {
     /// The sequence of a surface's optional key `seed`, 0 where it is left out.
     pub fn read(table: &TomlTable<'_>) -> Result<Self> {
         let seed = table.get("seed").map_or(Ok(0), |item| item.count(u32::MAX))?;

@@ -5,7 +5,7 @@
 
 use super::builder::{Builder, bounded};
 use super::keys::{count, within};
-use super::random::Draws;
+use super::random::RandomSequence;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
@@ -14,7 +14,7 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
     let segments = count(&table.require("segments", "segments = 200")?, [2, 100_000])?;
     let rms_slope = within(&table.require("rms_slope", "rms_slope = 0.1")?, [0.0, 10.0])?;
     bounded(table, 2 * u64::from(segments))?;
-    let mut random = Draws::read(table)?;
+    let mut random = RandomSequence::read(table)?;
     let mut slopes: Vec<f64> = (0..segments).map(|_| random.normal()).collect();
     let mean = slopes.iter().sum::<f64>() / f64::from(segments);
     slopes.iter_mut().for_each(|slope| *slope -= mean);

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use super::builder::{Builder, bounded};
 use super::keys::{count, counts, positive, within};
-use super::random::Draws;
+use super::random::RandomSequence;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
@@ -26,7 +26,7 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> 
     let rms_slope = within(&table.require("rms_slope", "rms_slope = 0.35")?, [0.0, 10.0])?;
     let grid = counts::<2>(table, "grid", 10_000)?;
     let offset_nm = table.get("offset_nm").map(|item| positive(&item)).transpose()?;
-    let mut random = Draws::read(table)?;
+    let mut random = RandomSequence::read(table)?;
     if grid.iter().any(|&n| n < 4 * highest) {
         return Err(table.refuse(format_args!("grid must be at least 4 times highest, {} squares", 4 * highest)));
     }

@@ -65,3 +65,26 @@ pub fn decode(bytes: &[u8]) -> Result<Table> {
         ))),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cuts a file short at every length and flips bits of every byte: errors are one line, and tables are checked.
+    pub(super) fn damage(good: &[u8]) {
+        for length in 0..good.len() {
+            let error = decode(&good[..length]).unwrap_err();
+            assert!(!error.to_string().contains('\n'));
+        }
+        for at in 0..good.len() {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut bytes = good.to_vec();
+                bytes[at] ^= flip;
+                // Some flips only change a value; what matters is that the result is checked.
+                if let Ok(table) = decode(&bytes) {
+                    table.check().unwrap();
+                }
+            }
+        }
+    }
+}
