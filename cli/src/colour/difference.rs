@@ -13,7 +13,7 @@ const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
 
 /// A colour in CIE L*a*b*, in which differences are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Colour {
+pub struct Lab {
     /// L*, from 0 for black to 100 for white.
     pub l: f64,
     /// a*, from green to red.
@@ -24,30 +24,30 @@ pub struct Colour {
 
 /// L*a*b* of linear sRGB, unclipped.
 #[must_use]
-pub fn lab(rgb: [f64; 3]) -> Colour {
+pub fn lab(rgb: [f64; 3]) -> Lab {
     let to_xyz = xyz_to_rgb(RgbSpace::Srgb).inverse();
     lab_of_xyz((to_xyz * DVec3::from_array(rgb)).to_array(), D65)
 }
 
 /// L*a*b* of a colour beside the white of its own light (CIE 15:2004, section 8.2.1).
 #[must_use]
-pub fn lab_of_xyz(xyz: [f64; 3], white: [f64; 3]) -> Colour {
+pub fn lab_of_xyz(xyz: [f64; 3], white: [f64; 3]) -> Lab {
     let response = |ratio: f64| {
         // Below, the cube root gives way to its tangent.
         if ratio > (6.0_f64 / 29.0).powi(3) { ratio.cbrt() } else { 841.0 / 108.0 * ratio + 4.0 / 29.0 }
     };
     let [x, y, z] = std::array::from_fn(|c| response(xyz[c] / white[c]));
-    Colour { l: 116.0 * y - 16.0, a: 500.0 * (x - y), b: 200.0 * (y - z) }
+    Lab { l: 116.0 * y - 16.0, a: 500.0 * (x - y), b: 200.0 * (y - z) }
 }
 
 /// ΔE2000, as G. Sharma, W. Wu and E. N. Dalal write it in "The CIEDE2000 color-difference formula: Implementation
 /// notes, supplementary test data, and mathematical observations", Color Research & Application 30, 21 (2005).
 #[must_use]
-pub fn delta_e(one: Colour, two: Colour) -> f64 {
+pub fn delta_e(one: Lab, two: Lab) -> f64 {
     let share = |chroma: f64| (chroma.powi(7) / (chroma.powi(7) + 25.0_f64.powi(7))).sqrt();
     // Chroma C′ and hue h′ in degrees, of a* stretched for near-neutral colours.
     let stretch = 1.5 - 0.5 * share(0.5 * (one.a.hypot(one.b) + two.a.hypot(two.b)));
-    let chroma_and_hue = |colour: Colour| {
+    let chroma_and_hue = |colour: Lab| {
         let a = stretch * colour.a;
         let grey = a == 0.0 && colour.b == 0.0;
         (a.hypot(colour.b), if grey { 0.0 } else { colour.b.atan2(a).to_degrees().rem_euclid(360.0) })
@@ -156,7 +156,7 @@ mod tests {
         /// The published digits.
         const PRINTED: f64 = 0.5e-4 + 1e-9;
         for (a, b, want) in SHARMA {
-            let [a, b] = [a, b].map(|[l, a, b]| Colour { l, a, b });
+            let [a, b] = [a, b].map(|[l, a, b]| Lab { l, a, b });
             for got in [delta_e(a, b), delta_e(b, a)] {
                 assert!((got - want).abs() <= PRINTED, "{a:?} {b:?}: {got} for {want}");
             }

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use goniochrome::table::ScatterLayout;
 
-use super::grid::SampleGrid;
+use super::grid::BsdfGrid;
 use crate::export::reflection::Evaluator;
 use crate::support::direction::direction;
 
@@ -39,7 +39,7 @@ pub fn exact(evaluator: &mut Evaluator<'_>, layout: ScatterLayout, wi: DVec3) ->
 }
 
 /// The albedo of one channel of the file, interpolated between its samples.
-pub fn interpolated(grid: &SampleGrid, wi: DVec3, origin: f64, samples: &[f32]) -> f64 {
+pub fn interpolated(grid: &BsdfGrid, wi: DVec3, origin: f64, samples: &[f32]) -> f64 {
     let [across, along] = &grid.nodes;
     let mut total = 0.0;
     for (row, v) in along.windows(2).enumerate() {
@@ -93,7 +93,7 @@ mod tests {
             };
             let samples: Vec<f32> =
                 nodes[1].iter().flat_map(|v| nodes[0].iter().map(move |u| (u.0, v.0))).map(cosine).collect();
-            let grid = SampleGrid { theta: vec![theta], phi: vec![0.0], nodes: nodes.clone(), density: density() };
+            let grid = BsdfGrid { theta: vec![theta], phi: vec![0.0], nodes: nodes.clone(), density: density() };
             let albedo = interpolated(&grid, wi, 0.0, &samples);
             // Interpolation of a curved function: (π/SIDE)²/8 and the like.
             assert!((albedo - 1.0).abs() < 2e-3, "{theta}: {albedo}");

@@ -40,7 +40,7 @@ const ACROSS: f64 = 3.0;
 
 /// The samples of a file.
 #[derive(Clone, Debug)]
-pub struct SampleGrid {
+pub struct BsdfGrid {
     /// Incident angles θ_i in radians, increasing.
     pub theta: Vec<f64>,
     /// Incident azimuths φ_i in radians, from −π to π; one of them for isotropic tables.
@@ -51,7 +51,7 @@ pub struct SampleGrid {
     pub density: [Density; 2],
 }
 
-impl SampleGrid {
+impl BsdfGrid {
     /// The samples for the file of a BRDF.
     #[must_use]
     pub fn new(reflection: &Reflection) -> Self {

@@ -19,7 +19,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use self::grid::SampleGrid;
+use self::grid::BsdfGrid;
 use self::tensor::{Field, Values};
 use super::Reflection;
 use super::reflection::{Evaluator, ReflectionKind};
@@ -64,7 +64,7 @@ struct Slice<'f> {
 }
 
 /// Computes the slice of an incident direction.
-fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
+fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
     let reflection = evaluator.reflection();
     let wi = direction(theta, phi);
     let origin = if grid.isotropic() { phi } else { 0.0 };
@@ -108,7 +108,7 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &SampleGrid, [theta, phi]: [f64; 2]
 /// A roughness that is missing or has no use, RGB of a table without colours, or too little memory.
 pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8>> {
     let reflection = Reflection::new(table, roughness, rgb)?;
-    let grid = SampleGrid::new(&reflection);
+    let grid = BsdfGrid::new(&reflection);
     let (slices, channels, side) = (grid.slices(), reflection.channels, grid.side());
     let area = side * side;
     let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;

@@ -3,7 +3,7 @@
 use super::film::{Base, SingleFilm};
 use super::iridescence::{eval_iridescence, schlick};
 use super::simplex::minimise;
-use crate::colour::difference::{Colour, Summary, delta_e, lab};
+use crate::colour::difference::{Lab, Summary, delta_e, lab};
 
 /// Largest angle at which colours are compared, in degrees.
 pub const MAX_DEG: u16 = 85;
@@ -71,7 +71,7 @@ impl Parameters {
 
     /// ΔE2000 from exact colours at [`angles`].
     #[must_use]
-    pub fn differences(&self, exact: &[Colour]) -> Vec<f64> {
+    pub fn differences(&self, exact: &[Lab]) -> Vec<f64> {
         let colour = |theta| lab(self.rgb(theta).map(f64::from));
         angles().into_iter().zip(exact).map(|(theta, exact)| delta_e(colour(theta), *exact)).collect()
     }
@@ -82,7 +82,7 @@ impl Parameters {
 /// The fit has the smallest mean square of ΔE2000 that is found from the film's own values and from films up to 30 %
 /// thinner or thicker; more starts find nothing better. The film's own values are kept if the eye sees no difference.
 #[must_use]
-pub fn fit(film: &SingleFilm, exact: &[Colour]) -> (Parameters, Summary) {
+pub fn fit(film: &SingleFilm, exact: &[Lab]) -> (Parameters, Summary) {
     let thickest = 2.0 * film.thickness_nm + 100.0;
     let best = match film.base {
         Base::Dielectric { ior } => search(
@@ -129,14 +129,14 @@ fn from_unit(x: f64) -> f64 {
 }
 
 /// The sum of squares of ΔE2000.
-fn cost(parameters: &Parameters, exact: &[Colour]) -> f64 {
+fn cost(parameters: &Parameters, exact: &[Lab]) -> f64 {
     parameters.differences(exact).iter().map(|d| d * d).sum()
 }
 
 /// Searches the best parameters in the unit cube of N coordinates, of which the last are those of the base.
 fn search<const BASE: usize, const N: usize>(
     film: &SingleFilm,
-    exact: &[Colour],
+    exact: &[Lab],
     base: [f64; BASE],
     parameters: impl Fn([f64; N]) -> Parameters,
     thickest: f64,

@@ -24,7 +24,7 @@ use self::film::{Base, Behind, SingleFilm};
 use self::fit::{MAX_DEG, Parameters, angles, fit, round};
 use self::transmission::transmitted;
 use super::lut::exact_rgb;
-use crate::colour::difference::{Colour, Summary, delta_e, lab};
+use crate::colour::difference::{Lab, Summary, delta_e, lab};
 use crate::scene::Scene;
 use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::{Error, Result};
@@ -70,7 +70,7 @@ impl Fitted {
             )));
         }
         let exact = exact_rgb(&planar, &angles())?;
-        let colours: Vec<Colour> = exact.iter().map(|rgb| lab(*rgb)).collect();
+        let colours: Vec<Lab> = exact.iter().map(|rgb| lab(*rgb)).collect();
         let (parameters, residual) = fit(&film, &colours);
         let unfitted = Summary::of(&Parameters::of(&film).differences(&colours));
         Ok(Self { name: scene.name.clone(), film, parameters, residual, unfitted, exact })
@@ -195,7 +195,7 @@ mod tests {
         let (mut fits, mut own) = (Vec::new(), Vec::new());
         for nm in (100..=800).step_by(25) {
             let film = fitted(f64::from(nm), "1.5");
-            let exact: Vec<Colour> = film.exact.iter().map(|rgb| lab(*rgb)).collect();
+            let exact: Vec<Lab> = film.exact.iter().map(|rgb| lab(*rgb)).collect();
             fits.extend(film.parameters.differences(&exact));
             own.extend(Parameters::of(&film.film).differences(&exact));
         }
