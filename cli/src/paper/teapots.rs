@@ -80,7 +80,7 @@ pub(super) fn figure_5(folder: &Path, table: MirrorTable, threads: usize) -> Res
         images: draw(folder, table, lights, threads)?,
         caption_html: "<p>The three films of figure 4 on Newell’s teapot, exact physics, D65 and sRGB. Left the built-in \
                        studio, looked up in the mirror direction and multiplied by the table; right light of radiance 1 from \
-                       everywhere, in which each point has the colour of its angle of view. EnvironmentLight is followed over three \
+                       everywhere, in which each point has the colour of its angle of view. Light is followed over three \
                        reflections by the pot.</p>"
             .into(),
     })
