@@ -41,7 +41,7 @@ pub struct EstimateArgs {
 impl EstimateArgs {
     /// The defaults of all options. The scene and the output are placeholders, not files.
     #[must_use]
-    pub fn defaults() -> Self {
+    pub(crate) fn defaults() -> Self {
         let command = Self::augment_args(clap::Command::new("estimate").no_binary_name(true));
         let matches = command.get_matches_from(["scene", "--output", "table.exr"]);
         Self::from_arg_matches(&matches).expect("the command line accepts its own defaults")
