@@ -12,7 +12,7 @@ pub struct FiguresArgs {
     /// The folder to write into; made if it is missing
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
-    /// How it runs
+    /// Threads and messages
     #[command(flatten)]
     pub running: Running,
 }

@@ -39,7 +39,7 @@ pub use view::PageArgs;
 #[derive(Debug, Parser)]
 #[command(name = "goniochrome", version = version(), max_term_width = 100, after_help = PAPER)]
 pub struct CommandLine {
-    /// What to do.
+    /// The command to run.
     #[command(subcommand)]
     pub command: Command,
 }

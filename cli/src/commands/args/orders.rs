@@ -42,7 +42,7 @@ pub struct OrdersArgs {
     /// The CSV file to write; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub csv: PathBuf,
-    /// How it runs
+    /// Threads and messages
     #[command(flatten)]
     pub running: Running,
 }

@@ -37,7 +37,7 @@ pub struct PlotArgs {
     pub quiet: bool,
 }
 
-/// What `plot` draws.
+/// The kinds of pictures that `plot` draws.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum PlotKind {
     /// The BRDF as a disc, radius θ and angle φ (the paper's figures 3 and 4); for cells, where light from one

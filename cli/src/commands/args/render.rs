@@ -26,7 +26,7 @@ pub struct RenderArgs {
     /// Turn the light about the vertical, in degrees, counter-clockwise as seen from above
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub env_turn: f64,
-    /// What is lit: teapot, sphere (exact), plane, or an OBJ with z up
+    /// The lit body: teapot, sphere (exact), plane, or an OBJ with z up
     #[arg(long, value_name = "teapot|sphere|plane|FILE", default_value = "teapot")]
     pub mesh: String,
     /// Which way is up in the OBJ
@@ -58,7 +58,7 @@ pub struct RenderArgs {
     /// PNG: the curve that brings bright light into the range of a screen
     #[arg(long, value_enum, default_value_t = ToneMap::None)]
     pub tonemap: ToneMap,
-    /// How it runs
+    /// Threads and messages
     #[command(flatten)]
     pub running: Running,
 }

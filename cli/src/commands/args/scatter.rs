@@ -45,7 +45,7 @@ pub struct ScatterArgs {
     /// The JSON file to write: an object, or a list of objects for several wavelengths; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub json: PathBuf,
-    /// How it runs
+    /// Threads and messages
     #[command(flatten)]
     pub running: Running,
 }

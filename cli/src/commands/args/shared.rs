@@ -39,7 +39,7 @@ pub struct Computing {
     /// Single or double precision
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
-    /// How it runs
+    /// Threads and messages
     #[command(flatten)]
     pub running: Running,
 }
