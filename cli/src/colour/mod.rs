@@ -25,7 +25,7 @@ pub fn xyz_to_rgb(space: RgbSpace) -> DMat3 {
     DMat3::from_cols_array_2d(&space.matrix()).transpose()
 }
 
-/// Linear RGB of one colour space as linear RGB of another.
+/// Colours converted from one linear RGB space to another.
 #[must_use]
 pub fn converted(from: RgbSpace, to: RgbSpace, rgb: &[[f32; 3]]) -> Vec<[f32; 3]> {
     if from == to {

@@ -79,7 +79,7 @@ pub(crate) struct FaceCorner {
     pub normal: Option<u32>,
 }
 
-/// Which way is up in a file.
+/// Axis that points up in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axes {
     /// z, as everywhere in this program

@@ -8,7 +8,7 @@ use crate::support::error::Result;
 /// Axes and unit of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeshFrame {
-    /// Which way is up.
+    /// Axis that points up.
     pub axes: Axes,
     /// Length of a unit of the file.
     pub unit_nm: f64,

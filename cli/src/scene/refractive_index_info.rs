@@ -228,15 +228,15 @@ mod tests {
         assert_eq!(refusal(&table("        -0.5 1.5 0\n")), "f.yml:4: wavelength -0.5: wavelengths must be positive");
     }
 
-    /// What a file of three rows, the second given, answers at a wavelength.
-    fn answer(row: &str, nm: f64) -> String {
+    /// η at a wavelength, or the message, of a file of three rows of which the second is given.
+    fn eta_or_message(row: &str, nm: f64) -> String {
         let medium = read(&table(&format!("        0.5 1.5 0\n        {row}\n        0.7 1.5 0\n        0.8 1.5 0\n")));
         let medium = medium.unwrap();
         medium.borrow().eta(nm).map_or_else(|error| medium.describe(&error), |eta| eta.to_string())
     }
 
     #[test]
-    fn a_row_of_no_use_is_the_business_of_those_who_ask_for_it() {
+    fn an_unusable_row_fails_only_at_its_wavelengths() {
         for (row, between, reason) in [
             ("0.6 NaN 0", "n is not known at 600 nm (between 500 and 700 nm)", "f.yml:5: n is no finite number"),
             ("0.6 1.5 1e999", "k is not known at 600 nm (between 500 and 700 nm)", "f.yml:5: k is no finite number"),
@@ -254,12 +254,12 @@ mod tests {
                 "f.yml:6: the row of 700 nm stands after",
             ),
         ] {
-            let refused = answer(row, 600.0);
+            let refused = eta_or_message(row, 600.0);
             assert!(refused.starts_with(between) && refused.contains(reason), "{row}: {refused}");
-            assert_eq!(answer(row, 800.0), "1.5+0i", "{row}");
+            assert_eq!(eta_or_message(row, 800.0), "1.5+0i", "{row}");
         }
-        assert_eq!(answer("0.5 1.5 0", 600.0), "1.5+0i");
-        assert_eq!(answer("0.6 1.5 -6e-19", 600.0), "1.5+0i");
+        assert_eq!(eta_or_message("0.5 1.5 0", 600.0), "1.5+0i");
+        assert_eq!(eta_or_message("0.6 1.5 -6e-19", 600.0), "1.5+0i");
     }
 
     #[test]

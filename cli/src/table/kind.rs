@@ -38,7 +38,7 @@ impl Table {
         }
     }
 
-    /// What made the table: scene, model, colour space.
+    /// Provenance of the table: scene, model, colour space.
     #[must_use]
     pub fn metadata(&self) -> &Metadata {
         match self {

@@ -41,7 +41,7 @@ pub enum MetadataKey {
     FellBack,
     /// Imbalance of power of largest size.
     ImbalanceMax,
-    /// What the prompt warned of; absent without a warning.
+    /// Warnings that the command printed; absent without one.
     Warning,
 }
 

@@ -26,7 +26,7 @@ pub struct MirrorTable {
     pub reflectance_p: Vec<f32>,
     /// Linear RGB per angle; components may be negative or above 1. Empty where no wavelength is visible.
     pub rgb: Vec<[f32; 3]>,
-    /// What made the table: scene, model, colour space.
+    /// Provenance of the table: scene, model, colour space.
     pub metadata: Metadata,
 }
 

@@ -49,7 +49,7 @@ pub struct ScatterTable {
     pub luminance_error: Vec<f32>,
     /// Energy balance of each incident direction.
     pub energy: Vec<Energy>,
-    /// What made the table: scene, seed, colour space.
+    /// Provenance of the table: scene, seed, colour space.
     pub metadata: Metadata,
 }
 
