@@ -29,7 +29,7 @@ pub enum MetadataKey {
     Reciprocal,
     /// Light that the colours belong to: `D65` or `E`.
     Illuminant,
-    /// Colour space of the linear RGB, by the name that [`colour::space_name`] gives.
+    /// Colour space of the linear RGB, by the name that `colour::space_name` gives.
     ColourSpace,
     /// Standard observer of the colours.
     Observer,

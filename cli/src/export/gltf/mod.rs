@@ -8,7 +8,7 @@
 //! sphere wears the material ([`body`]).
 //!
 //! Colours are compared as ΔE2000 at 0, 1, … 85° in D65, where a perfect mirror is L* = 100: see
-//! [`crate::colour::difference`]. Exact colours may leave the gamut of sRGB and are not clipped.
+//! `crate::colour::difference`. Exact colours may leave the gamut of sRGB and are not clipped.
 
 pub mod film;
 pub mod iridescence;
