@@ -40,9 +40,9 @@ impl Mesh {
 }
 
 /// Random numbers, vectors and directions.
-struct Random(crate::trace::random::Random);
+struct RandomVectors(crate::trace::random::Random);
 
-impl Random {
+impl RandomVectors {
     fn new(seed: u32) -> Self {
         Self(crate::trace::random::Random::new(0, seed))
     }
@@ -145,7 +145,7 @@ fn timing() {
             bvh.nodes.len(),
             start.elapsed().as_secs_f64()
         );
-        let mut random = Random::new(8);
+        let mut random = RandomVectors::new(8);
         let down: Vec<Ray> = (0..1_000_000)
             .map(|_| {
                 let (p, d) = (random.cube(), random.cube());

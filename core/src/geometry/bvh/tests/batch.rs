@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn many_rays_hit_what_each_hits_alone() {
-    let mut random = Random::new(9);
+    let mut random = RandomVectors::new(9);
     // The last is too large for what is taken to be near.
     for mesh in [soup(300), slab(8), sheet(12), sheet(120).moved(1e3, DVec3::splat(-5e2))] {
         let mut memory = mesh.memory();

@@ -2,13 +2,13 @@
 
 extern crate std;
 
-use super::{Mesh, Random};
+use super::{Mesh, RandomVectors};
 use glam::DVec3;
 use std::vec::Vec;
 
 /// Small triangles at random places in a cube.
 pub(super) fn soup(count: usize) -> Mesh {
-    let mut random = Random::new(1);
+    let mut random = RandomVectors::new(1);
     let mut vertices = Vec::new();
     for _ in 0..count {
         let middle = random.cube();

@@ -25,7 +25,7 @@ fn moeller_trumbore(mesh: &Mesh, ray: &Ray) -> Vec<(Hit, f64)> {
 
 #[test]
 fn agrees_with_all_triangles_in_turn() {
-    let mut random = Random::new(2);
+    let mut random = RandomVectors::new(2);
     let mut compared = 0;
     for mesh in [soup(300), slab(8), sheet(12)] {
         let mut memory = mesh.memory();
@@ -59,7 +59,7 @@ fn a_distant_origin_still_hits_what_it_aims_at() {
     let mesh = bumpy_sphere(3);
     let mut memory = mesh.memory();
     let bvh = mesh.bvh(&mut memory);
-    let mut random = Random::new(4);
+    let mut random = RandomVectors::new(4);
     for distance in [1e3, 1e6, 1e9] {
         for _ in 0..2000 {
             let origin = random.cube().normalize() * distance;
@@ -78,7 +78,7 @@ fn boxes_thinner_than_a_rounding_are_not_missed() {
     mesh.0.iter_mut().for_each(|v| *v *= DVec3::new(1.0, 1e-16, 1e-16));
     let mut memory = mesh.memory();
     let bvh = mesh.bvh(&mut memory);
-    let mut random = Random::new(9);
+    let mut random = RandomVectors::new(9);
     let mut hits = 0;
     for _ in 0..20_000 {
         let origin = 3.0 * random.cube();
@@ -132,7 +132,7 @@ fn coplanar_triangles_return_the_first() {
     let mesh = Mesh(vertices, [triangles.clone(), triangles.clone(), triangles].concat());
     let mut memory = mesh.memory();
     let bvh = mesh.bvh(&mut memory);
-    let mut random = Random::new(6);
+    let mut random = RandomVectors::new(6);
     for _ in 0..1000 {
         let p = random.cube();
         let hit = bvh.intersect_nearest(&ray(DVec3::new(p.x, p.y, 3.0), -DVec3::Z), |_| true).unwrap();
@@ -146,7 +146,7 @@ fn triangles_without_area_are_never_hit() {
     let vertices = vec![v(0.0, 0.0), v(1.0, 0.0), v(2.0, 0.0), v(0.0, 1.0), v(0.5, 0.5), v(1e-200, 1e-200)];
     let flat = vec![[0, 0, 0], [0, 1, 2], [1, 1, 3], [3, 1, 4], [0, 3, 0]];
     let rays = || {
-        let mut random = Random::new(7);
+        let mut random = RandomVectors::new(7);
         let at = [v(0.5, 0.0), v(0.0, 0.0), v(1.0, 0.0), v(0.5, 0.5), v(0.25, 0.75), v(0.0, 0.5)];
         (0..6000).map(move |i| {
             let d = random.direction();

@@ -7,7 +7,7 @@ use super::*;
 fn assert_sealed(mesh: &Mesh, from: DVec3) {
     let mut memory = mesh.memory();
     let bvh = mesh.bvh(&mut memory);
-    let mut random = Random::new(3);
+    let mut random = RandomVectors::new(3);
     let edges = mesh.1.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
     let ends = edges.map(|(a, b)| (mesh.0[a as usize], mesh.0[b as usize]));
     let targets = ends.flat_map(|(a, b)| [a, 0.5 * (a + b), a + random.unit() * (b - a)]);
@@ -60,7 +60,7 @@ fn vertical_rays_meet_every_vertex_and_edge_of_a_sheet() {
 #[test]
 fn rays_along_edges_of_cubes_stay_inside() {
     const SIDE: i32 = 7;
-    let mut random = Random::new(5);
+    let mut random = RandomVectors::new(5);
     let filled: Vec<bool> = (0..SIDE * SIDE * SIDE).map(|_| random.unit() < 0.93).collect();
     let full = |x: i32, y: i32, z: i32| {
         [x, y, z].iter().all(|c| (0..SIDE).contains(c)) && filled[(x + SIDE * (y + SIDE * z)) as usize]
