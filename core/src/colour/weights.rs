@@ -20,7 +20,7 @@ pub enum Quadrature {
     Sampled,
 }
 
-/// Why [`xyz_weights`] refuses its arguments.
+/// An error in the arguments of [`xyz_weights`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColourError {
     /// There are no wavelengths, or `weights` has another length.
@@ -37,7 +37,7 @@ pub enum ColourError {
 impl core::fmt::Display for ColourError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
-            Self::Shape => write!(f, "no wavelengths"),
+            Self::Shape => write!(f, "there are no wavelengths, or not as many weights"),
             Self::NotIncreasing { index } => write!(f, "wavelength {} is not positive or does not increase", index + 1),
             Self::Invisible => write!(f, "none of the wavelengths is visible (380 to 780 nm)"),
         }

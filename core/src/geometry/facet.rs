@@ -30,34 +30,34 @@ pub enum CellError {
     Empty,
     /// A facet has a coordinate that is NaN or infinite, or a triangle names a facet beyond the list.
     NotFinite {
-        /// The facet.
+        /// Index of the facet.
         facet: usize,
     },
     /// A facet names an interface beyond the list.
     NoInterface {
-        /// The facet.
+        /// Index of the facet.
         facet: usize,
     },
     /// A facet of a planar cell has a normal other than +z.
     Tilted {
-        /// The facet.
+        /// Index of the facet.
         facet: usize,
     },
     /// A facet of a planar cell lies above its predecessor: they must be in order from the top.
     OutOfOrder {
-        /// The facet.
+        /// Index of the facet.
         facet: usize,
     },
     /// The period is not positive and finite, or the mesh leaves it.
     Period,
     /// A coating has a film whose thickness is negative or not finite.
     Coating {
-        /// The interface.
+        /// Index of the interface.
         interface: usize,
     },
     /// The medium above a facet of a planar cell is not the one below its predecessor.
     MediaDiffer {
-        /// The facet.
+        /// Index of the facet.
         facet: usize,
     },
 }
@@ -65,8 +65,10 @@ pub enum CellError {
 impl core::fmt::Display for CellError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
-            Self::Empty => write!(f, "the cell has no facets"),
-            Self::NotFinite { facet } => write!(f, "facet {facet} has a coordinate that is not finite"),
+            Self::Empty => write!(f, "the cell has no facets, or not one for each triangle"),
+            Self::NotFinite { facet } => {
+                write!(f, "facet {facet} does not exist, or has a coordinate that is not finite")
+            }
             Self::NoInterface { facet } => write!(f, "facet {facet} names an interface that the cell does not have"),
             Self::Tilted { facet } => write!(f, "facet {facet} is not a horizontal plane facing upwards"),
             Self::Period => write!(f, "the period must be positive and hold the whole mesh, from 0"),

@@ -100,7 +100,7 @@ pub struct Blob<'a> {
     pub contents: Contents<'a>,
 }
 
-/// Why a blob cannot be read or written.
+/// An error for which a blob cannot be read or written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlobError {
     /// The bytes do not begin with a blob's magic.
@@ -136,8 +136,8 @@ pub enum BlobError {
 impl core::fmt::Display for BlobError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
-            Self::Magic => write!(f, "not a table blob"),
-            Self::Version { found } => write!(f, "a blob of version {found}; this program reads version {VERSION}"),
+            Self::Magic => write!(f, "the bytes are not a table blob"),
+            Self::Version { found } => write!(f, "the blob has version {found}; this library reads version {VERSION}"),
             Self::Length { required } => write!(f, "the blob should have {required} bytes"),
             Self::Checksum => write!(f, "the blob is damaged: its checksum differs"),
             Self::Field { offset } => write!(f, "the blob's field at byte {offset} has no meaning"),

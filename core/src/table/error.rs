@@ -4,7 +4,7 @@
 /// albedos as sums of at most 2²⁰ values, stay within single precision.
 pub const MAX_MAGNITUDE: f32 = 1e30;
 
-/// Why a table, a grid of directions or a sampler is refused.
+/// An error for which a table, a grid of directions or a sampler is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TableError {
     /// The table has fewer than two rows or no channels, or the slice is not rows × channels long.
@@ -31,7 +31,7 @@ impl core::fmt::Display for TableError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
             Self::Shape => {
-                write!(f, "a table needs at least two angles, one channel, and as many values as both together")
+                write!(f, "a table needs at least two angles, a channel, and a value for each channel at each angle")
             }
             Self::ThetaMax => write!(f, "the largest angle must lie in (0, 90] degrees"),
             Self::NotFinite { index } => {

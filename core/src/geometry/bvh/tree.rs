@@ -11,12 +11,12 @@ pub enum BvhError {
     Empty,
     /// A vertex has a coordinate that is NaN, infinite or beyond ±2¹²⁰.
     NotFinite {
-        /// The vertex.
+        /// Index of the vertex.
         vertex: usize,
     },
     /// A triangle names a vertex beyond the list.
     NoVertex {
-        /// The triangle.
+        /// Index of the triangle.
         triangle: usize,
     },
     /// The mesh has 2²⁸ triangles or more.
@@ -42,7 +42,7 @@ impl core::fmt::Display for BvhError {
             Self::Memory { nodes, order, corners } => {
                 write!(
                     f,
-                    "the hierarchy needs memory for {nodes} nodes, {order} triangles and {corners} numbers of theirs"
+                    "the hierarchy needs memory for {nodes} nodes, {order} triangles and {corners} numbers of corners"
                 )
             }
         }

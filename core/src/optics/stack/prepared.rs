@@ -72,7 +72,8 @@ pub struct PreparedStack<'m, V: Lanes> {
 pub struct Response<V> {
     /// Reflected amplitude, referred to the first plane.
     pub reflection: Polarised<ComplexLanes<V>>,
-    /// Amplitude behind the last plane, referred to it; for p that of the magnetic field. Meaningless for a mirror.
+    /// Transmitted amplitude behind the last plane, referred to this plane; for p, of the magnetic field. Meaningless
+    /// for a mirror.
     pub transmission: Polarised<ComplexLanes<V>>,
 }
 
@@ -98,13 +99,14 @@ impl<V: Lanes> Observer<V> for () {
     fn rescale(&mut self, _: Polarised<V>) {}
 }
 
-/// The error of memory or media that are fewer than a stack needs; see [`PreparedStackMemory`] and [`Stack::media`].
+/// An error: there is less memory, or there are fewer media, than a stack needs; see [`PreparedStackMemory`] and
+/// [`Stack::media`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooSmall;
 
 impl core::fmt::Display for TooSmall {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "the stack needs more media, or more memory for what they do")
+        write!(f, "the stack needs more media, or more memory, than there is")
     }
 }
 
