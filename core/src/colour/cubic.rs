@@ -1,6 +1,6 @@
 //! Piecewise cubic interpolation between the samples of a spectrum.
 
-/// Least distance of a neighbour from the interval, in widths of the interval. A nearer one is passed over for one
+/// Minimum distance of a neighbour from the interval, in widths of the interval. A nearer one is passed over for one
 /// farther away: a cubic through samples much closer together than the interval is wide would magnify their differences
 /// across it.
 const MIN_NEIGHBOUR_DISTANCE: f64 = 0.25;
@@ -67,7 +67,7 @@ impl SpectrumCubic {
         self
     }
 
-    /// Indices of the samples that it goes through. Unused places, whose share is 0, repeat one of them.
+    /// Indices of the samples that the interpolant goes through. Unused places, whose share is 0, repeat one of them.
     #[must_use]
     pub fn index(&self) -> [usize; 4] {
         self.index

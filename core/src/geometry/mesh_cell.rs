@@ -33,7 +33,7 @@ pub struct MeshCell<'a> {
 /// The hit of a ray on a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacetHit {
-    /// The facet.
+    /// Index of the facet.
     pub facet: u32,
     /// True if the ray comes from the side to which the normal points.
     pub front: bool,
@@ -53,7 +53,7 @@ pub struct Sides {
     pub normal: DVec3,
     /// The medium on the side from which the ray comes.
     pub near: MediumIndex,
-    /// What lies on the other side.
+    /// The medium or mirror on the other side.
     pub far: Below,
 }
 
@@ -101,9 +101,9 @@ pub fn snap_to_border(vertices: &mut [DVec3], period_nm: [f64; 2]) {
 }
 
 impl<'a> MeshCell<'a> {
-    /// Checks a mesh. `facet_of` holds the index of the facet of each triangle of `bvh`; `above` is the medium open to
-    /// the light. Vertices on the border must lie exactly there ([`snap_to_border`]). The medium under the cell is the
-    /// one under its lowest surface.
+    /// Checks a periodic mesh and its facets. `facet_of` holds the index of the facet of each triangle of `bvh`;
+    /// `above` is the medium open to the light. Vertices on the border must lie exactly there ([`snap_to_border`]). The
+    /// medium under the cell is the one under its lowest surface.
     ///
     /// # Errors
     /// [`CellError::Empty`] without facets or if `facet_of` differs in length from the triangles;
@@ -215,7 +215,7 @@ impl<'a> MeshCell<'a> {
         self.top_nm
     }
 
-    /// The facet of an index.
+    /// The facet at an index.
     #[must_use]
     pub fn facet(&self, facet: u32) -> &'a Facet {
         self.facets.get(facet as usize).unwrap_or(&NO_FACET)
@@ -233,7 +233,7 @@ impl<'a> MeshCell<'a> {
     }
 
     /// The first hit of light of a unit direction that passes over a point of the period, (u, v) in [0, 1)²; `None` if
-    /// it hits nothing.
+    /// the light hits nothing.
     #[must_use]
     pub fn first_hit(&self, u: f64, v: f64, direction: DVec3) -> Option<FacetHit> {
         let [px, py] = self.period_nm;

@@ -9,7 +9,7 @@ use crate::optics::medium::MediumIndex;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 
-/// What lies below an interface.
+/// A medium or a mirror below an interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Below {
     /// A medium of the scene.
@@ -23,7 +23,7 @@ pub enum Below {
 pub struct Interface {
     /// The medium on the side to which the normal points.
     pub above: MediumIndex,
-    /// What lies on the other side.
+    /// The medium or mirror on the other side.
     pub below: Below,
 }
 

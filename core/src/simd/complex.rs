@@ -50,7 +50,7 @@ impl<V: Lanes> ComplexLanes<V> {
         Complex64::new(self.re.lane(i), self.im.lane(i))
     }
 
-    /// Rounds [`Lanes::Precise`] lanes to the precision of these.
+    /// Rounds [`Lanes::Precise`] lanes to the precision of `V`.
     #[inline]
     pub fn narrow(precise: ComplexLanes<V::Precise>) -> Self {
         Self { re: V::narrow(precise.re), im: V::narrow(precise.im) }

@@ -116,7 +116,7 @@ impl<V: Lanes> VectorLanes<V> {
         Self { x: ComplexLanes::zero(), y: ComplexLanes::zero(), z: ComplexLanes::zero() }
     }
 
-    /// Rounds [`Lanes::Precise`] lanes to the precision of these.
+    /// Rounds [`Lanes::Precise`] lanes to the precision of `V`.
     #[inline]
     pub fn narrow(precise: VectorLanes<V::Precise>) -> Self {
         precise.map(ComplexLanes::narrow)

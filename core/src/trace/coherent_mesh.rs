@@ -41,17 +41,17 @@ pub struct WaveState<V: Lanes> {
 /// Ray that leaves the cell. Its field is referred to `point_nm`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExitWave<V: Lanes> {
-    /// Side on which it leaves.
+    /// Side on which the ray leaves.
     pub side: Side,
     /// Wavevector in units of k₀.
     pub wavevector: VectorLanes<V::Precise>,
-    /// Point where it last met the surface, not wrapped into the period.
+    /// Point where the ray last met the surface, not wrapped into the period.
     pub point_nm: DVec3,
     /// Unit normal of the facet there, towards the side on which the ray leaves it; +z if it met none.
     pub normal: DVec3,
     /// J, cross-section of the ray's tube in units of the incident one.
     pub tube_area: V,
-    /// Index of the medium in which it leaves.
+    /// Index of the medium in which the ray leaves.
     pub medium: MediumIndex,
     /// Power of the ray for each incident polarisation, in units of the incident power.
     pub power: Polarised<V>,
@@ -136,7 +136,7 @@ const MIN_EVANESCENT_FACTOR: f64 = 1e-8;
 const MIN_PARALLEL_COSINE: f64 = 1.0 - 1e-10;
 
 impl<'a, V: Lanes> CoherentMesh<'a, V> {
-    /// Cell with its media, and the light.
+    /// Mesh of a cell, with its media and the incident light.
     pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
         let none = Polarised::both(V::zero());

@@ -93,7 +93,7 @@ pub struct Path<V> {
 }
 
 impl<V> Path<V> {
-    /// Facet that it meets, with the side and the point.
+    /// Facet that the path meets, with the side and the point.
     pub fn at(&self) -> FacetHit {
         self.at
     }
@@ -102,9 +102,9 @@ impl<V> Path<V> {
 /// Path that leaves the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExitPath<V> {
-    /// Side on which it leaves.
+    /// Side on which the path leaves.
     pub side: Side,
-    /// Unit direction.
+    /// Unit direction of the path.
     pub direction: RealLanes<V>,
 }
 
@@ -122,12 +122,13 @@ pub struct IncoherentMesh<'a, V: Lanes> {
 const MAX_EVANESCENT_COSINE: f64 = 1e-9;
 
 impl<'a, V: Lanes> IncoherentMesh<'a, V> {
-    /// Cell with its media, and the light.
+    /// Mesh of a cell, with its media and the incident light.
     pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         Self { cell, media, incident, lost: V::zero(), absorbed: V::zero() }
     }
 
-    /// Path that starts over the point (u, v) of the period, in [0, 1)², and its light. `None` if it meets no facet.
+    /// Path that starts over the point (u, v) of the period, in [0, 1)², and its light. `None` if the path meets no
+    /// facet.
     pub fn start(&self, u: f64, v: f64) -> Option<(Path<V>, Coherency<V>)> {
         let IncidentWave { wi, s_axis, .. } = self.incident;
         let at = self.cell.first_hit(u, v, -wi)?;

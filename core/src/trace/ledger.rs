@@ -6,7 +6,8 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::trace::waves::Sink;
 
-/// Sink for a planar cell. All rays that leave on one side have the same direction, so they add as amplitudes.
+/// Sink for the rays of a planar cell. All rays that leave on one side have the same direction, so they add as
+/// amplitudes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specular<V> {
     above: Polarised<ComplexLanes<V>>,
@@ -58,13 +59,13 @@ pub struct Ledger<V> {
     /// from their values with all loops closed in the same precision. It includes the rounding errors of a long sum. It
     /// is 0 if loops are closed.
     pub truncated: V,
-    /// Difference of 1 and the other terms, due to rounding and to rays that were not followed. The paper's model does
-    /// not conserve power.
+    /// Difference between 1 and the sum of the other terms, due to rounding and to rays that were not followed. The
+    /// paper's model does not conserve power.
     pub imbalance: Polarised<V>,
 }
 
 impl<V: Lanes> Ledger<V> {
-    /// Ledger of these terms, with the imbalance that makes their sum 1.
+    /// Ledger of the given terms, with the imbalance that makes their sum 1.
     pub fn new(reflected: Polarised<V>, transmitted: Polarised<V>, absorbed: Polarised<V>, truncated: V) -> Self {
         let imbalance_of = |r: V, t: V, a: V| V::one() - r - t - a;
         let imbalance = Polarised {

@@ -9,7 +9,7 @@
 //! The waiting rays lie in an open-addressing hash table in the caller's memory, an array of [`Slot`]s. The cell
 //! computes the bucket of a state ([`Waves::bucket`]); linear probing over at most [`Waves::MAX_PROBES`] slots finds
 //! either a ray of the same wave, with which the new one merges, or a free slot. One table contains two generations: a
-//! slot belongs to the generation whose number it bears, and is freed when its ray is split.
+//! slot belongs to the generation whose number it holds, and is freed when its ray is split.
 //!
 //! The cell defines states and the split of a ray ([`Waves`]); the sink receives the rays that leave ([`Sink`]). For
 //! planar cells [`crate::trace::planar`] has an accelerated sum of the same series. [`crate::trace::paths`] traces rays

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-/// The points origin + t · direction with t in \[`t_min`, `t_max`\].
+/// A ray: the points origin + t · direction with t in \[`t_min`, `t_max`\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The point at t = 0.
     pub origin: DVec3,
-    /// The direction. It need not be of unit length; components may be 0, but not all.
+    /// The direction of the ray. It need not be of unit length; components may be 0, but not all.
     pub direction: DVec3,
     /// Smallest t of a hit.
     pub t_min: f64,

@@ -93,7 +93,7 @@ pub enum MediumError {
     },
     /// A table's wavelengths do not increase, or are not positive, at this row.
     NotIncreasing {
-        /// Row, from 0.
+        /// Index of the row, from 0.
         index: usize,
     },
     /// A table has no rows, or columns of different lengths; or lists of wavelengths, media or memory do not fit
@@ -105,7 +105,7 @@ pub enum MediumError {
         part: IndexPart,
         /// The wavelength asked for.
         wavelength_nm: f64,
-        /// The range of its data.
+        /// The range of wavelengths with data of this part, ends included.
         range_nm: [f64; 2],
     },
     /// The wavelength lies beside an unknown value of a table.

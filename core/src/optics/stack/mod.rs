@@ -19,7 +19,7 @@ pub use prepared::{PreparedStack, PreparedStackArrays, PreparedStackMemory, Resp
 /// A layer of one medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
-    /// The medium.
+    /// Index of the medium.
     pub medium: MediumIndex,
     /// Thickness in nanometres, ≥ 0.
     pub thickness_nm: f64,
@@ -40,7 +40,7 @@ pub struct StackMemory<'a> {
     pub interfaces: &'a mut [Interface],
     /// Distinct films.
     pub films: &'a mut [Film],
-    /// One for each plane.
+    /// Boundaries, one for each plane.
     pub boundaries: &'a mut [Boundary],
 }
 
@@ -85,7 +85,7 @@ pub enum StackError {
     },
     /// A layer has a thickness that is negative, NaN or infinite.
     Thickness {
-        /// Layer, from 0 at the top.
+        /// Index of the layer, from 0 at the top.
         layer: usize,
         /// The offending thickness.
         thickness_nm: f64,
@@ -199,7 +199,7 @@ impl<'a> Stack<'a> {
         self.ambient
     }
 
-    /// What lies under the last plane.
+    /// The substrate: the medium or mirror under the last plane.
     #[must_use]
     pub fn substrate(&self) -> Below {
         self.substrate
