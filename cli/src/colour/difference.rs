@@ -40,8 +40,9 @@ pub fn lab_of_xyz(xyz: [f64; 3], white: [f64; 3]) -> Lab {
     Lab { l: 116.0 * y - 16.0, a: 500.0 * (x - y), b: 200.0 * (y - z) }
 }
 
-/// ΔE2000, as G. Sharma, W. Wu and E. N. Dalal write it in "The CIEDE2000 color-difference formula: Implementation
-/// notes, supplementary test data, and mathematical observations", Color Research & Application 30, 21 (2005).
+/// Colour difference ΔE2000, as G. Sharma, W. Wu and E. N. Dalal write it in "The CIEDE2000 color-difference formula:
+/// Implementation notes, supplementary test data, and mathematical observations", Color Research & Application 30, 21
+/// (2005).
 #[must_use]
 pub fn delta_e(one: Lab, two: Lab) -> f64 {
     let share = |chroma: f64| (chroma.powi(7) / (chroma.powi(7) + 25.0_f64.powi(7))).sqrt();
@@ -83,11 +84,11 @@ pub fn delta_e(one: Lab, two: Lab) -> f64 {
 /// Mean, 95th percentile (nearest rank) and maximum of colour differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Mean.
+    /// Mean difference.
     pub mean: f64,
-    /// Value that 95 % do not exceed.
+    /// Difference that 95 % do not exceed.
     pub p95: f64,
-    /// Largest.
+    /// Largest difference.
     pub largest: f64,
 }
 

@@ -1,4 +1,4 @@
-//! `goniochrome colour`.
+//! The command `goniochrome colour`.
 
 use std::io::IsTerminal;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! `goniochrome compare`.
+//! The command `goniochrome compare`.
 
 use goniochrome::colour::Illuminant;
 

@@ -1,4 +1,4 @@
-//! `goniochrome estimate`.
+//! The command `goniochrome estimate`.
 
 use crate::commands::args::EstimateArgs;
 use crate::commands::make_table::make_table;

@@ -1,4 +1,4 @@
-//! `goniochrome export`.
+//! The command `goniochrome export`.
 
 use std::path::{Path, PathBuf};
 use std::slice;

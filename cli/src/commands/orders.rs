@@ -1,4 +1,4 @@
-//! `goniochrome orders`.
+//! The command `goniochrome orders`.
 
 use crate::commands::args::OrdersArgs;
 use crate::commands::cell_options::{light_direction, listed_wavelengths};

@@ -46,7 +46,7 @@ pub(super) fn compute_spectra(
     Ok(spectra)
 }
 
-/// Notes what is amiss with the wavelengths from which colours are made.
+/// Notes what is wrong with the wavelengths from which colours are made.
 pub(super) fn note_on_colours(
     planar: &PlanarScene<'_>,
     spectra: &Spectra,

@@ -1,4 +1,4 @@
-//! `goniochrome plot`.
+//! The command `goniochrome plot`.
 
 use crate::commands::args::{PlotArgs, PlotKind};
 use crate::commands::pictures::save_picture;

@@ -1,4 +1,4 @@
-//! `goniochrome presets`.
+//! The command `goniochrome presets`.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub fn run(name: Option<&str>) -> Result<()> {
     output::write_text(Path::new("-"), &text)
 }
 
-/// `goniochrome presets --materials`.
+/// The command `goniochrome presets --materials`.
 pub fn materials() -> Result<()> {
     output::write_text(Path::new("-"), &list_materials()?)
 }

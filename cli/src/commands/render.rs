@@ -1,4 +1,4 @@
-//! `goniochrome render`.
+//! The command `goniochrome render`.
 
 use std::fs;
 use std::path::{Path, PathBuf};

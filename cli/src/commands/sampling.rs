@@ -1,4 +1,4 @@
-//! `goniochrome sampling`.
+//! The command `goniochrome sampling`.
 
 use std::cell::Cell;
 

@@ -1,4 +1,4 @@
-//! `goniochrome scatter`.
+//! The command `goniochrome scatter`.
 
 use goniochrome::measure::bins::DirectionBins;
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! `goniochrome spectrum`.
+//! The command `goniochrome spectrum`.
 
 use goniochrome::colour::Illuminant;
 

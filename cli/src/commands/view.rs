@@ -1,4 +1,4 @@
-//! `goniochrome view`.
+//! The command `goniochrome view`.
 
 use crate::commands::args::PageArgs;
 use crate::commands::table_source::TableSource;

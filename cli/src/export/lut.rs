@@ -35,7 +35,7 @@ pub struct Lut {
     pub texels: Vec<[f32; 3]>,
     /// The colour space of the texels.
     pub space: RgbSpace,
-    /// What the header says of the scene, its light and, where a thickness is varied, the layer.
+    /// Entries of the header about the scene, the light and, where a thickness is varied, the layer.
     pub(super) facts: BTreeMap<&'static str, String>,
     /// Thickness of the varied layer in the first and the last row, in nm.
     pub rows_nm: Option<[f64; 2]>,

@@ -14,16 +14,16 @@ use std::path::Path;
 use crate::support::error::{Error, Result};
 use crate::support::input::read_bytes;
 
-/// Longest file: ten million triangles with their vertices take about half of this.
+/// Maximum length of a file: ten million triangles with their vertices take about half of this.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Most triangles of a mesh. As a cell, ten million with their hierarchy, checks and file took 3.9 GB.
+/// Maximum number of triangles of a mesh. As a cell, ten million with their hierarchy, checks and file took 3.9 GB.
 pub(crate) const MAX_TRIANGLES: usize = 10_000_000;
 
-/// Most vertices of a mesh, three for each triangle: every mesh whose facets share nothing fits.
+/// Maximum number of vertices of a mesh, three for each triangle: every mesh whose facets share nothing fits.
 const MAX_VERTICES: usize = 3 * MAX_TRIANGLES;
 
-/// Most characters of a word that messages show.
+/// Maximum number of characters of a word that messages show.
 const SHOWN: usize = 40;
 
 /// Statements that say nothing about where a surface is.

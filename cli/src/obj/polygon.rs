@@ -11,8 +11,8 @@
 
 use glam::{DVec2, DVec3};
 
-/// Most corners of a polygon that no fan triangulates. Time grows with the square of their number: this many take 0.2 s
-/// at worst.
+/// Maximum number of corners of a polygon that no fan triangulates. Time grows with the square of their number: this
+/// many take 0.2 s at worst.
 pub(crate) const MAX_CORNERS: usize = 4096;
 
 /// Fraction of the largest coordinate within which a corner lies on a line: files hold single precision.
@@ -26,9 +26,9 @@ const NOTHING: f64 = 64.0 * f64::EPSILON;
 pub(crate) enum TriangulationError {
     /// All corners lie on a line.
     NoArea,
-    /// Sides cross or touch.
+    /// Sides of the polygon cross or touch.
     SelfIntersection,
-    /// It is concave and has more than [`MAX_CORNERS`].
+    /// The polygon is concave and has more than [`MAX_CORNERS`].
     TooManyCorners,
 }
 

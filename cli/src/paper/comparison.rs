@@ -15,8 +15,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Computes both. The traced spectra take the method of the request, or ray splitting with closed loops if the
-    /// request names the closed form.
+    /// Computes the spectra by both methods. The traced spectra take the method of the request, or ray splitting with
+    /// closed loops if the request names the closed form.
     ///
     /// # Errors
     /// What [`spectra`] refuses: media that are unknown at a wavelength, or angles and wavelengths out of range.

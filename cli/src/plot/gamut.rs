@@ -8,7 +8,7 @@ const MIN_COMPONENT: f32 = -0.5 / 255.0 / 12.92;
 /// Largest component that counts as in gamut: half a step of 8-bit sRGB above white, where the slope is 1.055/2.4.
 const MAX_COMPONENT: f32 = 1.0 + 0.5 / 255.0 * 2.4 / 1.055;
 
-/// Counts of colours: pixels, or swatches.
+/// Counts of colours (pixels or swatches), and of those out of gamut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OutOfGamut {
     /// Number of colours more saturated than sRGB: a component is negative.

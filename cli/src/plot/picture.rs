@@ -48,7 +48,7 @@ impl Picture {
         Self { out_of_gamut, ..self }
     }
 
-    /// How many of the colours that show data are out of gamut, and were changed.
+    /// Counts of the colours that show data, and of those that are out of gamut and were changed.
     #[must_use]
     pub fn out_of_gamut(&self) -> OutOfGamut {
         self.out_of_gamut

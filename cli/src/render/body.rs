@@ -44,9 +44,9 @@ enum Intersector<'a> {
 /// The nearest hit of a ray on the body.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceHit {
-    /// Its place in the world.
+    /// Place of the hit in the world.
     pub point: DVec3,
-    /// The frame of the surface there, not yet turned to the viewer.
+    /// The frame of the surface at the hit, not yet turned to the viewer.
     pub frame: ShadingFrame,
 }
 

@@ -12,7 +12,7 @@ use crate::support::memory;
 /// Radiance that replaces infinity: the largest half-precision number.
 const MAX_RADIANCE: f32 = 65_504.0;
 
-/// What was changed in an image before its use, and how its channels were interpreted.
+/// Repairs of an image before its use, and the interpretation of its channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ImageRepairs {
     /// Number of negative components, which became 0.

@@ -10,7 +10,7 @@ use crate::colour::LUMINANCE_F32;
 /// Cells of the grid by which the studio is sampled: its edges are a few degrees wide.
 const STUDIO_CELLS: [usize; 2] = [256, 128];
 
-/// Where light comes from.
+/// The light around a body, before it is turned.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EnvironmentLight {
     /// Radiance 1 from everywhere.

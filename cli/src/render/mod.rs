@@ -66,9 +66,9 @@ pub struct Quality {
 pub struct Stage<'a> {
     /// The body.
     pub body: &'a Body<'a>,
-    /// Its reflection.
+    /// The reflection of the body's surface.
     pub surface: &'a Surface,
-    /// The light around it.
+    /// The light around the body.
     pub environment: &'a Environment,
     /// The camera.
     pub camera: &'a Camera,

@@ -25,7 +25,7 @@ const BYTES: usize = 1600;
 /// Twice the smallest area of a triangle: its square is far from the smallest number.
 const MIN_DOUBLE_AREA: f64 = 1e-150;
 
-/// What was changed in a mesh before its use.
+/// Repairs of a mesh before its use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshRepairs {
     /// Number of triangles of the mesh.

@@ -20,13 +20,13 @@ pub const FLOOR: f64 = 0.05;
 /// A soft box: a rectangular lamp behind cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftBox {
-    /// Azimuth from +x and elevation of its centre, in degrees.
+    /// Azimuth from +x and elevation of the box's centre, in degrees.
     pub towards_deg: [f64; 2],
-    /// Tangents of half its width and height, seen from the body.
+    /// Tangents of half the width and height, seen from the body.
     pub half_extent: [f64; 2],
-    /// Tangent over which its edges fade, to either side.
+    /// Tangent over which the edges fade, to either side.
     pub softness: f64,
-    /// Radiance in its middle.
+    /// Radiance in the middle.
     pub radiance: f64,
 }
 
@@ -40,7 +40,7 @@ pub const SOFT_BOXES: [SoftBox; 4] = [
 ];
 
 impl SoftBox {
-    /// Unit vectors towards its centre, to its right and upwards, seen from the body.
+    /// Unit vectors towards the box's centre, to the right and upwards, seen from the body.
     #[must_use]
     pub fn axes(&self) -> [DVec3; 3] {
         let [azimuth, elevation] = self.towards_deg.map(f64::to_radians);

@@ -15,7 +15,7 @@ pub enum ToneMap {
 }
 
 impl ToneMap {
-    /// The colour that the screen's transfer function then encodes.
+    /// The tone-mapped colour, for the screen's transfer function to encode.
     #[must_use]
     pub fn apply(self, rgb: [f32; 3]) -> [f32; 3] {
         match self {

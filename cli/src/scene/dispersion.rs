@@ -44,7 +44,7 @@ impl PartialEq for OwnedDispersion {
 }
 
 impl OwnedDispersion {
-    /// This function as the core takes it.
+    /// The function as the core's [`Dispersion`], which borrows the data.
     #[must_use]
     pub fn borrow(&self) -> Dispersion<'_> {
         match self {

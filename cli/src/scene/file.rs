@@ -54,13 +54,14 @@ use super::{placement, refractive_index_info, surface};
 use crate::support::error::Result;
 use crate::support::text::{one_line, toml_key};
 
-/// Most layers with repetitions written out. Real mirrors have hundreds; a mistyped `repeat` asks for millions.
+/// Maximum number of layers with repetitions written out. Real mirrors have hundreds; a mistyped `repeat` asks for
+/// millions.
 const MAX_LAYERS: u32 = 10_000;
 
-/// Deepest nesting of `repeat` within `repeat`.
+/// Maximum nesting of `repeat` within `repeat`.
 const MAX_REPEAT_DEPTH: u32 = 16;
 
-/// Longest refractive index file.
+/// Maximum length of a refractive index file.
 const MAX_NK_BYTES: u64 = 16 << 20;
 
 /// Reader of a scene file: its media and the files met so far.

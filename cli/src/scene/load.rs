@@ -11,7 +11,7 @@ use super::model::Scene;
 use super::{delimited, file, presets, refractive_index_info};
 use crate::support::error::{Error, Result};
 
-/// Longest scene file: 4 MiB hold some 50 000 layers.
+/// Maximum length of a scene file: 4 MiB hold some 50 000 layers.
 const MAX_SCENE_BYTES: u64 = 4 << 20;
 
 /// Loads the scene in a file, or the preset of that name. A file hides a preset with its name.

@@ -52,7 +52,7 @@ impl OwnedMedium {
         Self::new(OwnedDispersion::Constant(n), OwnedDispersion::Constant(k), Extrapolate::Refuse)
     }
 
-    /// This medium as the core takes it.
+    /// The medium as the core's [`Medium`], which borrows the data.
     ///
     /// # Panics
     /// Never: the constructor made the same check.

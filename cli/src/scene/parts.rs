@@ -5,7 +5,7 @@ use goniochrome::optics::medium::MediumIndex;
 
 use super::medium::OwnedMedium;
 
-/// Longest length in a scene, a metre: no film is thicker, and its phase still has ten digits.
+/// Maximum length in a scene, a metre: no film is thicker, and its phase still has ten digits.
 pub(super) const MAX_LENGTH_NM: f64 = 1e9;
 
 /// A medium with the name that the scene gives it.
@@ -13,7 +13,7 @@ pub(super) const MAX_LENGTH_NM: f64 = 1e9;
 pub struct NamedMedium {
     /// A material's name or its numbers, `1.56+0.06i`.
     pub name: String,
-    /// Its complex refractive index η(λ).
+    /// Complex refractive index η(λ) of the medium.
     pub medium: OwnedMedium,
 }
 
@@ -29,9 +29,9 @@ pub struct Layer {
 /// Interface between two media, `[interface.NAME]` in a scene file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedInterface {
-    /// The `usemtl` name of its facets.
+    /// The `usemtl` name of the interface's facets.
     pub name: String,
-    /// The media on its two sides.
+    /// The media on the two sides.
     pub interface: Interface,
     /// Films on the side of the facet's normal, the outermost first; they take up no room in the mesh.
     pub coating: Vec<Layer>,

@@ -22,7 +22,7 @@ use crate::support::error::{Error, Result};
 pub struct Plane {
     /// Height of the plane.
     pub z_nm: f64,
-    /// Media above and below it along z.
+    /// Media above and below the plane along z.
     pub interface: Interface,
 }
 

@@ -20,10 +20,10 @@ use crate::support::error::{Error, Result};
 /// Angle in radians below which two facets at one edge overlap, unless rounding is larger.
 const OVERLAP: f64 = 1e-6;
 
-/// Most faults that are kept: more say nothing new.
+/// Maximum number of faults that are kept: more say nothing new.
 const MAX_FAULTS: usize = 10_000;
 
-/// Most tests of a vertical line against a facet: some seconds.
+/// Maximum number of tests of a vertical line against a facet: some seconds.
 const MAX_PROBED: usize = 1 << 30;
 
 /// Cell of polygons that divide space cleanly: every boundary between two media is closed over the period.

@@ -5,7 +5,7 @@ use saphyr_parser::{Event, Parser, ScalarStyle};
 use super::diagnostics::SourceText;
 use crate::support::error::Result;
 
-/// Deepest nesting: data files have four levels, and the tree is dropped recursively on the call stack.
+/// Maximum nesting: data files have four levels, and the tree is dropped recursively on the call stack.
 const MAX_DEPTH: usize = 64;
 
 /// Value with the line where it starts; for a literal block that is its first row, blank or not.

@@ -1,4 +1,4 @@
-//! Independently scrambled batches of starting rays: their spread tells the standard error of a mean.
+//! Independently scrambled batches of starting rays: their spread gives the standard error of a mean.
 
 /// The number of batches over which the standard error is taken.
 pub const BATCHES: u32 = 32;

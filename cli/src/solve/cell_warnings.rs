@@ -5,9 +5,9 @@ use crate::solve::scatter::{Adding, Coherence};
 use crate::solve::truncation::MAX_TRUNCATED;
 use crate::table::statistics::MeanWithError;
 
-/// The largest imbalance of power that is not told. Bumpy films keep their power to a hundredth.
+/// The largest imbalance of power without a warning. Bumpy films keep their power to a hundredth.
 const MAX_IMBALANCE: f64 = 0.01;
-/// The largest imbalance of power that is not told, in standard errors.
+/// The largest imbalance of power without a warning, in standard errors.
 const MAX_DEVIATIONS: f64 = 4.0;
 
 /// A warning if the power of interfering waves does not balance.
@@ -17,17 +17,17 @@ pub fn unbalanced(coherence: Coherence, imbalance: MeanWithError) -> Option<Stri
     match coherence.adding() {
         Adding::Powers(_) | Adding::Fields if value.abs() > MAX_IMBALANCE.max(MAX_DEVIATIONS * std_error) => {
             Some(format!(
-                "power balances only to {value:.3} with --coherence {}, since paths that interfere here do not interfere in all \
-             directions; --coherence none keeps power",
+                "power balances only to {value:.3} with --coherence {}, since paths that interfere here do not \
+                 interfere in all directions; --coherence none keeps power",
                 coherence.name()
             ))
         }
-        // Only reflected orders are computed: their missing power is no fault.
+        // Only reflected orders are computed: their missing power is not a fault.
         Adding::Powers(_) | Adding::Fields | Adding::Orders => None,
     }
 }
 
-/// The largest share of starting rays without interference that is not told: a reflectance may change by as much.
+/// The largest share of starting rays traced incoherently without a warning: a reflectance may change by as much.
 const MAX_SHARE: f64 = 0.01;
 
 /// A warning if many starting rays were traced without interference.

@@ -32,7 +32,7 @@ const NUMBER_BYTES: usize = size_of::<u64>();
 /// Bytes of a SHA-256 sum.
 const SUM_BYTES: usize = 32;
 
-/// The inputs that decide the numbers: a checkpoint with another identity is refused.
+/// The inputs that decide the numbers of a run: a checkpoint with another identity is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity(String);
 

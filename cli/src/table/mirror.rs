@@ -4,10 +4,10 @@ use crate::colour::visible;
 use crate::support::error::{Error, Result};
 use crate::table::metadata::Metadata;
 
-/// Most angles of a table; steps of 0.01° need 9001.
+/// Maximum number of angles of a table; steps of 0.01° need 9001.
 pub const MAX_ANGLES: usize = 16_384;
 
-/// Most wavelengths of a table; steps of 0.1 nm over the visible range need 4001.
+/// Maximum number of wavelengths of a table; steps of 0.1 nm over the visible range need 4001.
 pub const MAX_WAVELENGTHS: usize = 8_192;
 
 /// Largest product of angles and wavelengths of a table: 64 MB per polarisation.

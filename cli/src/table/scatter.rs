@@ -7,7 +7,7 @@ use crate::table::metadata::Metadata;
 use crate::table::mirror::{MAX_WAVELENGTHS, check_wavelengths};
 use crate::table::statistics::MeanWithError;
 
-/// Most pairs of directions of a table: 16 × 32 incident by 64 × 128 outgoing.
+/// Maximum number of pairs of directions of a table: 16 × 32 incident by 64 × 128 outgoing.
 pub const MAX_PAIRS: usize = 1 << 22;
 
 /// Largest product of pairs of directions and wavelengths of a table: 512 MiB.
@@ -24,8 +24,8 @@ pub struct Energy {
     pub absorbed: f64,
     /// Light of rays that were dropped or lost.
     pub truncated: f64,
-    /// 1 less the sum of the above. Without interference it is rounding alone; where paths interfere, power balances
-    /// only on average.
+    /// 1 less the reflected, transmitted, absorbed and truncated light. Without interference it is rounding alone;
+    /// where paths interfere, power balances only on average.
     pub imbalance: MeanWithError,
     /// Fraction of starting rays that were traced without interference, since their interference series diverges.
     pub without_interference: f64,

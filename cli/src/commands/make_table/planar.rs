@@ -18,7 +18,7 @@ use crate::table::mirror::MirrorTable;
 
 /// Bytes of a sample in a 2D table: unpolarised reflectance and both of its parts, four bytes each.
 const BYTES_PER_SAMPLE: usize = 12;
-/// The size from which on a table's summary tells it.
+/// The smallest size of a table that its summary states.
 const LARGE_BYTES: usize = 1_000_000;
 
 /// Computes the table of a planar scene; also returns its summary.

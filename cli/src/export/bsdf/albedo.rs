@@ -95,7 +95,7 @@ mod tests {
                 nodes[1].iter().flat_map(|v| nodes[0].iter().map(move |u| (u.0, v.0))).map(cosine).collect();
             let grid = BsdfGrid { theta: vec![theta], phi: vec![0.0], nodes: nodes.clone(), density: density() };
             let albedo = interpolated(&grid, wi, 0.0, &samples);
-            // Interpolation of a curved function: (π/SIDE)²/8 and the like.
+            // Interpolation of a curved function: (π/SIDE)²/8 and similar terms.
             assert!((albedo - 1.0).abs() < 2e-3, "{theta}: {albedo}");
             let mut scaled = samples;
             keep(&mut scaled, 1.0, albedo);

@@ -38,7 +38,7 @@ const COLUMNS: usize = 1024;
 /// along it.
 const ACROSS: f64 = 3.0;
 
-/// The samples of a file.
+/// The grid of a tensor file.
 #[derive(Clone, Debug)]
 pub struct BsdfGrid {
     /// Incident angles θ_i in radians, increasing.
@@ -52,7 +52,7 @@ pub struct BsdfGrid {
 }
 
 impl BsdfGrid {
-    /// The samples for the file of a BRDF.
+    /// The grid for the tensor file of a BRDF.
     #[must_use]
     pub fn new(reflection: &Reflection) -> Self {
         // Values for each sample: the spectra, and the luminance.
@@ -94,7 +94,7 @@ impl BsdfGrid {
         Self { theta, phi, nodes: density.each_ref().map(|density| density.nodes(side)), density }
     }
 
-    /// Whether φ_m counts from φ_i.
+    /// Whether the BRDF is isotropic, so that φ_m counts from φ_i.
     #[must_use]
     pub fn isotropic(&self) -> bool {
         self.phi.len() == 1

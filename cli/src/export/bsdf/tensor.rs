@@ -3,11 +3,11 @@
 /// A named array of a file.
 #[derive(Clone, Debug)]
 pub struct Field {
-    /// Its name.
+    /// Name of the array.
     pub name: &'static str,
-    /// Lengths of its axes, the last one contiguous.
+    /// Lengths of the axes, the last one contiguous.
     pub shape: Vec<usize>,
-    /// Its values.
+    /// Values of the array.
     pub values: Values,
 }
 

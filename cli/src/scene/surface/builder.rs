@@ -6,7 +6,8 @@ use crate::scene::mesh::{Mesh, Triangle};
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-/// Most triangles of a surface: far finer than any microscopic one needs; a slip in a count asks for billions.
+/// Maximum number of triangles of a surface: far finer than any microscopic one needs; a slip in a count asks for
+/// billions.
 const MAX_TRIANGLES: u64 = 1_000_000;
 
 /// Mesh under construction.
@@ -27,7 +28,7 @@ impl Builder {
         self.mesh.vertices.len() as u32 - 1 // MAX_TRIANGLES bounds it
     }
 
-    /// Adds a triangle of the kind's interface of this number, counter-clockwise seen from the side of its normal.
+    /// Adds a triangle on an interface of the kind, counter-clockwise seen from the side of its normal.
     pub fn triangle(&mut self, vertices: [u32; 3], interface: usize) {
         self.mesh.triangles.push(Triangle { vertices, interface: self.numbers[interface], line: self.line });
     }

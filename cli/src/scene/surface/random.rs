@@ -15,17 +15,17 @@ impl RandomSequence {
         Ok(Self(Random::new(0, seed)))
     }
 
-    /// Uniform in [0, 1).
+    /// The next number, uniform in [0, 1).
     pub fn unit(&mut self) -> f64 {
         self.0.next()
     }
 
-    /// Uniform in [min, max).
+    /// The next number, uniform in [min, max).
     pub fn between(&mut self, min: f64, max: f64) -> f64 {
         min + (max - min) * self.unit()
     }
 
-    /// Normally distributed, of mean 0 and variance 1 (Box and Muller, 1958).
+    /// The next number, normally distributed, of mean 0 and variance 1 (Box and Muller, 1958).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.unit()).cos()

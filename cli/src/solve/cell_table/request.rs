@@ -21,7 +21,7 @@ pub struct TableRequest<'r> {
     pub weights: &'r [[f64; 3]],
     /// The space of RGB.
     pub space: RgbSpace,
-    /// Average f(wi, wo) and f(wo, wi): see [`reciprocal`](crate::solve::cell_table::reciprocal).
+    /// Whether f(wi, wo) and f(wo, wi) are averaged: see [`reciprocal`](crate::solve::cell_table::reciprocal).
     pub reciprocal: bool,
 }
 

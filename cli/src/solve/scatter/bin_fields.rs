@@ -65,7 +65,7 @@ impl<'c> BinLight<'c> {
     }
 
     /// The tallies of each batch at one group of wavelengths, as many as `media` hold. The mean over batches is the
-    /// estimate, and their spread tells its standard error.
+    /// estimate, and their spread gives its standard error.
     ///
     /// The power of a bin is |F|² of the mean field F over all batches, so no batch has a power of its own. A batch
     /// gets the jackknife's pseudo-value instead, with F₋ the mean field of the other batches: K |F|² − (K − 1) |F₋|²

@@ -59,7 +59,7 @@ pub fn scatter(
     }
 }
 
-/// How often [`scatter`] calls its `progress`.
+/// Number of calls of `progress` by [`scatter`].
 #[must_use]
 pub fn steps(wavelengths: usize, request: &ScatterRequest) -> usize {
     BATCHES as usize

@@ -9,8 +9,8 @@ pub struct Sample {
     pub reflectance: Polarised<f64>,
     /// Transmittance into the substrate.
     pub transmittance: Polarised<f64>,
-    /// The error bar for rays that were not followed: the largest difference of the four powers above from those with
-    /// closed loops. 0 for all methods but [`Hits`](crate::solve::spectra::Method::Hits).
+    /// The error bar for rays that were not followed: the largest difference of the four powers from their values
+    /// with closed loops. 0 for all methods but [`Hits`](crate::solve::spectra::Method::Hits).
     pub truncated: f64,
     /// The power that the tracer's ledger misses, the larger of s and p. 0 in closed form.
     pub imbalance: f64,

@@ -25,10 +25,10 @@ pub(crate) const PREFIX: &str = "goniochrome.";
 pub(super) const KIND: &str = "kind";
 pub(super) const WAVELENGTH: &str = "wavelength_nm";
 
-/// Longest key: OpenEXR's own limit, less the prefix.
+/// Maximum length of a key: OpenEXR's own limit, less the prefix.
 const MAX_KEY_LENGTH: usize = 255 - PREFIX.len();
 
-/// Most blocks in memory at once: sixteen lines of all channels can be megabytes.
+/// Maximum number of blocks in memory at once: sixteen lines of all channels can be megabytes.
 const MAX_BLOCKS: usize = 4;
 
 /// Image to write: its pixels, and text attributes.
