@@ -127,7 +127,7 @@ fn what_people_read_is_in_form() {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace holds this package");
     let (mut read, mut found) = (Vec::new(), Vec::new());
     for file in files(workspace) {
-        // Pictures and fonts are no text.
+        // Pictures and fonts are not text.
         let Ok(text) = fs::read_to_string(&file) else { continue };
         let name = file.strip_prefix(workspace).expect("a file of the workspace");
         found.extend(faults(name, &text).into_iter().map(|fault| format!("{}:{fault}", name.display())));

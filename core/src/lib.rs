@@ -17,9 +17,9 @@
 //!
 //! # Where to find what
 //!
-//! Rooms and modules stand in the order of use: each uses only those above it.
+//! Modules are listed in the order of use: each uses only those above it.
 //!
-//! | room | module | content | equation |
+//! | module | submodule | content | equation |
 //! |---|---|---|---|
 //! | [`simd`] | [`lanes`](simd::lanes) | one number per wavelength of a group | |
 //! | | [`double_double`](simd::double_double) | lanes of twice the digits of double precision | a + b = s + e, exactly |

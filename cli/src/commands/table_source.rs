@@ -23,7 +23,7 @@ impl TableSource {
     /// begin as OpenEXR are tables; everything else is a scene.
     ///
     /// # Errors
-    /// A scene that cannot be read, or is no scene.
+    /// A scene that cannot be read, or is not a scene.
     pub fn find(name: &Path) -> Result<Self> {
         let named = name.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
         match name.to_str() {
@@ -43,7 +43,7 @@ impl TableSource {
     /// The table. For a scene it is made by the defaults of `estimate`, for cells with fewer rays.
     ///
     /// # Errors
-    /// A file that is no table; a scene that cannot be computed.
+    /// A file that is not a table; a scene that cannot be computed.
     pub fn table(&self, quiet: bool) -> Result<Table> {
         match self {
             Self::File(path) => file::read(path),

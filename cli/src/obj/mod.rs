@@ -113,9 +113,9 @@ pub(crate) enum Detail {
 pub(crate) enum Statement<'r> {
     /// Vertex, with finite coordinates.
     Vertex([f64; 3]),
-    /// Normal as written; NaN for what is no number.
+    /// Normal as written; NaN for what is not a number.
     Normal([f64; 3]),
-    /// First texture coordinate; NaN for what is no number.
+    /// First texture coordinate; NaN for what is not a number.
     Texture(f64),
     /// Name in `usemtl`, which may contain spaces.
     Material(Cow<'r, str>),

@@ -213,7 +213,7 @@ fn is_one_side(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> bool {
     (p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0)
 }
 
-/// Whether two sides that are no neighbours have a point in common.
+/// Whether two sides that are not neighbours have a point in common.
 fn is_self_intersecting(ring: &[(usize, DVec2)]) -> bool {
     let count = ring.len();
     let side = |i: usize| (ring[i].1, ring[(i + 1) % count].1);
@@ -301,7 +301,7 @@ mod tests {
         };
         for count in [4usize, 5, 7, 12, 40, 300] {
             for spiral in [0.0, 0.0, 0.7, 3.0] {
-                // Star-shaped around a middle that is no corner; then twisted, which keeps it simple and takes that
+                // Star-shaped around a middle that is not a corner; then twisted, which keeps it simple and takes that
                 // away.
                 let corners: Vec<[f64; 2]> = (0..count)
                     .map(|i| {

@@ -38,7 +38,7 @@ impl Channels {
     /// An environment's RGB becomes the illuminant times R b_R(λ) + G b_G(λ) + B b_B(λ). The basis starts from three
     /// smooth bands that add up to 1. It is then mixed linearly so that it still adds up to 1 (white light is the
     /// illuminant itself) and each of R, G, B alone keeps its colour on a perfect mirror. It may be slightly negative:
-    /// saturated lights of sRGB are no natural spectra.
+    /// saturated lights of sRGB are not natural spectra.
     ///
     /// # Errors
     /// Wavelengths that are invisible, or too few to tell R, G and B apart.

@@ -89,7 +89,7 @@ pub fn decode(label: &str, bytes: &[u8]) -> Result<(LatLong, ImageRepairs)> {
     Ok((image, repairs))
 }
 
-/// Replaces components that are no radiance, and counts them.
+/// Replaces components that are not a radiance, and counts them.
 fn repair(texels: &mut [[f32; 3]]) -> ImageRepairs {
     let mut repairs = ImageRepairs::default();
     for x in texels.iter_mut().flatten() {

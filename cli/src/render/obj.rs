@@ -30,8 +30,8 @@ const MIN_DOUBLE_AREA: f64 = 1e-150;
 pub struct MeshRepairs {
     /// Number of triangles of the mesh.
     pub triangles: usize,
-    /// Triangles with a corner that had no normal, or a normal that is no direction. These normals were computed, all
-    /// others kept.
+    /// Triangles with a corner that had no normal, or a normal that is not a direction. These normals were computed,
+    /// all others kept.
     pub without_normals: usize,
     /// Number of triangles without area, which were left out; a polygon without area counts as one.
     pub without_area: usize,
@@ -303,7 +303,7 @@ mod tests {
     fn normals_are_computed_at_the_corners_that_have_none_and_kept_at_all_others() {
         let given = DVec3::new(0.0, 0.6, 0.8);
         let normals = "vn 0 3 4\nvn 0 0 0\nvn nan -nan(ind) 0\n";
-        // Of eight corners that name normals, one names no direction, and one what is no number.
+        // Of eight corners that name normals, one names no direction, and one something that is not a number.
         let text = format!("{CUBE_CORNER}{normals}f 1//1 2//1 3//1\nf 1 4 2\nf 1//1 2//2 4//1\nf 1//3 3//1 4//1\n");
         let (mesh, repairs) = read(&text).unwrap();
         assert_eq!((repairs.triangles, repairs.without_normals), (4, 3));

@@ -210,7 +210,7 @@ mod tests {
     fn luminance_alone_is_grey() {
         assert_eq!(texel(&[("a", &["A", "Y"])]), [2.0; 3]);
         assert!(read(&file(&[("a", &["grey.Y"])], |_| {})).unwrap().is_grey);
-        // The middle coordinate of normals is no luminance.
+        // The middle coordinate of normals is not a luminance.
         assert!(refusal(&[("a", &["N.X", "N.Y", "N.Z"])]).contains("it holds the channels \"N.X\", \"N.Y\", \"N.Z\""));
     }
 

@@ -21,7 +21,7 @@ pub(super) struct Decoded {
     pub is_grey: bool,
 }
 
-/// Refuses sizes that are no lat-long image, or have more than [`MAX_TEXELS`] texels.
+/// Refuses sizes that a lat-long image cannot have, and more than [`MAX_TEXELS`] texels.
 pub(super) fn check_size(width: usize, height: usize) -> ReadResult<()> {
     if height == 0 || height.checked_mul(2) != Some(width) {
         return Err(format!(

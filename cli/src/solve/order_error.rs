@@ -195,7 +195,7 @@ impl Relief {
     }
 }
 
-/// The rounding of single-precision files: a facet that leans over by less is no overhang.
+/// The rounding of single-precision files: a facet that leans over by less is not an overhang.
 const MIN_OVERHANG: f64 = 1e-6;
 
 /// The larger of R_s and R_p by Fresnel's formulas.

@@ -19,14 +19,14 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Writes `text` to `path`, or to standard output where `path` is `-`.
 ///
 /// # Errors
-/// A file that [`write_file`] cannot write, a standard output that fails. A closed pipe is no error.
+/// A file that [`write_file`] cannot write, a standard output that fails. A closed pipe is not an error.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
     if path != Path::new("-") {
         return write_file(path, text.as_bytes());
     }
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        // `goniochrome … | head` has seen enough; that is no failure.
+        // `goniochrome … | head` has seen enough; that is not a failure.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         result => result.map_err(|error| explain(Path::new("standard output"), &error)),
     }

@@ -121,7 +121,7 @@ mod tests {
         for table in [mirror(), crate::table::scatter::tests::sample().into()] {
             let html = page(&table).unwrap();
             assert!(html.len() < MAX_BYTES_2D, "{}", html.len());
-            // A place in the page itself is no address.
+            // A place in the page itself is not an address.
             let html = html.replace("url(#", "");
             for part in ["http:", "https:", "src=\"", "@import", "url(", "{{name}}", "{{style}}", "{{script}}"] {
                 assert!(!html.contains(part), "{part}");

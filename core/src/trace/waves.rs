@@ -82,8 +82,8 @@ impl<S, F> Slot<S, F> {
 /// Limits beyond which rays are not followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Power in flight, relative to the incident power, below which rays are dropped. It is no error bound: waves in a
-    /// loop of gain g would still add up to √`in_flight`/|1 − g| to the amplitude that leaves.
+    /// Power in flight, relative to the incident power, below which rays are dropped. It is not an error bound: waves
+    /// in a loop of gain g would still add up to √`in_flight`/|1 − g| to the amplitude that leaves.
     pub in_flight: f64,
     /// Largest number of generations.
     pub generations: u32,
@@ -99,7 +99,7 @@ impl Limits {
 /// Cost of a trace, and the power that it did not follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<V> {
-    /// Power in flight at the end plus power of rays dropped on the way, per lane. It is no error bound: see
+    /// Power in flight at the end plus power of rays dropped on the way, per lane. It is not an error bound: see
     /// [`Limits::in_flight`]. It exceeds 1 if the sum is given up because it grows.
     pub truncated: V,
     /// Number of states visited: one for each split of a merged ray.

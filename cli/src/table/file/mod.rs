@@ -52,7 +52,7 @@ pub fn encode(table: &Table, threads: usize) -> Result<Vec<u8>> {
 /// Decodes the table in the bytes of an EXR file.
 ///
 /// # Errors
-/// Bytes that are no EXR file, a missing attribute or channel, sizes that contradict one another, a table that
+/// Bytes that are not an EXR file, a missing attribute or channel, sizes that contradict one another, a table that
 /// [`Table::check`] refuses.
 pub fn decode(bytes: &[u8]) -> Result<Table> {
     let mut file = Opened::new(bytes)?;
