@@ -80,6 +80,18 @@ fn wrong_extensions_are_refused_before_anything_is_read() {
 }
 
 #[test]
+fn options_without_effect_are_refused() {
+    let user = User::new();
+    user.ok("estimate paper-fig3 -o t.exr --angles 4 --wavelengths 400:700:100");
+    user.refused("plot t.exr -o a.png --theta 10", 2, &["--theta", "shows every angle", "leave it out"]);
+    user.refused("plot t.exr -o a.png --kind map --theta 10", 2, &["--theta", "shows every angle", "leave it out"]);
+    user.refused("plot t.exr -o a.png --phi 80", 2, &["--phi", "every azimuth", "leave it out"]);
+    user.refused("render t.exr -o a.exr --exposure 3", 2, &["a.exr", "leave --exposure and --tonemap out"]);
+    user.refused("render t.exr -o a.exr --tonemap filmic", 2, &["a.exr", "leave --exposure and --tonemap out"]);
+    user.refused("render t.exr -o a.png --mesh sphere --level 4", 2, &["--level", "--mesh sphere"]);
+}
+
+#[test]
 fn help_and_version_are_no_errors() {
     let user = User::new();
     let help = user.ok("--help");

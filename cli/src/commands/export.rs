@@ -34,15 +34,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     if args.to == ExportKind::Gltf {
         return gltf(args);
     }
-    let path = Path::new(&args.source);
-    if !is_table(path) {
-        return Err(Error::usage(format_args!(
-            "--to {} takes a table; make one by `goniochrome estimate {} -o table.exr`",
-            spelled(args.to),
-            args.source
-        )));
-    }
-    let table = file::read(path)?;
+    let table = read_table(args)?;
     let named = |error: Error| {
         let line = format!("{}: {error}", args.source);
         if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
@@ -61,13 +53,26 @@ pub fn run(args: &ExportArgs) -> Result<()> {
 fn write_blob(args: &ExportArgs) -> Result<()> {
     let source = Path::new(&args.source);
     output::check_destination(&args.output, slice::from_ref(&source.to_owned()))?;
-    let table = file::read(source)?;
+    let table = read_table(args)?;
     let precision = if args.half { Precision::Half } else { Precision::Single };
     let bytes =
         blob::encode(&table, precision).map_err(|error| Error::failed(format_args!("{}: {error}", args.source)))?;
     output::write_file(&args.output, &bytes)?;
     note(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
     Ok(())
+}
+
+/// Reads the table, for formats that take nothing else.
+fn read_table(args: &ExportArgs) -> Result<Table> {
+    let path = Path::new(&args.source);
+    if !is_table(path) {
+        return Err(Error::usage(format_args!(
+            "--to {} takes a table; make one by `goniochrome estimate {} -o table.exr`",
+            spelled(args.to),
+            args.source
+        )));
+    }
+    file::read(path)
 }
 
 /// Whether a file name is that of a table.

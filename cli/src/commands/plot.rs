@@ -32,6 +32,17 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             args.table.display()
         )));
     }
+    let unused = match (&table, args.kind) {
+        (_, PlotKind::Map) if theta.is_some() => Some("--theta: a map shows every angle"),
+        (Table::Mirror(_), PlotKind::Disc) if theta.is_some() => {
+            Some("--theta: the disc of a planar scene shows every angle")
+        }
+        (Table::Mirror(_), _) if args.phi != 0.0 => Some("--phi: a planar scene is the same in every azimuth"),
+        _ => None,
+    };
+    if let Some(unused) = unused {
+        return Err(Error::usage(format_args!("{}: {unused}; leave it out", args.table.display())));
+    }
     if let (Table::Mirror(mirror), PlotKind::Disc | PlotKind::Chromaticity) = (&table, args.kind) {
         mirror.colours().map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
     }

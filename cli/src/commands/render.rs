@@ -10,8 +10,9 @@ use crate::render::body::{Body, BodyShape, BvhMemory};
 use crate::render::camera::Camera;
 use crate::render::decode::decode;
 use crate::render::environment::{Environment, EnvironmentLight};
-use crate::render::mesh::{Axes, TriangleMesh};
+use crate::render::mesh::{Axes, DEFAULT_LEVEL, TriangleMesh};
 use crate::render::surface::Surface;
+use crate::render::tone::ToneMap;
 use crate::render::{Quality, Stage, render};
 use crate::support::error::{Error, Result};
 use crate::support::output;
@@ -34,6 +35,15 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if args.axes != Axes::ZUp && file_of(&args.mesh).is_none() {
         let what = format!("--axes: {} has z up already; it is for meshes from files", args.mesh);
         return Err(Error::usage(what));
+    }
+    if args.level != DEFAULT_LEVEL && args.mesh != "teapot" {
+        return Err(Error::usage(format_args!("--level: divides the teapot; --mesh {} does not use it", args.mesh)));
+    }
+    if matches!(format, RenderFormat::Exr) && (args.exposure != 0.0 || args.tonemap != ToneMap::None) {
+        return Err(Error::usage(format_args!(
+            "{}: an EXR holds radiance as it is; leave --exposure and --tonemap out, or write a .png",
+            args.output.display()
+        )));
     }
     let view = args.view.view();
     // Bad options are refused before files are read.

@@ -83,7 +83,9 @@ pub fn list() -> Result<String> {
         let label = format!("built-in material {name}");
         let [from, to] =
             refractive_index_info::parse(&SourceText { label: &label, text }, Extrapolate::Refuse)?.borrow().range_nm();
-        let range = if name == "vacuum" { "any wavelength".to_owned() } else { format!("{from:.0} to {to:.0} nm") };
+        let digits = if from < 1.0 { 3 } else { 0 };
+        let range =
+            if name == "vacuum" { "any wavelength".to_owned() } else { format!("{from:.digits$} to {to:.0} nm") };
         lines.push_str(&format!("{name:width$}  {range:17}  {source}\n"));
     }
     Ok(lines)
