@@ -1,0 +1,76 @@
+//! Cross-sections of surfaces.
+
+use num_complex::Complex64;
+
+/// Layer in which the index depends on x alone, piecewise constant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slice {
+    /// Thickness, positive.
+    pub thickness_nm: f64,
+    /// Positions along x where the medium changes, ascending, in [0, period). Empty where the slice has one medium.
+    pub edges_nm: Vec<f64>,
+    /// Index of each medium: `eta[i]` lies from edge i to edge i + 1, the last from the last edge over the period's end to
+    /// the first. One for each edge, and one where there is no edge.
+    pub eta: Vec<Complex64>,
+}
+
+/// Surface that is periodic along x and does not depend on y, as layers between two half-spaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Period Λ along x.
+    pub period_nm: f64,
+    /// Index of the half-space above, in which light arrives; real.
+    pub above: f64,
+    /// Index of the half-space below.
+    pub below: Complex64,
+    /// Layers from the top.
+    pub slices: Vec<Slice>,
+}
+
+/// Surface that is one interface z = h(x) between two media, periodic along x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    /// Period Λ along x.
+    pub period_nm: f64,
+    /// Index above the interface, in which light arrives; real.
+    pub above: f64,
+    /// Index below the interface.
+    pub below: Complex64,
+    /// Corners (x, h) of the interface over one period, x ascending in [0, period); straight lines join them, and the
+    /// last to the first of the next period. Two corners of one x are a vertical wall.
+    pub points_nm: Vec<[f64; 2]>,
+}
+
+/// Layer of a surface with two periods: strips along x, within each of which the index depends on x alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossedSlice {
+    /// Thickness, positive.
+    pub thickness_nm: f64,
+    /// Positions along y where the strips meet, ascending, in [0, period). Empty where one strip fills the slice.
+    pub strip_edges_nm: Vec<f64>,
+    /// Strips: `strips[j]` lies from strip edge j to j + 1, the last over the period's end. Their thickness does not
+    /// count.
+    pub strips: Vec<Strip>,
+}
+
+/// Strip of a [`CrossedSlice`]: media along x, as in a [`Slice`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// Positions along x where the medium changes, ascending, in [0, period). Empty where the strip has one medium.
+    pub edges_nm: Vec<f64>,
+    /// Index of each medium, as in [`Slice::eta`].
+    pub eta: Vec<Complex64>,
+}
+
+/// Surface that is periodic along x and along y, as layers between two half-spaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossedProfile {
+    /// Periods along x and along y.
+    pub period_nm: [f64; 2],
+    /// Index of the half-space above, in which light arrives; real.
+    pub above: f64,
+    /// Index of the half-space below.
+    pub below: Complex64,
+    /// Layers from the top.
+    pub slices: Vec<CrossedSlice>,
+}

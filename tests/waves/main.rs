@@ -1,0 +1,1 @@
+//! Solvers of `goniochrome-waves` against independent programs and laws of physics.
