@@ -9,8 +9,10 @@
 
 pub mod error;
 pub(crate) mod linear;
+pub(crate) mod fourier;
 pub mod light;
 pub mod response;
+pub(crate) mod fields;
 pub mod profile;
 
 pub use error::WaveError;
