@@ -17,7 +17,7 @@ fn user() -> User {
 fn table(user: &User, name: &str) -> ScatterTable {
     match read(&user.at(name)).unwrap() {
         Table::Scatter(table) => table,
-        Table::Mirror(_) => panic!("{name} is a mirror table"),
+        Table::Mirror(_) | Table::Orders(_) => panic!("{name} is no scatter table"),
     }
 }
 

@@ -161,6 +161,12 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
                     args.source
                 )));
             }
+            Table::Orders(_) => {
+                return Err(Error::failed(format_args!(
+                    "{}: a table of diffraction orders, and a lut holds mirror-like reflection alone",
+                    args.source
+                )));
+            }
         }
     } else {
         let scene = load(&args.source)?;

@@ -66,6 +66,7 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             PlotKind::Map => tables::scatter::map(scatter, name, args.phi)?,
             PlotKind::Chromaticity => tables::scatter::colour_path(scatter, name, theta.unwrap_or(&MARKED), args.phi)?,
         },
+        Table::Orders(_) => return Err(Error::failed("tables of diffraction orders have no plot yet")),
     };
     save_picture(&picture, &args.output, args.quiet)
 }

@@ -27,6 +27,7 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
             let sampler = ScatterSampler::new(&table, &mut memory).map_err(Error::failed)?;
             write(scatter.metadata.named_space(), Contents::Scatter(table, sampler), precision)
         }
+        Table::Orders(_) => Err(Error::failed("tables of diffraction orders have no blob yet")),
     }
 }
 

@@ -39,7 +39,7 @@ impl Reflection {
     /// # Errors
     /// A roughness that is missing or has no use; RGB of a table without colours.
     pub fn new(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Self> {
-        let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra() };
+        let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra()? };
         let wavelength_nm = if rgb { Vec::new() } else { table.wavelength_nm().to_vec() };
         let channels = if rgb { 3 } else { wavelength_nm.len() };
         let kind = match (table, roughness) {
@@ -59,6 +59,9 @@ impl Reflection {
                 theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
             },
             (Table::Scatter(table), None) => ReflectionKind::Scatter(table.layout),
+            (Table::Orders(_), _) => {
+                return Err(Error::failed("tables of diffraction orders are not exported yet"));
+            }
         };
         Ok(Self { channels, wavelength_nm, values, kind })
     }

@@ -45,10 +45,11 @@ impl Surface {
         } else {
             Channels::rgb()
         };
-        let values = if spectral { table.spectra() } else { metadata.screen_rgb(table.rgb()?).into_flattened() };
+        let values = if spectral { table.spectra()? } else { metadata.screen_rgb(table.rgb()?).into_flattened() };
         let reflectance = match table {
             Table::Mirror(table) => Reflectance::Mirror { theta_deg: table.theta_deg.clone(), values },
             Table::Scatter(table) => Reflectance::Scatter { layout: table.layout, values },
+            Table::Orders(_) => return Err(Error::failed("tables of diffraction orders are not rendered yet")),
         };
         Ok(Self { channels, reflectance })
     }

@@ -1,17 +1,20 @@
-//! A table of either kind, mirror-like or scattering.
+//! A table of any kind: mirror-like, scattering, or of diffraction orders.
 
-use crate::support::error::Result;
+use crate::support::error::{Error, Result};
 use crate::table::metadata::Metadata;
 use crate::table::mirror::MirrorTable;
+use crate::table::orders::OrderTable;
 use crate::table::scatter::ScatterTable;
 
-/// BRDF table of either kind.
+/// BRDF table of any kind.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Table {
     /// Table of a mirror-like surface.
     Mirror(MirrorTable),
     /// Table of a cell of tilted facets.
     Scatter(ScatterTable),
+    /// Table of the diffraction orders of a periodic surface.
+    Orders(OrderTable),
 }
 
 impl From<MirrorTable> for Table {
@@ -26,6 +29,12 @@ impl From<ScatterTable> for Table {
     }
 }
 
+impl From<OrderTable> for Table {
+    fn from(table: OrderTable) -> Self {
+        Self::Orders(table)
+    }
+}
+
 impl Table {
     /// Checks that the table's arrays fit together and hold possible values.
     ///
@@ -35,6 +44,7 @@ impl Table {
         match self {
             Self::Mirror(table) => table.check(),
             Self::Scatter(table) => table.check(),
+            Self::Orders(table) => table.check(),
         }
     }
 
@@ -44,6 +54,7 @@ impl Table {
         match self {
             Self::Mirror(table) => &table.metadata,
             Self::Scatter(table) => &table.metadata,
+            Self::Orders(table) => &table.metadata,
         }
     }
 
@@ -59,27 +70,39 @@ impl Table {
         match self {
             Self::Mirror(table) => &table.wavelength_nm,
             Self::Scatter(table) => &table.wavelength_nm,
+            Self::Orders(table) => &table.wavelength_nm,
         }
     }
 
     /// Linear RGB: ρ of each angle of a mirror-like table, f in 1/sr of each pair of directions of a scattering one.
     ///
     /// # Errors
-    /// A mirror-like table without a visible wavelength has no colours.
+    /// A mirror-like table without a visible wavelength has no colours; those of diffraction orders depend on the light.
     pub fn rgb(&self) -> Result<&[[f32; 3]]> {
         match self {
             Self::Mirror(table) => table.colours(),
             Self::Scatter(table) => Ok(&table.rgb),
+            Self::Orders(_) => Err(no_values()),
         }
     }
 
     /// Unpolarised spectra, `[angle or pair of directions][wavelength]`: ρ or f of the directions that [`Table::rgb`]
     /// has the colours of.
-    #[must_use]
-    pub fn spectra(&self) -> Vec<f32> {
+    ///
+    /// # Errors
+    /// Diffraction orders leave in directions of their own at each wavelength.
+    pub fn spectra(&self) -> Result<Vec<f32>> {
         match self {
-            Self::Mirror(table) => table.unpolarised().map(|reflectance| reflectance as f32).collect(),
-            Self::Scatter(table) => (0..table.layout.count()).flat_map(|pair| table.spectrum(pair)).collect(),
+            Self::Mirror(table) => Ok(table.unpolarised().map(|reflectance| reflectance as f32).collect()),
+            Self::Scatter(table) => Ok((0..table.layout.count()).flat_map(|pair| table.spectrum(pair)).collect()),
+            Self::Orders(_) => Err(no_values()),
         }
     }
+}
+
+/// Error of what asks a table of diffraction orders for values of f.
+fn no_values() -> Error {
+    Error::failed(
+        "diffraction orders have no values per solid angle; this needs a table of films or of scattered light",
+    )
 }

@@ -4,6 +4,7 @@ pub mod statistics;
 pub mod metadata;
 pub mod mirror;
 pub mod scatter;
+pub mod orders;
 mod kind;
 pub mod file;
 

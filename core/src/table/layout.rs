@@ -158,7 +158,7 @@ pub(super) fn azimuth(w: Vec3) -> f32 {
 
 /// Linear interpolation at `place` among `count` nodes, constant beyond the ends.
 #[inline]
-fn clamped(place: f32, count: u32) -> [GridNode; 2] {
+pub(super) fn clamped(place: f32, count: u32) -> [GridNode; 2] {
     let last = (count - 1) as f32;
     let place = place.max(0.0).min(last);
     let below = (place as u32).min(count.saturating_sub(2));
@@ -184,7 +184,7 @@ fn periodic(fraction: f32, count: u32) -> [GridNode; 2] {
 
 /// Bilinear interpolation: products of the weights of two rows and two columns of a grid `width` wide.
 #[inline]
-fn product(rows: [GridNode; 2], columns: [GridNode; 2], width: u32) -> [GridNode; 4] {
+pub(super) fn product(rows: [GridNode; 2], columns: [GridNode; 2], width: u32) -> [GridNode; 4] {
     core::array::from_fn(|i| {
         let (row, column) = (rows[i / 2], columns[i % 2]);
         GridNode { index: row.index * width as usize + column.index, weight: row.weight * column.weight }

@@ -5,7 +5,9 @@
 //!   3.1).
 //! - [`ScatterTable`]: BRDF f(wi, wo) of a surface of tilted facets, which reflects into every direction, on a grid of
 //!   directions ([`ScatterLayout`]). [`ScatterSampler`] draws wo.
-//! - [`blob`]: both kinds as bytes, to load without copying.
+//! - [`OrderTable`]: reflection of a periodic surface into diffraction orders, whose directions are exact, on a grid of
+//!   directions of its own ([`OrderLayout`]).
+//! - [`blob`]: all kinds as bytes, to load without copying.
 
 mod error;
 mod values;
@@ -13,10 +15,14 @@ mod layout;
 mod mirror;
 mod scatter;
 mod sampler;
+mod order_layout;
+mod orders;
 pub mod blob;
 
 pub use error::{MAX_MAGNITUDE, TableError};
 pub use layout::{GridNode, ScatterLayout};
 pub use mirror::MirrorTable;
+pub use order_layout::{OrderLayout, Periodicity};
+pub use orders::{DiffractedLight, OrderArrays, OrderSample, OrderTable, OrderView};
 pub use sampler::ScatterSampler;
 pub use scatter::ScatterTable;

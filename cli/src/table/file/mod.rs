@@ -46,6 +46,7 @@ pub fn encode(table: &Table, threads: usize) -> Result<Vec<u8>> {
     match table {
         Table::Mirror(table) => mirror::encode(table),
         Table::Scatter(table) => scatter::encode(table, threads),
+        Table::Orders(_) => Err(Error::failed("tables of diffraction orders have no file yet")),
     }
 }
 
