@@ -1,7 +1,7 @@
 //! Table of diffraction orders in memory.
 
 use goniochrome::simd::complex::Polarised;
-use goniochrome::table::OrderLayout;
+use goniochrome::table::{OrderArrays, OrderLayout, OrderTable as Lookup};
 
 use crate::support::error::{Error, Result};
 use crate::table::metadata::Metadata;
@@ -51,6 +51,21 @@ impl OrderTable {
         self.reflected.s.iter().zip(&self.reflected.p).map(|(s, p)| 0.5 * (s + p)).collect()
     }
 
+    /// The table in the form that the library looks up, unpolarised. `rgb_weights` are the linear RGB that a reflectance
+    /// of 1 at each wavelength adds to a colour.
+    #[must_use]
+    pub fn arrays(&self, rgb_weights: impl IntoIterator<Item = [f64; 3]>) -> LookupArrays {
+        let narrow = |numbers: &[f64]| numbers.iter().map(|x| *x as f32).collect();
+        LookupArrays {
+            layout: self.layout,
+            orders: self.orders.iter().map(|order| order.map(|m| m as f32)).collect(),
+            wavelength_nm: narrow(&self.wavelength_nm),
+            index: narrow(&self.index_above),
+            rgb_weights: rgb_weights.into_iter().map(|rgb| rgb.map(|c| c as f32)).collect(),
+            strength: self.unpolarised(),
+        }
+    }
+
     /// Largest error bar of an efficiency.
     #[must_use]
     pub fn worst_error(&self) -> f64 {
@@ -95,6 +110,34 @@ impl OrderTable {
             return Err(Error::failed(format_args!("a strength or error of the table is {value}")));
         }
         Ok(())
+    }
+}
+
+/// Arrays of a table of orders in single precision, which the library's table borrows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LookupArrays {
+    layout: OrderLayout,
+    orders: Vec<[f32; 2]>,
+    wavelength_nm: Vec<f32>,
+    index: Vec<f32>,
+    rgb_weights: Vec<[f32; 3]>,
+    strength: Vec<f32>,
+}
+
+impl LookupArrays {
+    /// The library's table.
+    ///
+    /// # Errors
+    /// Wavelengths that are equal in single precision, or weights that do not fit them.
+    pub fn table(&self) -> Result<Lookup<'_>> {
+        let arrays = OrderArrays {
+            orders: &self.orders,
+            wavelength_nm: &self.wavelength_nm,
+            index: &self.index,
+            rgb_weights: &self.rgb_weights,
+            strength: &self.strength,
+        };
+        Lookup::new(self.layout, &arrays).map_err(Error::failed)
     }
 }
 
