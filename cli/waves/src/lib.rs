@@ -14,6 +14,7 @@ pub mod light;
 pub mod response;
 pub(crate) mod fields;
 pub mod profile;
+pub mod lamellar;
 
 pub use error::WaveError;
 pub use num_complex::Complex64;

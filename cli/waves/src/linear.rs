@@ -1,7 +1,8 @@
 //! Dense complex linear algebra, by faer on one thread.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::{DenseSolveCore, Solve};
+use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 use num_complex::Complex64;
 
 use crate::error::WaveError;
@@ -35,4 +36,61 @@ pub(crate) fn eigen(matrix: &Matrix) -> Result<Eigen, WaveError> {
 pub(crate) fn solve(matrix: &Matrix, right: &Matrix) -> Result<Matrix, WaveError> {
     let found = matrix.partial_piv_lu().solve(right);
     if found.is_all_finite() { Ok(found) } else { Err(WaveError::Singular) }
+}
+
+/// Eigenvalues and eigenvectors of a Hermitian matrix, of which the lower half is read: the values are real, and the
+/// vectors unitary.
+///
+/// # Errors
+/// [`WaveError::Singular`] if the iteration does not converge or a number is not finite.
+pub(crate) fn hermitian_eigen(matrix: &Matrix) -> Result<Eigen, WaveError> {
+    let found = matrix.self_adjoint_eigen(Side::Lower).map_err(|_| WaveError::Singular)?;
+    let values: Vec<Complex64> = found.S().column_vector().iter().map(|value| Complex64::from(value.re)).collect();
+    let vectors = found.U().to_owned();
+    if values.iter().all(|value| value.is_finite()) { Ok(Eigen { values, vectors }) } else { Err(WaveError::Singular) }
+}
+
+/// Inverse of a square matrix.
+///
+/// # Errors
+/// [`WaveError::Singular`] if it is not finite.
+pub(crate) fn inverse(matrix: &Matrix) -> Result<Matrix, WaveError> {
+    let found = matrix.partial_piv_lu().inverse();
+    if found.is_all_finite() { Ok(found) } else { Err(WaveError::Singular) }
+}
+
+/// Product of two matrices.
+pub(crate) fn product(left: MatRef<'_, Complex64>, right: MatRef<'_, Complex64>) -> Matrix {
+    let mut out = Matrix::zeros(left.nrows(), right.ncols());
+    multiply_into(out.as_mut(), Accum::Replace, left, right, Complex64::ONE);
+    out
+}
+
+/// Adds `factor · left · right` to `out`, or replaces `out` by it.
+pub(crate) fn multiply_into(
+    out: MatMut<'_, Complex64>,
+    accumulate: Accum,
+    left: MatRef<'_, Complex64>,
+    right: MatRef<'_, Complex64>,
+    factor: Complex64,
+) {
+    matmul(out, accumulate, left, right, factor, Par::Seq);
+}
+
+/// Multiplies each row by its factor.
+pub(crate) fn scale_rows(matrix: &mut Matrix, factors: &[Complex64]) {
+    for column in 0..matrix.ncols() {
+        for (element, factor) in matrix.col_as_slice_mut(column).iter_mut().zip(factors) {
+            *element *= factor;
+        }
+    }
+}
+
+/// Multiplies each column by its factor.
+pub(crate) fn scale_columns(matrix: &mut Matrix, factors: &[Complex64]) {
+    for (column, factor) in factors.iter().enumerate() {
+        for element in matrix.col_as_slice_mut(column) {
+            *element *= factor;
+        }
+    }
 }

@@ -2,6 +2,8 @@
 
 use num_complex::Complex64;
 
+use crate::error::WaveError;
+
 /// Layer in which the index depends on x alone, piecewise constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slice {
@@ -25,6 +27,32 @@ pub struct Profile {
     pub below: Complex64,
     /// Layers from the top.
     pub slices: Vec<Slice>,
+}
+
+impl Profile {
+    /// Checks what the solvers assume.
+    ///
+    /// # Errors
+    /// [`WaveError::Profile`] if a length is not positive, edges do not ascend within a period, or the number of media
+    /// does not fit the edges.
+    pub fn check(&self) -> Result<(), WaveError> {
+        let positive = |length: f64| length > 0.0 && length.is_finite();
+        let whole = |slice: &Slice| {
+            positive(slice.thickness_nm)
+                && slice.eta.len() == slice.edges_nm.len().max(1)
+                && slice.edges_nm.iter().all(|&edge| (0.0..self.period_nm).contains(&edge))
+                && slice.edges_nm.is_sorted_by(|a, b| a < b)
+                && slice.eta.iter().all(|&eta| is_index(eta))
+        };
+        let half_spaces = positive(self.above) && is_index(self.below);
+        let sound = positive(self.period_nm) && half_spaces && self.slices.iter().all(whole);
+        if sound { Ok(()) } else { Err(WaveError::Profile) }
+    }
+}
+
+/// Whether a complex index is one of a medium that does not amplify.
+fn is_index(eta: Complex64) -> bool {
+    eta.is_finite() && eta.re >= 0.0 && eta.im >= 0.0 && eta.norm_sqr() > 0.0
 }
 
 /// Surface that is one interface z = h(x) between two media, periodic along x.

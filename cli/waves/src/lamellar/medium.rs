@@ -1,0 +1,218 @@
+//! Waves within one medium or pattern of media that does not change with height.
+//!
+//! Four rows of numbers, continuous where layers meet, describe the fields of a pattern at one height:
+//!
+//! ```text
+//! E_x = φ e₁        E_y = −k_y G e₁ − ψ e₂        H_x = ψ h₁        H_y = D h₂ − k_y L h₁
+//! ```
+//!
+//! None of φ, ψ, D, G and L contains k_y. In a uniform medium φ, ψ and D are the unit matrix, and G and L are 0.
+
+use num_complex::Complex64;
+
+use crate::error::WaveError;
+use crate::fields::{admittance, forward_root, off_anomaly, vertical};
+use crate::fourier::toeplitz;
+use crate::linear::{Eigen, Matrix, eigen, hermitian_eigen, inverse, product, scale_columns, scale_rows, solve};
+
+/// Pattern of media along x that does not change with height, at one k_x0.
+#[derive(Debug)]
+pub(super) enum Pattern {
+    /// One medium, by its index.
+    Uniform(Complex64),
+    /// Several media, by the modes of the fields in them.
+    Modal(Box<Modal>),
+}
+
+/// Modes of a pattern of several media: fields that keep their form from one height to another.
+///
+/// Modes of the first kind have E_x = φ and H_x = 0, those of the second H_x = ψ and E_x = 0 (Li 1993, "A modal
+/// analysis of lamellar diffraction gratings in conical mountings").
+#[derive(Debug)]
+pub(super) struct Modal {
+    /// Squared wavevectors κ² = k_y² + k_z² of the modes of the first kind, then of the second.
+    pub kappa_squared: [Vec<Complex64>; 2],
+    pub phi: Matrix,
+    pub phi_inverse: Matrix,
+    pub psi: Matrix,
+    pub psi_inverse: Matrix,
+    /// D = ⟦1/ε⟧⁻¹ φ.
+    pub d: Matrix,
+    pub d_inverse: Matrix,
+    /// G = ⟦ε⟧⁻¹ K D / κ² of the first kind.
+    pub g: Matrix,
+    /// L = K ψ / κ² of the second kind.
+    pub l: Matrix,
+}
+
+impl Modal {
+    /// Decomposes a pattern of several media, whose tangential wavevectors along x are `kx`. Follows Li (1996), "Use of
+    /// Fourier series in the analysis of discontinuous periodic structures": E_x jumps at the edges, D_x does not.
+    ///
+    /// # Errors
+    /// [`WaveError::Singular`] if a decomposition or an inverse is not finite.
+    pub fn new(period: f64, edges: &[f64], eta: &[Complex64], kx: &[f64]) -> Result<Self, WaveError> {
+        let max_order = kx.len() / 2;
+        let epsilon: Vec<Complex64> = eta.iter().map(|eta| eta * eta).collect();
+        let reciprocal: Vec<Complex64> = epsilon.iter().map(|epsilon| epsilon.inv()).collect();
+        let k: Vec<Complex64> = kx.iter().map(|&k| Complex64::from(k)).collect();
+        let largest = epsilon.iter().fold(Complex64::ZERO, |most, &e| if e.norm() > most.norm() { e } else { most });
+        // Positive real ε makes both problems Hermitian: faster, and κ² is exactly real.
+        let lossless = epsilon.iter().all(|epsilon| epsilon.im == 0.0 && epsilon.re > 0.0);
+
+        let e = toeplitz(period, edges, &epsilon, max_order);
+        let e_inverse_k = {
+            let mut of = inverse(&e)?;
+            scale_columns(&mut of, &k);
+            of
+        };
+        // I − K E⁻¹ K.
+        let curl = {
+            let mut of = e_inverse_k.clone();
+            scale_rows(&mut of, &k);
+            Matrix::from_fn(k.len(), k.len(), |i, j| Complex64::from(if i == j { 1.0 } else { 0.0 }) - of[(i, j)])
+        };
+        let mut helmholtz = e;
+        for (i, k) in k.iter().enumerate() {
+            helmholtz[(i, i)] -= k * k;
+        }
+        let b = toeplitz(period, edges, &reciprocal, max_order);
+
+        let (second, psi_inverse);
+        let (first, phi_inverse, d, d_inverse);
+        if lossless {
+            second = hermitian_eigen(&helmholtz)?;
+            psi_inverse = second.vectors.adjoint().to_owned();
+            // With ⟦1/ε⟧ = C C†, C⁻¹ (I − K E⁻¹ K) C⁻†: Hermitian, with vectors y = C† D, so φ = C y.
+            let c = b.llt(faer::Side::Lower).map_err(|_| WaveError::Singular)?.L().to_owned();
+            let half = solve(&c, &curl)?;
+            let whole = solve(&c, &half.adjoint().to_owned())?;
+            let Eigen { values, vectors } = hermitian_eigen(&whole)?;
+            d = solve(&c.adjoint().to_owned(), &vectors)?;
+            let phi = product(c.as_ref(), vectors.as_ref());
+            d_inverse = phi.adjoint().to_owned();
+            phi_inverse = d.adjoint().to_owned();
+            first = Eigen { values, vectors: phi };
+        } else {
+            second = eigen(&helmholtz)?;
+            psi_inverse = inverse(&second.vectors)?;
+            // Eigenvectors D of (⟦1/ε⟧)⁻¹ (I − K E⁻¹ K), and φ = ⟦1/ε⟧ D.
+            let found = eigen(&solve(&b, &curl)?)?;
+            d = found.vectors;
+            d_inverse = inverse(&d)?;
+            let phi = product(b.as_ref(), d.as_ref());
+            phi_inverse = inverse(&phi)?;
+            first = Eigen { values: found.values, vectors: phi };
+        }
+        let off = |values: &[Complex64]| values.iter().map(|&value| off_anomaly(value, largest)).collect::<Vec<_>>();
+        let kappa_squared = [off(&first.values), off(&second.values)];
+        let reciprocals = kappa_squared.each_ref().map(|values| values.iter().map(|v| v.inv()).collect::<Vec<_>>());
+        let mut g = product(e_inverse_k.as_ref(), d.as_ref());
+        scale_columns(&mut g, &reciprocals[0]);
+        let mut l = second.vectors.clone();
+        scale_rows(&mut l, &k);
+        scale_columns(&mut l, &reciprocals[1]);
+        Ok(Self {
+            kappa_squared,
+            phi: first.vectors,
+            phi_inverse,
+            psi: second.vectors,
+            psi_inverse,
+            d,
+            d_inverse,
+            g,
+            l,
+        })
+    }
+}
+
+/// Waves of a pattern at one k_y. The first N are the modes of the first kind, or E_x of uniform media; the others the
+/// modes of the second kind, or E_y. Waves u go up, d down; s = u + d and δ = u − d.
+#[derive(Debug)]
+pub(super) struct Waves {
+    /// Vertical wavevectors, 2N.
+    pub vertical: Vec<Complex64>,
+    /// e₂ per s of the second half; e₁ = s of the first.
+    pub electric: Vec<Complex64>,
+    /// (h₁, h₂) of each row from δ of both halves.
+    pub magnetic: Vec<[[Complex64; 2]; 2]>,
+    /// Inverse of `magnetic`.
+    pub from_magnetic: Vec<[[Complex64; 2]; 2]>,
+}
+
+impl Waves {
+    pub fn new(pattern: &Pattern, kx: &[f64], ky: f64) -> Self {
+        let n = kx.len();
+        let (vertical, electric, magnetic): (Vec<_>, Vec<_>, Vec<_>) = match pattern {
+            Pattern::Uniform(eta) => {
+                let half: Vec<Complex64> = kx.iter().map(|&kx| vertical(*eta, [kx, ky])).collect();
+                let magnetic = kx.iter().zip(&half).map(|(&kx, &kz)| admittance([kx, ky], kz)).collect();
+                (half.repeat(2), vec![-Complex64::ONE; n], magnetic)
+            }
+            Pattern::Modal(modal) => {
+                let root = |&kappa: &Complex64| forward_root(off_anomaly(kappa - ky * ky, kappa));
+                let [first, second] =
+                    modal.kappa_squared.each_ref().map(|kappa| kappa.iter().map(root).collect::<Vec<_>>());
+                let over = |i: usize, kz: &[Complex64]| {
+                    kz.iter().zip(&modal.kappa_squared[i]).map(|(kz, k)| kz / k).collect::<Vec<_>>()
+                };
+                let magnetic =
+                    over(0, &first).into_iter().map(|h| [[Complex64::ZERO, Complex64::ONE], [h, Complex64::ZERO]]);
+                let magnetic = magnetic.collect();
+                let electric = over(1, &second);
+                ([first, second].concat(), electric, magnetic)
+            }
+        };
+        let from_magnetic = magnetic.iter().map(|[[a, b], [c, d]]: &[[Complex64; 2]; 2]| {
+            let factor = (a * d - b * c).inv();
+            [[d * factor, -b * factor], [-c * factor, a * factor]]
+        });
+        let from_magnetic = from_magnetic.collect();
+        Self { vertical, electric, magnetic, from_magnetic }
+    }
+}
+
+/// Matrices that take (e₁, e₂, h₁, h₂) from the pattern below to that above, without k_y.
+#[derive(Debug)]
+pub(super) struct Interface {
+    /// e₁ above = `e1` e₁ below.
+    pub e1: Matrix,
+    /// e₂ above = `second` e₂ + k_y `e_cross` e₁ below, and h₁ above = `second` h₁ below.
+    pub second: Matrix,
+    pub e_cross: Matrix,
+    /// h₂ above = `h2` h₂ + k_y `h_cross` h₁ below.
+    pub h2: Matrix,
+    pub h_cross: Matrix,
+}
+
+impl Interface {
+    /// Interface of two patterns; `None` between uniform media, where nothing changes.
+    pub fn new(above: &Pattern, below: &Pattern) -> Option<Self> {
+        let times = |left: &Matrix, right: &Matrix| product(left.as_ref(), right.as_ref());
+        match (above, below) {
+            (Pattern::Uniform(_), Pattern::Uniform(_)) => None,
+            (Pattern::Uniform(_), Pattern::Modal(below)) => Some(Self {
+                e1: below.phi.clone(),
+                second: below.psi.clone(),
+                e_cross: below.g.clone(),
+                h2: below.d.clone(),
+                h_cross: -&below.l,
+            }),
+            (Pattern::Modal(above), Pattern::Uniform(_)) => Some(Self {
+                e1: above.phi_inverse.clone(),
+                second: above.psi_inverse.clone(),
+                e_cross: -times(&above.psi_inverse, &times(&above.g, &above.phi_inverse)),
+                h2: above.d_inverse.clone(),
+                h_cross: times(&above.d_inverse, &times(&above.l, &above.psi_inverse)),
+            }),
+            (Pattern::Modal(above), Pattern::Modal(below)) => {
+                let e1 = times(&above.phi_inverse, &below.phi);
+                let second = times(&above.psi_inverse, &below.psi);
+                let e_cross = times(&above.psi_inverse, &(&below.g - times(&above.g, &e1)));
+                let h2 = times(&above.d_inverse, &below.d);
+                let h_cross = times(&above.d_inverse, &(times(&above.l, &second) - &below.l));
+                Some(Self { e1, second, e_cross, h2, h_cross })
+            }
+        }
+    }
+}

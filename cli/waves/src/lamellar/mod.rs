@@ -1,0 +1,166 @@
+//! Fourier modal method for profiles that do not depend on y, at any incidence.
+//!
+//! Layers are joined from the substrate upwards by the reflection matrix of all that lies below, so that no exponential
+//! grows: opaque and thick layers are safe.
+
+mod medium;
+mod recursion;
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::error::WaveError;
+use crate::fields::{Tangential, admittance, incident, order, vertical};
+use crate::profile::Profile;
+use crate::response::{Order, Response};
+
+use medium::{Interface, Modal, Pattern, Waves};
+use recursion::{Column, Layer, propagate, propagate_apart};
+
+/// |k_y| in units of k₀ up to which s and p are solved apart, as at k_y = 0. The fields of one in the other are
+/// proportional to k_y, so that amplitudes lose at most some of these.
+const MAX_APART: f64 = 1e-12;
+
+/// Modes of all slices of a profile at one wavelength and one k_x. They serve every k_y.
+#[derive(Debug)]
+pub struct Modes {
+    above: f64,
+    below: Complex64,
+    max_order: usize,
+    /// Tangential wavevectors along x of orders −M…M, in units of k₀.
+    kx: Vec<f64>,
+    /// Different patterns; the first two are the half-spaces.
+    patterns: Vec<Pattern>,
+    /// Interfaces between different pairs of patterns, `None` between two uniform media.
+    interfaces: Vec<Option<Interface>>,
+    /// Layers from the top between the half-spaces: pattern, and thickness in units of 1/k₀.
+    layers: Vec<(usize, f64)>,
+    /// Interface at the top of each layer and of the substrate.
+    joints: Vec<usize>,
+}
+
+impl Modes {
+    /// Decomposes the slices of `profile` for light of tangential wavevector (`kx0`, any k_y) in units of k₀, in orders
+    /// −`max_order`…`max_order`. Slices of equal edges and indices share one decomposition.
+    ///
+    /// # Errors
+    /// [`WaveError::Profile`] or [`WaveError::Light`] if an argument is out of its domain, [`WaveError::Singular`] if a
+    /// decomposition fails.
+    pub fn new(profile: &Profile, wavelength_nm: f64, kx0: f64, max_order: usize) -> Result<Self, WaveError> {
+        profile.check()?;
+        if !(wavelength_nm > 0.0 && wavelength_nm.is_finite() && kx0.is_finite()) {
+            return Err(WaveError::Light);
+        }
+        let step = wavelength_nm / profile.period_nm;
+        let kx: Vec<f64> = indices(max_order).map(|m| f64::from(m).mul_add(step, kx0)).collect();
+        let mut patterns = vec![Pattern::Uniform(Complex64::from(profile.above)), Pattern::Uniform(profile.below)];
+        let mut layers: Vec<(usize, f64)> = Vec::new();
+        let mut sources: Vec<(&[f64], &[Complex64])> = Vec::new();
+        for slice in &profile.slices {
+            let one_medium = slice.eta.iter().all(|&eta| eta == slice.eta[0]);
+            let edges = if one_medium { &[] } else { slice.edges_nm.as_slice() };
+            let eta = if one_medium { &slice.eta[..1] } else { slice.eta.as_slice() };
+            let source = (edges, eta);
+            let index = if let Some(found) = sources.iter().position(|known| *known == source) {
+                found + 2
+            } else {
+                sources.push(source);
+                patterns.push(if one_medium {
+                    Pattern::Uniform(eta[0])
+                } else {
+                    Pattern::Modal(Box::new(Modal::new(profile.period_nm, edges, eta, &kx)?))
+                });
+                patterns.len() - 1
+            };
+            let thickness = slice.thickness_nm * TAU / wavelength_nm;
+            match layers.last_mut() {
+                Some((last, total)) if *last == index => *total += thickness,
+                _ => layers.push((index, thickness)),
+            }
+        }
+        let mut pairs: Vec<[usize; 2]> = Vec::new();
+        let mut interfaces = Vec::new();
+        let mut joints = Vec::with_capacity(layers.len() + 1);
+        let mut upper = 0;
+        for lower in layers.iter().map(|(index, _)| *index).chain([1]) {
+            let pair = [upper, lower];
+            let joint = pairs.iter().position(|known| *known == pair).unwrap_or_else(|| {
+                pairs.push(pair);
+                interfaces.push(Interface::new(&patterns[upper], &patterns[lower]));
+                pairs.len() - 1
+            });
+            joints.push(joint);
+            upper = lower;
+        }
+        Ok(Self { above: profile.above, below: profile.below, max_order, kx, patterns, interfaces, layers, joints })
+    }
+
+    /// Number of decompositions: one for each different slice of several media.
+    #[must_use]
+    pub fn decompositions(&self) -> usize {
+        self.patterns.iter().filter(|pattern| matches!(pattern, Pattern::Modal(_))).count()
+    }
+
+    /// Orders for light of tangential wavevector (k_x0, `ky`), in s and in p.
+    ///
+    /// # Errors
+    /// [`WaveError::Light`] if the light does not travel in the half-space above, [`WaveError::Singular`] if the
+    /// equations have no finite solution.
+    pub fn response(&self, ky: f64) -> Result<Response, WaveError> {
+        let q0 = [self.kx[self.max_order], ky];
+        let incident_vertical = vertical(Complex64::from(self.above), q0).re;
+        // Infinities and NaN fail too.
+        if !(q0[0].hypot(q0[1]) < self.above && incident_vertical > 0.0) {
+            return Err(WaveError::Light);
+        }
+        let waves: Vec<Waves> = self.patterns.iter().map(|pattern| Waves::new(pattern, &self.kx, ky)).collect();
+        let tops = [(0, 0.0)].into_iter().chain(self.layers.iter().copied());
+        let stack: Vec<Layer<'_>> = tops
+            .zip(&self.joints)
+            .map(|((pattern, thickness), &joint)| Layer {
+                waves: &waves[pattern],
+                thickness,
+                floor: self.interfaces[joint].as_ref(),
+            })
+            .collect();
+        let light = incident(self.above, q0, incident_vertical).map(|wave| wave.electric);
+        let columns = if ky.abs() <= MAX_APART {
+            propagate_apart(&stack, &waves[1], light)?
+        } else {
+            propagate(&stack, &waves[1], ky, light)?
+        };
+        let [reflected, transmitted] = [
+            self.orders(Complex64::from(self.above), ky, 1.0, &columns.up),
+            self.orders(self.below, ky, -1.0, &columns.down),
+        ];
+        let sound =
+            |orders: &[Order]| orders.iter().all(|order| order.jones.as_flattened().iter().all(|j| j.is_finite()));
+        if !(sound(&reflected) && sound(&transmitted)) {
+            return Err(WaveError::Singular);
+        }
+        let half_spaces = [Complex64::from(self.above), self.below];
+        Ok(Response { incident_vertical, half_spaces, reflected, transmitted })
+    }
+
+    /// Orders of a half-space from the electric fields of its waves, which go up for `sign` 1 and down for −1.
+    fn orders(&self, eta: Complex64, ky: f64, sign: f64, columns: &[Column; 2]) -> Vec<Order> {
+        let n = self.kx.len();
+        let of_order = |(i, m): (usize, i32)| {
+            let q = [self.kx[i], ky];
+            let [[xx, xy], [yx, yy]] = admittance(q, vertical(eta, q)).map(|row| row.map(|element| element * sign));
+            let fields = columns.each_ref().map(|column| {
+                let electric @ [x, y] = [column[i], column[n + i]];
+                Tangential { electric, magnetic: [xx * x + xy * y, yx * x + yy * y] }
+            });
+            order([m, 0], eta, q, fields)
+        };
+        indices(self.max_order).enumerate().map(of_order).collect()
+    }
+}
+
+/// Numbers −M…M of orders.
+fn indices(max_order: usize) -> std::ops::RangeInclusive<i32> {
+    let last = i32::try_from(max_order).unwrap_or(i32::MAX);
+    -last..=last
+}
