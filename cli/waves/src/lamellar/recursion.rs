@@ -1,7 +1,7 @@
 //! Reflection matrices of stacks of layers, from the substrate upwards.
 
 use faer::Accum;
-use faer::linalg::solvers::{PartialPivLu, Solve, SolveCore};
+use faer::linalg::solvers::{PartialPivLu, Solve};
 use num_complex::Complex64;
 
 use super::medium::{Interface, Waves};
