@@ -77,7 +77,7 @@ impl Table {
     /// Linear RGB: ρ of each angle of a mirror-like table, f in 1/sr of each pair of directions of a scattering one.
     ///
     /// # Errors
-    /// A mirror-like table without a visible wavelength has no colours; those of diffraction orders depend on the light.
+    /// A mirror-like table without a visible wavelength has no colours. Those of orders depend on the light.
     pub fn rgb(&self) -> Result<&[[f32; 3]]> {
         match self {
             Self::Mirror(table) => table.colours(),

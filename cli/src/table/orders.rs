@@ -13,8 +13,8 @@ use crate::table::scatter::MAX_VALUES;
 ///
 /// An order's efficiency e is its power through a plane parallel to the surface, as a share of the power that arrives
 /// through that plane. Its strength is e/(cos θ_i cos θ_o), for light at θ_i and an order that leaves at θ_o in its own
-/// half-space; that of the reflected order (0, 0) is e itself. Where an order is evanescent, the strength of a reflected
-/// order continues the formula e = |E|² cos θ_o/cos θ_i; light has no such order, but neighbouring nodes are
+/// half-space. The strength of the reflected order (0, 0) is e itself. Where a reflected order is evanescent, its
+/// strength continues the formula e = |E|² cos θ_o/cos θ_i. Light has no such order, but neighbouring nodes are
 /// interpolated through it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrderTable {

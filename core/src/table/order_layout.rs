@@ -37,9 +37,9 @@ impl Periodicity {
 ///
 /// The direction of node (i, j) has the component sin α_i along the axis of the period (x, or y for
 /// [`Periodicity::Y`]), cos α_i sin β_j along the other, and cos α_i cos β_j along the normal. All nodes of one α share
-/// one wavevector across the lines, and so the eigenmodes of the lines. α is uniform from −89° to 89°. β is uniform from
-/// 0 to 89° if there are lines, whose mirror symmetry makes β and −β equal, and else from −89° to 89°. An odd number of
-/// nodes along α has one at 0.
+/// one wavevector across the lines, and so the eigenmodes of the lines. α is uniform from −89° to 89°. β is uniform
+/// from 0 to 89° if there are lines, whose mirror symmetry makes β and −β equal, and else from −89° to 89°. An odd
+/// number of nodes along α has one at 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderLayout {
     nodes: [u32; 2],

@@ -1,4 +1,4 @@
-//! EXR container of both kinds of table: 32-bit float channels, text attributes, equal bytes for equal contents.
+//! EXR container of all kinds of table: 32-bit float channels, text attributes, equal bytes for equal contents.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;

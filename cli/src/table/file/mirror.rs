@@ -171,7 +171,7 @@ mod tests {
     fn contradictions_are_named() {
         assert_eq!(
             patched("mirror", "mirage"),
-            "goniochrome.kind is \"mirage\"; this version reads \"mirror\" and \"scatter\""
+            "goniochrome.kind is \"mirage\"; this version reads \"mirror\", \"scatter\" and \"orders\""
         );
         assert!(
             patched("chrome.scene", "chrome.sc\u{7f}ne").starts_with("the metadata key \"sc\\u{7f}ne\" is not 1 to")

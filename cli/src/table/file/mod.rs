@@ -1,13 +1,15 @@
 //! Tables as spectral OpenEXR images (Fichet, Pacanowski and Wilkie, JCGT 2021).
 //!
 //! All channels are 32-bit floats, ZIP-compressed. String attributes hold the axes at full precision
-//! (`goniochrome.wavelength_nm`, …), the kind of table (`goniochrome.kind`: `mirror`, see [`mirror`], or `scatter`, see
-//! [`scatter`]) and every entry of the metadata, with the prefix `goniochrome.`. Equal tables give equal bytes.
+//! (`goniochrome.wavelength_nm`, …), the kind of table (`goniochrome.kind`: `mirror`, see [`mirror`], `scatter`, see
+//! [`scatter`], or `orders`, see [`orders`]) and every entry of the metadata, with the prefix `goniochrome.`. Equal
+//! tables give equal bytes.
 
 mod lazy_channel;
 mod container;
 pub mod mirror;
 pub mod scatter;
+pub mod orders;
 
 use std::path::Path;
 
@@ -46,7 +48,7 @@ pub fn encode(table: &Table, threads: usize) -> Result<Vec<u8>> {
     match table {
         Table::Mirror(table) => mirror::encode(table),
         Table::Scatter(table) => scatter::encode(table, threads),
-        Table::Orders(_) => Err(Error::failed("tables of diffraction orders have no file yet")),
+        Table::Orders(table) => orders::encode(table, threads),
     }
 }
 
@@ -61,8 +63,9 @@ pub fn decode(bytes: &[u8]) -> Result<Table> {
     match kind.as_str() {
         mirror::MIRROR => mirror::decode(file).map(Table::Mirror),
         scatter::SCATTER => scatter::decode(file).map(Table::Scatter),
+        orders::ORDERS => orders::decode(file).map(Table::Orders),
         _ => Err(Error::failed(format_args!(
-            "{PREFIX}{KIND} is \"{kind}\"; this version reads \"mirror\" and \"scatter\""
+            "{PREFIX}{KIND} is \"{kind}\"; this version reads \"mirror\", \"scatter\" and \"orders\""
         ))),
     }
 }
