@@ -1,4 +1,5 @@
 //! Solvers of `goniochrome-waves` against independent programs and laws of physics.
 
+mod crossed;
 mod data;
 mod lamellar;

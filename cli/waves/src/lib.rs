@@ -15,6 +15,7 @@ pub mod response;
 pub(crate) mod fields;
 pub mod profile;
 pub mod lamellar;
+pub mod crossed;
 
 pub use error::WaveError;
 pub use num_complex::Complex64;

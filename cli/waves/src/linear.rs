@@ -1,7 +1,7 @@
 //! Dense complex linear algebra, by faer on one thread.
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::{DenseSolveCore, Solve};
+use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
 use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 use num_complex::Complex64;
 
@@ -23,10 +23,44 @@ pub(crate) struct Eigen {
 /// # Errors
 /// [`WaveError::Singular`] if the iteration does not converge or a number is not finite.
 pub(crate) fn eigen(matrix: &Matrix) -> Result<Eigen, WaveError> {
+    // For real matrices with pairs of equal complex eigenvalues faer 0.24 finds wrong vectors: keep them complex, which
+    // takes no longer.
     let found = matrix.eigen().map_err(|_| WaveError::Singular)?;
     let values: Vec<Complex64> = found.S().column_vector().iter().copied().collect();
     let vectors = found.U().to_owned();
-    if values.iter().all(|value| value.is_finite()) { Ok(Eigen { values, vectors }) } else { Err(WaveError::Singular) }
+    let finite = values.iter().all(|value| value.is_finite()) && vectors.is_all_finite();
+    if finite { Ok(Eigen { values, vectors }) } else { Err(WaveError::Singular) }
+}
+
+/// Triangular factors of a square matrix, for several right sides.
+#[derive(Clone, Debug)]
+pub(crate) struct Factors(PartialPivLu<Complex64>);
+
+impl Factors {
+    /// Factors of `matrix`.
+    pub(crate) fn new(matrix: &Matrix) -> Self {
+        Self(matrix.partial_piv_lu())
+    }
+
+    /// Solves `matrix · x = right` for x.
+    ///
+    /// # Errors
+    /// [`WaveError::Singular`] if x is not finite.
+    pub(crate) fn solve(&self, right: &Matrix) -> Result<Matrix, WaveError> {
+        finite(self.0.solve(right))
+    }
+
+    /// Solves `x · matrix = left` for x.
+    ///
+    /// # Errors
+    /// [`WaveError::Singular`] if x is not finite.
+    pub(crate) fn solve_left(&self, left: &Matrix) -> Result<Matrix, WaveError> {
+        finite(self.0.rsolve(left))
+    }
+}
+
+fn finite(found: Matrix) -> Result<Matrix, WaveError> {
+    if found.is_all_finite() { Ok(found) } else { Err(WaveError::Singular) }
 }
 
 /// Solves `matrix · x = right` for x.
@@ -34,8 +68,7 @@ pub(crate) fn eigen(matrix: &Matrix) -> Result<Eigen, WaveError> {
 /// # Errors
 /// [`WaveError::Singular`] if x is not finite.
 pub(crate) fn solve(matrix: &Matrix, right: &Matrix) -> Result<Matrix, WaveError> {
-    let found = matrix.partial_piv_lu().solve(right);
-    if found.is_all_finite() { Ok(found) } else { Err(WaveError::Singular) }
+    Factors::new(matrix).solve(right)
 }
 
 /// Eigenvalues and eigenvectors of a Hermitian matrix, of which the lower half is read: the values are real, and the
