@@ -36,18 +36,26 @@ impl Profile {
     /// [`WaveError::Profile`] if a length is not positive, edges do not ascend within a period, or the number of media
     /// does not fit the edges.
     pub fn check(&self) -> Result<(), WaveError> {
-        let positive = |length: f64| length > 0.0 && length.is_finite();
         let whole = |slice: &Slice| {
             positive(slice.thickness_nm)
-                && slice.eta.len() == slice.edges_nm.len().max(1)
-                && slice.edges_nm.iter().all(|&edge| (0.0..self.period_nm).contains(&edge))
-                && slice.edges_nm.is_sorted_by(|a, b| a < b)
+                && fits(&slice.edges_nm, self.period_nm, slice.eta.len())
                 && slice.eta.iter().all(|&eta| is_index(eta))
         };
         let half_spaces = positive(self.above) && is_index(self.below);
         let sound = positive(self.period_nm) && half_spaces && self.slices.iter().all(whole);
         if sound { Ok(()) } else { Err(WaveError::Profile) }
     }
+}
+
+fn positive(length: f64) -> bool {
+    length > 0.0 && length.is_finite()
+}
+
+/// Whether edges ascend within a period, each with one of `count` parts; one part where there is no edge.
+fn fits(edges: &[f64], period: f64, count: usize) -> bool {
+    count == edges.len().max(1)
+        && edges.iter().all(|edge| (0.0..period).contains(edge))
+        && edges.is_sorted_by(|a, b| a < b)
 }
 
 /// Whether a complex index is one of a medium that does not amplify.
@@ -101,4 +109,27 @@ pub struct CrossedProfile {
     pub below: Complex64,
     /// Layers from the top.
     pub slices: Vec<CrossedSlice>,
+}
+
+impl CrossedProfile {
+    /// Checks what the solvers assume.
+    ///
+    /// # Errors
+    /// [`WaveError::Profile`] if a length is not positive, edges do not ascend within a period, or the number of strips
+    /// or media does not fit the edges.
+    pub fn check(&self) -> Result<(), WaveError> {
+        let [period_x, period_y] = self.period_nm;
+        let whole = |strip: &Strip| {
+            fits(&strip.edges_nm, period_x, strip.eta.len()) && strip.eta.iter().all(|&eta| is_index(eta))
+        };
+        let sound = self.period_nm.into_iter().all(positive)
+            && positive(self.above)
+            && is_index(self.below)
+            && self.slices.iter().all(|slice| {
+                positive(slice.thickness_nm)
+                    && fits(&slice.strip_edges_nm, period_y, slice.strips.len())
+                    && slice.strips.iter().all(whole)
+            });
+        if sound { Ok(()) } else { Err(WaveError::Profile) }
+    }
 }

@@ -49,8 +49,16 @@ impl CrossedModes {
     /// time of the eigenvectors of a matrix of 2(2M_x + 1)(2M_y + 1) rows.
     ///
     /// # Errors
-    /// [`WaveError::Singular`] if a decomposition does not converge.
+    /// [`WaveError::Profile`] if the profile fails its check, [`WaveError::Light`] if the light does not travel in the
+    /// half-space above, [`WaveError::Singular`] if a decomposition does not converge.
     pub fn new(profile: &CrossedProfile, light: &Light, max_order: [usize; 2]) -> Result<Self, WaveError> {
+        profile.check()?;
+        let [k_x, k_y] = light.tangential;
+        // Infinities and NaN fail too.
+        let travels = k_x.hypot(k_y) < profile.above && light.wavelength_nm > 0.0 && light.wavelength_nm.is_finite();
+        if !travels {
+            return Err(WaveError::Light);
+        }
         let step = profile.period_nm.map(|period| light.wavelength_nm / period);
         let indices: Vec<[i32; 2]> = indices(max_order).collect();
         let wavevector =

@@ -84,7 +84,7 @@ impl Modes {
     /// [`WaveError::Singular`] if the eigenproblem has no finite solution.
     pub(super) fn new(permittivity: &Permittivity, orders: &[Wavevector]) -> Result<Self, WaveError> {
         let n = orders.len();
-        // G, by columns (j of part p, then of part s).
+        // G, until FG replaces it.
         let mut g = Matrix::zeros(2 * n, 2 * n);
         for (j, to) in orders.iter().enumerate() {
             let [d_x, d_y] = to.direction;
@@ -107,15 +107,15 @@ impl Modes {
                 *element = f64::from(u8::from(i == j)) - orders[i].length * *element;
             }
         }
-        let mut product = g.clone();
-        product.subrows_mut(0, n).copy_from(&f * g.subrows(0, n));
+        let upper = g.subrows(0, n).to_owned();
+        g.subrows_mut(0, n).copy_from(&f * &upper);
 
-        let scale = Complex64::from(product.norm_max());
-        let Eigen { values, vectors: electric } = eigen(&product)?;
-        let vertical: Vec<Complex64> = values.iter().map(|&value| forward_root(off_anomaly(value, scale))).collect();
+        let scale = g.norm_max();
+        let Eigen { values, vectors: electric } = eigen(&g)?;
+        let vertical: Vec<Complex64> = values.iter().map(|&value| root(value, scale)).collect();
 
         // H = GE/k_z. The lower half of G is that of FG, so that the lower half of GE is k_z²E.
-        let upper = g.subrows(0, n) * &electric;
+        let upper = &upper * &electric;
         let mut magnetic = Matrix::zeros(2 * n, 2 * n);
         for (j, &k_z) in vertical.iter().enumerate() {
             for i in 0..n {
@@ -125,4 +125,17 @@ impl Modes {
         }
         Ok(Self { vertical, electric, magnetic })
     }
+}
+
+/// Imaginary part of k_z², as a share of the largest element of FG, that is taken for rounding where k_z travels.
+const MAX_ROUNDING: f64 = 1e-10;
+
+/// Vertical wavevector of a mode that goes down, from k_z² and the largest element of FG.
+///
+/// A mode of a lossless layer that travels has a small imaginary part by rounding, of either sign. It must not decide
+/// which way the mode goes: reflections of modes taken the wrong way are not bounded.
+fn root(squared: Complex64, scale: f64) -> Complex64 {
+    let squared = off_anomaly(squared, scale.into());
+    let travels = squared.re > 0.0 && squared.im.abs() <= MAX_ROUNDING * scale;
+    if travels { squared.sqrt() } else { forward_root(squared) }
 }

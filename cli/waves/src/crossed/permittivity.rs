@@ -7,7 +7,7 @@ use num_complex::Complex64;
 
 use crate::error::WaveError;
 use crate::fourier::toeplitz;
-use crate::linear::{Matrix, solve};
+use crate::linear::{Matrix, inverse};
 use crate::profile::CrossedSlice;
 
 /// Permittivity of a layer on a grid of rectangles, without lines at which nothing changes.
@@ -122,8 +122,7 @@ impl Axis<'_> {
     /// ⟦1/ε⟧⁻¹, for a factor that jumps where ε does while their product does not (Li 1996).
     fn inverse_rule(&self, values: &[Complex64]) -> Result<Matrix, WaveError> {
         let inverses: Vec<Complex64> = values.iter().map(|value| value.inv()).collect();
-        let n = 2 * self.max_order + 1;
-        solve(&self.direct_rule(&inverses), &Matrix::identity(n, n))
+        inverse(&self.direct_rule(&inverses))
     }
 
     /// Different lines across this axis, each with the Toeplitz matrix of the function that is 1 where it stands.
