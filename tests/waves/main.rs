@@ -3,3 +3,4 @@
 mod crossed;
 mod data;
 mod lamellar;
+mod chandezon;

@@ -16,6 +16,7 @@ pub(crate) mod fields;
 pub mod profile;
 pub mod lamellar;
 pub mod crossed;
+pub mod chandezon;
 
 pub use error::WaveError;
 pub use num_complex::Complex64;

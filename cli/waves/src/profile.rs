@@ -72,9 +72,28 @@ pub struct Graph {
     pub above: f64,
     /// Index below the interface.
     pub below: Complex64,
-    /// Corners (x, h) of the interface over one period, x ascending in [0, period); straight lines join them, and the
-    /// last to the first of the next period. Two corners of one x are a vertical wall.
+    /// Corners (x, h) of the interface over one period, x ascending in [0, period]; straight lines join them, and the
+    /// last to the first of the next period. Two corners of one x are a vertical wall. At least one corner.
     pub points_nm: Vec<[f64; 2]>,
+}
+
+impl Graph {
+    /// Checks what the solvers assume.
+    ///
+    /// # Errors
+    /// [`WaveError::Profile`] if the period is not positive, an index is not one, there is no corner, or corners do not
+    /// ascend within a period.
+    pub fn check(&self) -> Result<(), WaveError> {
+        let positive = |length: f64| length > 0.0 && length.is_finite();
+        let inside = |&[x, h]: &[f64; 2]| (0.0..=self.period_nm).contains(&x) && h.is_finite();
+        let sound = positive(self.period_nm)
+            && positive(self.above)
+            && is_index(self.below)
+            && !self.points_nm.is_empty()
+            && self.points_nm.iter().all(inside)
+            && self.points_nm.is_sorted_by(|a, b| a[0] <= b[0]);
+        if sound { Ok(()) } else { Err(WaveError::Profile) }
+    }
 }
 
 /// Layer of a surface with two periods: strips along x, within each of which the index depends on x alone.
