@@ -3,4 +3,6 @@
 mod crossed;
 mod data;
 mod lamellar;
+mod laws;
+mod random;
 mod chandezon;

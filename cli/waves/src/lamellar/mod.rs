@@ -108,7 +108,17 @@ impl Modes {
     /// [`WaveError::Light`] if the light does not travel in the half-space above, [`WaveError::Singular`] if the
     /// equations have no finite solution.
     pub fn response(&self, ky: f64) -> Result<Response, WaveError> {
-        let q0 = [self.kx[self.max_order], ky];
+        self.response_at(0, ky)
+    }
+
+    /// Orders for light of tangential wavevector (k_x0 + `shift` λ/Λ, `ky`), |`shift`| ≤ M, from the same decompositions.
+    /// Orders are counted from that light: numbers −M − `shift`…M − `shift`.
+    ///
+    /// # Errors
+    /// As [`Modes::response`]; [`WaveError::Light`] too if there is no such order.
+    pub fn response_at(&self, shift: i32, ky: f64) -> Result<Response, WaveError> {
+        let arriving = indices(self.max_order).position(|m| m == shift).ok_or(WaveError::Light)?;
+        let q0 = [self.kx[arriving], ky];
         let incident_vertical = vertical(Complex64::from(self.above), q0).re;
         // Infinities and NaN fail too.
         if !(q0[0].hypot(q0[1]) < self.above && incident_vertical > 0.0) {
@@ -126,13 +136,13 @@ impl Modes {
             .collect();
         let light = incident(self.above, q0, incident_vertical).map(|wave| wave.electric);
         let columns = if ky.abs() <= MAX_APART {
-            propagate_apart(&stack, &waves[1], light)?
+            propagate_apart(&stack, &waves[1], arriving, light)?
         } else {
-            propagate(&stack, &waves[1], ky, light)?
+            propagate(&stack, &waves[1], ky, arriving, light)?
         };
         let [reflected, transmitted] = [
-            self.orders(Complex64::from(self.above), ky, 1.0, &columns.up),
-            self.orders(self.below, ky, -1.0, &columns.down),
+            self.orders(Complex64::from(self.above), [shift, 1], ky, &columns.up),
+            self.orders(self.below, [shift, -1], ky, &columns.down),
         ];
         let sound =
             |orders: &[Order]| orders.iter().all(|order| order.jones.as_flattened().iter().all(|j| j.is_finite()));
@@ -143,17 +153,19 @@ impl Modes {
         Ok(Response { incident_vertical, half_spaces, reflected, transmitted })
     }
 
-    /// Orders of a half-space from the electric fields of its waves, which go up for `sign` 1 and down for −1.
-    fn orders(&self, eta: Complex64, ky: f64, sign: f64, columns: &[Column; 2]) -> Vec<Order> {
+    /// Orders of a half-space from the electric fields of its waves, which go up for `sign` 1 and down for −1, counted
+    /// from order `shift`.
+    fn orders(&self, eta: Complex64, [shift, sign]: [i32; 2], ky: f64, columns: &[Column; 2]) -> Vec<Order> {
         let n = self.kx.len();
         let of_order = |(i, m): (usize, i32)| {
             let q = [self.kx[i], ky];
-            let [[xx, xy], [yx, yy]] = admittance(q, vertical(eta, q)).map(|row| row.map(|element| element * sign));
+            let [[xx, xy], [yx, yy]] =
+                admittance(q, vertical(eta, q)).map(|row| row.map(|element| element * f64::from(sign)));
             let fields = columns.each_ref().map(|column| {
                 let electric @ [x, y] = [column[i], column[n + i]];
                 Tangential { electric, magnetic: [xx * x + xy * y, yx * x + yy * y] }
             });
-            order([m, 0], eta, q, fields)
+            order([m - shift, 0], eta, q, fields)
         };
         indices(self.max_order).enumerate().map(of_order).collect()
     }

@@ -64,7 +64,8 @@ impl Seen {
     }
 }
 
-/// Waves that leave the stack for the electric fields (x, y) of order 0 that arrive in its first layer.
+/// Waves that leave the stack for the electric fields (x, y) that arrive in its first layer, in
+/// order `arriving`, counted from 0.
 ///
 /// # Errors
 /// [`WaveError::Singular`] if a reflection matrix is not finite.
@@ -72,6 +73,7 @@ pub(super) fn propagate(
     stack: &[Layer<'_>],
     substrate: &Waves,
     ky: f64,
+    arriving: usize,
     light: [[Complex64; 2]; 2],
 ) -> Result<Leaving, WaveError> {
     let n = substrate.electric.len();
@@ -87,7 +89,7 @@ pub(super) fn propagate(
         seen.push((found, phases));
         below = layer.waves;
     }
-    let light = light.map(|electric| single(&[(n / 2, electric[0]), (n + n / 2, electric[1])], 2 * n));
+    let light = light.map(|electric| single(&[(arriving, electric[0]), (n + arriving, electric[1])], 2 * n));
     Ok(leave(&seen, &light))
 }
 
@@ -175,6 +177,7 @@ fn mix(matrix: &mut Matrix, factors: &[[[Complex64; 2]; 2]]) {
 pub(super) fn propagate_apart(
     stack: &[Layer<'_>],
     substrate: &Waves,
+    arriving: usize,
     light: [[Complex64; 2]; 2],
 ) -> Result<Leaving, WaveError> {
     let n = substrate.electric.len();
@@ -218,7 +221,7 @@ pub(super) fn propagate_apart(
             }
             seen.push((found, phases));
         }
-        let columns = leave(&seen, &light.map(|electric| single(&[(n / 2, electric[half])], n)));
+        let columns = leave(&seen, &light.map(|electric| single(&[(arriving, electric[half])], n)));
         for polarisation in 0..2 {
             leaving.up[polarisation][range.clone()].copy_from_slice(&columns.up[polarisation]);
             leaving.down[polarisation][range.clone()].copy_from_slice(&columns.down[polarisation]);
