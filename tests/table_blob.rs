@@ -4,7 +4,10 @@ use glam::Vec3;
 use goniochrome::colour::RgbSpace;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
-use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::table::{
+    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
+    TableError,
+};
 
 /// Relative rounding of binary16.
 const HALF_RELATIVE: f32 = 1.0 / 2048.0;
@@ -40,6 +43,25 @@ fn scatter(precision: Precision) -> Vec<u8> {
 
 fn mirror(precision: Precision) -> Vec<u8> {
     written(Contents::Mirror(MirrorTable::new(&mirror_values(), 3, 1.5).unwrap()), precision)
+}
+
+const ORDERS: [[f32; 2]; 5] = [[-1.0, 0.0], [0.0, -1.0], [0.0, 0.0], [0.0, 1.0], [1.0, 0.0]];
+const NM: [f32; 3] = [450.0, 550.0, 700.0];
+const INDEX: [f32; 3] = [1.34, 1.33, 1.32];
+const WEIGHTS: [[f32; 3]; 3] = [[0.0, 0.1, 0.9], [0.3, 0.7, 0.1], [0.7, 0.2, -0.1]];
+/// Values of the table of orders: 3 wavelengths, 4 × 3 nodes, 5 orders.
+const STRENGTHS: usize = 180;
+
+fn with_orders<T>(use_table: impl FnOnce(OrderTable<'_>) -> T) -> T {
+    let layout = OrderLayout::new([4, 3], Periodicity::Both, [1600.0, 740.0]).unwrap();
+    let strength: Vec<f32> = (0..STRENGTHS).map(|i| (i * 37 % 101) as f32 / 97.0).collect();
+    let arrays =
+        OrderArrays { orders: &ORDERS, wavelength_nm: &NM, index: &INDEX, rgb_weights: &WEIGHTS, strength: &strength };
+    use_table(OrderTable::new(layout, &arrays).unwrap())
+}
+
+fn orders(precision: Precision) -> Vec<u8> {
+    with_orders(|table| written(Contents::Orders(table), precision))
 }
 
 /// The bytes with a right checksum, so that only the other checks can refuse them.
@@ -91,6 +113,42 @@ fn single_precision_is_looked_up_bit_for_bit_wherever_it_lies() {
 }
 
 #[test]
+fn orders_are_looked_up_as_before_they_were_written() {
+    for (precision, largest) in [(Precision::Single, 0.0), (Precision::Half, HALF_RELATIVE)] {
+        let mut bytes = vec![0];
+        bytes.extend(orders(precision));
+        let blob = Blob::read(&bytes[1..]).unwrap();
+        assert_eq!(blob.space, Some(RgbSpace::Rec2020));
+        let Contents::Orders(read) = blob.contents else { panic!("a table of orders") };
+        with_orders(|table| {
+            assert_eq!(read.layout(), table.layout());
+            assert_eq!((read.order_count(), read.wavelength_count()), (5, 3));
+            (0..5).for_each(|order| assert_eq!(read.order(order), table.order(order)));
+            for w in 0..3 {
+                assert_eq!((read.wavelength_nm(w), read.rgb_weight(w)), (table.wavelength_nm(w), table.rgb_weight(w)));
+            }
+            for wo in directions() {
+                let (seen, expected) = (read.view(wo).unwrap(), table.view(wo).unwrap());
+                for (w, order) in (0..3).flat_map(|w| (0..5).map(move |order| (w, order))) {
+                    match (seen.light_between(w, 0.3, order), expected.light_between(w, 0.3, order)) {
+                        (Some(got), Some(want)) => {
+                            assert_eq!(got.direction, want.direction);
+                            // Strengths are below 1.04, each rounded, and the sums of eight are too.
+                            let slack = 1.04 * largest + if largest > 0.0 { HALF_ABSOLUTE } else { 0.0 };
+                            assert!((got.efficiency - want.efficiency).abs() <= slack, "{got:?} for {want:?}");
+                        }
+                        (got, want) => assert_eq!(got, want),
+                    }
+                }
+                if precision == Precision::Single {
+                    assert_eq!(seen.sample(1, 0.4), expected.sample(1, 0.4));
+                }
+            }
+        });
+    }
+}
+
+#[test]
 fn half_precision_rounds_values_and_nothing_else() {
     let bytes = scatter(Precision::Half);
     let Contents::Scatter(read, reader) = Blob::read(&bytes).unwrap().contents else { panic!("a scatter table") };
@@ -134,8 +192,57 @@ fn the_bytes_are_those_of_the_specification() {
 const CRC_OF_PYTHON: u32 = 0x097d_2e52;
 
 #[test]
+fn the_bytes_of_orders_are_those_of_the_specification() {
+    let bytes = orders(Precision::Half);
+    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<_>>();
+    let numbers = |numbers: &[f32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+    assert_eq!(bytes[8..40], words(&[1, 3, 2, 5, 3, 4, 3, 3]));
+    assert_eq!(bytes[40..48], numbers(&[1600.0, 740.0]));
+    assert_eq!(bytes[48..60], words(&[64 + 2 * STRENGTHS as u32 + 4 * 25, 0, 2]));
+    assert_eq!(orders(Precision::Single)[64 + 4 * 37..][..4], ((37 * 37 % 101) as f32 / 97.0).to_le_bytes());
+    let tail = [ORDERS.as_flattened(), &NM, &INDEX, WEIGHTS.as_flattened()].concat();
+    assert_eq!(bytes[64 + 2 * STRENGTHS..], numbers(&tail));
+}
+
+#[test]
+fn every_rule_of_orders_is_checked_behind_a_right_checksum() {
+    let with = |offset: usize, value: &[u8]| {
+        let mut bytes = orders(Precision::Single);
+        bytes[offset..offset + value.len()].copy_from_slice(value);
+        Blob::read(&resealed(bytes)).map(drop)
+    };
+    let word = |offset, word: u32| with(offset, &word.to_le_bytes());
+    let number = |offset, number: f32| with(offset, &number.to_le_bytes());
+    for sides in [0, 4, 7] {
+        assert_eq!(word(36, sides), Err(BlobError::Field { offset: 36 }));
+    }
+    // Lines along y: the order (0, -1) is none of theirs.
+    assert_eq!(word(36, 1), Err(BlobError::Table(TableError::Orders)));
+    for period in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert_eq!(number(40, period), Err(BlobError::Table(TableError::OrderLayout)));
+        assert_eq!(number(44, period), Err(BlobError::Table(TableError::OrderLayout)));
+    }
+    // Nodes of another grid of equal size.
+    assert_eq!(with(24, &[1, 0, 0, 0, 12, 0, 0, 0]), Err(BlobError::Table(TableError::OrderLayout)));
+    assert_eq!(with(24, &[6, 0, 0, 0, 2, 0, 0, 0]), Ok(()));
+    for strength in [f32::NAN, -0.5, f32::INFINITY, 2e30] {
+        assert_eq!(number(64 + 4 * 9, strength), Err(BlobError::Table(TableError::Strength { index: 9 })));
+    }
+    let axes = 64 + 4 * STRENGTHS;
+    // The first order, the second wavelength, the first index, the last weight.
+    let places = [(0, 0.5), (0, 2e6), (0, f32::NAN), (11, 450.0), (10, 0.0), (13, -1.0), (13, 0.0), (24, f32::NAN)];
+    for (place, value) in places {
+        assert_eq!(number(axes + 4 * place, value), Err(BlobError::Table(TableError::Orders)), "{place}: {value}");
+    }
+    let mut half = orders(Precision::Half);
+    half[64..66].copy_from_slice(&[0, 0x7c]);
+    assert_eq!(Blob::read(&resealed(half)), Err(BlobError::Range { index: 0 }));
+}
+
+#[test]
 fn every_length_but_the_right_one_is_refused() {
-    for bytes in [scatter(Precision::Single), scatter(Precision::Half), mirror(Precision::Half)] {
+    let scattering = [scatter(Precision::Single), scatter(Precision::Half)];
+    for bytes in scattering.into_iter().chain([mirror(Precision::Half), orders(Precision::Single)]) {
         for length in 0..bytes.len() {
             assert!(matches!(Blob::read(&bytes[..length]), Err(BlobError::Length { .. })), "{length}");
         }
@@ -147,7 +254,7 @@ fn every_length_but_the_right_one_is_refused() {
 
 #[test]
 fn every_changed_byte_is_found() {
-    for bytes in [scatter(Precision::Single), mirror(Precision::Half)] {
+    for bytes in [scatter(Precision::Single), mirror(Precision::Half), orders(Precision::Half)] {
         for at in 0..bytes.len() {
             for flip in [0x01, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
@@ -161,7 +268,8 @@ fn every_changed_byte_is_found() {
 #[test]
 fn absurd_headers_are_refused_or_harmless() {
     let wild = [0, 1, 2, 3, 5, 1024, 1025, 65_536, u32::MAX / 2, u32::MAX];
-    for bytes in [scatter(Precision::Single), scatter(Precision::Half), mirror(Precision::Single)] {
+    let scattering = [scatter(Precision::Single), scatter(Precision::Half)];
+    for bytes in scattering.into_iter().chain([mirror(Precision::Single), orders(Precision::Single)]) {
         for at in (12..44).step_by(4) {
             for (word, other) in wild.iter().flat_map(|a| wild.map(|b| (*a, b))) {
                 let mut damaged = bytes.clone();
@@ -173,6 +281,11 @@ fn absurd_headers_are_refused_or_harmless() {
                     Ok(Contents::Scatter(table, sampler)) => {
                         let (wo, pdf) = sampler.sample(Vec3::new(0.6, 0.0, 0.8), [0.3, 0.9]).unwrap();
                         assert!(pdf >= 0.0 && table.rgb(Vec3::Z, wo).iter().all(|x| x.is_finite()));
+                    }
+                    Ok(Contents::Orders(table)) => {
+                        let view = table.view(Vec3::new(0.6, 0.0, 0.8)).unwrap();
+                        assert!(view.albedo(0).is_finite());
+                        assert!(view.sample(0, 0.5).is_none_or(|sample| sample.probability > 0.0));
                     }
                     Err(_) => {}
                 }
@@ -186,7 +299,7 @@ fn absurd_headers_are_refused_or_harmless() {
     };
     assert_eq!(set(0, 7), BlobError::Magic);
     assert_eq!(set(8, 2), BlobError::Version { found: 2 });
-    assert_eq!(set(12, 3), BlobError::Field { offset: 12 });
+    assert_eq!(set(12, 4), BlobError::Field { offset: 12 });
     assert_eq!(set(16, 8), BlobError::Field { offset: 16 });
     assert_eq!(set(24, u32::MAX), BlobError::Dimensions);
     assert_eq!(set(40, 1), BlobError::Field { offset: 40 });

@@ -5,11 +5,15 @@ use glam::Vec3;
 use goniochrome::colour::RgbSpace;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, Contents, Precision};
-use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::table::{
+    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
+};
 use goniochrome::trace::random::Random;
 
 const HEADER: usize = 64;
 const CHECKSUM: usize = 60;
+/// Number of the kind of a table of orders.
+const ORDERS: usize = 3;
 /// Largest number of bytes of a blob that is mended or made.
 const MAX: usize = 1 << 16;
 
@@ -33,11 +37,14 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
     let (kind, value, channels) = (word(12)?, word(16)?, word(20)?);
     let [rows, columns, cos, phi] = [word(24)?, word(28)?, word(32)?, word(36)?];
     let incident = rows.checked_mul(columns)?;
-    let bins = cos.checked_mul(phi)?;
+    let bins = cos.checked_mul(if kind == ORDERS { 1 } else { phi })?;
     let values = incident.checked_mul(bins)?.checked_mul(channels)?.checked_mul(value)?.checked_next_multiple_of(4)?;
-    let sampler =
-        if kind == 2 { incident.checked_mul(bins.checked_add(cos)?.checked_add(1)?)?.checked_mul(4)? } else { 0 };
-    let size = HEADER.checked_add(values)?.checked_add(sampler).filter(|size| *size <= MAX)?;
+    let numbers = match kind {
+        2 => incident.checked_mul(bins.checked_add(cos)?.checked_add(1)?)?,
+        ORDERS => channels.checked_mul(2)?.checked_add(cos.checked_mul(5)?)?,
+        _ => 0,
+    };
+    let size = HEADER.checked_add(values)?.checked_add(numbers.checked_mul(4)?).filter(|size| *size <= MAX)?;
     bytes.resize(size, 0);
     bytes[48..56].copy_from_slice(&(size as u64).to_le_bytes());
     let mut hasher = crc32fast::Hasher::new();
@@ -61,6 +68,31 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
         blob.write(precision, &mut bytes).ok()?;
         Some(bytes)
     };
+    if kind & 0x10 != 0 {
+        let periodicity = [Periodicity::X, Periodicity::Y, Periodicity::Both][usize::from(kind >> 5) % 3];
+        let nodes = [2 + u32::from(sides & 7), 2 + u32::from(sides >> 3 & 7)];
+        let (orders, wavelengths) = (i32::from(1 + (shape & 7)), 1 + usize::from(shape >> 3 & 7));
+        let sign = 1.0 - f32::from(shape >> 6 & 2);
+        // Numbers of a sawtooth, or of a line of orders.
+        let number = |k: i32, repeats: bool| if repeats { sign * (k - orders / 2) as f32 } else { 0.0 };
+        let number = |k| [number(k, periodicity != Periodicity::Y), number(k, periodicity != Periodicity::X)];
+        let orders: Vec<_> = (0..orders).map(number).collect();
+        let mut next = values.iter().copied().cycle();
+        let layout = OrderLayout::new(nodes, periodicity, [next.next()?, next.next()?]).ok()?;
+        let mut nm = 0.0;
+        let wavelength_nm: Vec<f32> =
+            next.by_ref().take(wavelengths).map(|x| std::mem::replace(&mut nm, nm + x.abs())).collect();
+        let mut positive: Vec<f32> = next.by_ref().take(layout.count() * wavelengths * orders.len()).collect();
+        positive.iter_mut().for_each(|x| *x = x.abs());
+        let arrays = OrderArrays {
+            orders: &orders,
+            wavelength_nm: &wavelength_nm,
+            index: positive.get(..wavelengths)?,
+            rgb_weights: values.as_chunks().0.get(..wavelengths)?,
+            strength: &positive,
+        };
+        return write(Contents::Orders(OrderTable::new(layout, &arrays).ok()?));
+    }
     if kind & 1 == 0 {
         let theta_max = f64::from(sides.max(1)) / 255.0 * std::f64::consts::FRAC_PI_2;
         return write(Contents::Mirror(MirrorTable::new(&values, channels, theta_max).ok()?));
@@ -91,6 +123,7 @@ fn holds(bytes: &[u8]) {
                 scatter(table, sampler, &mut numbers);
             }
         }
+        Contents::Orders(table) => orders(table, &mut numbers),
     }
 }
 
@@ -165,6 +198,39 @@ fn scatter(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, numbers: &mut
     table.albedo(numbers.direction(), &mut all);
     assert!(all.iter().all(|a| a.is_finite()), "albedo {all:?}");
     density_is_one(table.layout().bins(), sampler, numbers.direction());
+}
+
+fn orders(table: &OrderTable<'_>, numbers: &mut Numbers) {
+    /// Largest number of orders whose probabilities are added up.
+    const FEW: usize = 64;
+    for _ in 0..4 {
+        let wo = numbers.direction();
+        let view = table.view(wo).expect("wo is above the surface");
+        assert!([-wo, Vec3::new(wo.x, wo.y, 0.0)].iter().all(|below| table.view(*below).is_none()));
+        let of = |count: usize, numbers: &mut Numbers| (numbers.next() * (count + 1) as f32) as usize;
+        let wavelength = of(table.wavelength_count(), numbers);
+        let order = of(table.order_count(), numbers);
+        let lights = [view.light(wavelength, order), view.light_between(wavelength, numbers.next(), order)];
+        for light in lights.into_iter().flatten() {
+            let missing = wavelength == table.wavelength_count() || order == table.order_count();
+            assert!(!missing, "light of what the table lacks");
+            assert!(light.efficiency >= 0.0 && light.efficiency.is_finite(), "{light:?} at {wo}");
+            assert!((light.direction.length() - 1.0).abs() < ROUNDINGS && light.direction.z > 0.0, "{light:?} at {wo}");
+        }
+        let (albedo, probability) = (view.albedo(wavelength), view.probability(wavelength, order));
+        assert!(albedo >= 0.0 && albedo.is_finite() && (0.0..=1.0).contains(&probability), "{probability} of {albedo}");
+        match view.sample(wavelength, numbers.next()) {
+            Some(drawn) => {
+                assert!(drawn.probability > 0.0 && drawn.probability == view.probability(wavelength, drawn.order));
+                assert!((drawn.efficiency / drawn.probability).is_finite(), "{drawn:?}");
+            }
+            None => assert!(albedo == 0.0, "nothing is drawn of {albedo}"),
+        }
+        if albedo > 0.0 && table.order_count() <= FEW {
+            let sum: f32 = (0..table.order_count()).map(|order| view.probability(wavelength, order)).sum();
+            assert!((sum - 1.0).abs() < 2.0 * FEW as f32 * f32::EPSILON, "probabilities add up to {sum}");
+        }
+    }
 }
 
 /// The density is linear in cos θ and in φ between half steps of the grid, where the trapezium rule is exact.

@@ -1,9 +1,11 @@
-//! `export --to blob`: the bytes that [`goniochrome::table::blob`] specifies, RGB.
+//! `export --to blob`: the bytes that [`goniochrome::table::blob`] specifies. Colours are RGB. Tables of diffraction
+//! orders keep their wavelengths, with the RGB of each.
 
-use goniochrome::colour::RgbSpace;
+use goniochrome::colour::{Quadrature, RgbSpace};
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{MirrorTable as Mirror, ScatterSampler, ScatterTable as Scatter};
 
+use crate::colour::{visible, visible_weights};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
@@ -27,7 +29,16 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
             let sampler = ScatterSampler::new(&table, &mut memory).map_err(Error::failed)?;
             write(scatter.metadata.named_space(), Contents::Scatter(table, sampler), precision)
         }
-        Table::Orders(_) => Err(Error::failed("tables of diffraction orders have no blob yet")),
+        Table::Orders(orders) => {
+            let nm = &orders.wavelength_nm;
+            if !visible(nm) {
+                return Err(Error::failed("the table has no colour, as its wavelengths are invisible"));
+            }
+            let weights = visible_weights(nm, orders.metadata.illuminant(), Quadrature::Interpolated)?;
+            let space = orders.metadata.space();
+            let arrays = orders.arrays(weights.into_iter().map(|xyz| space.from_xyz(xyz)));
+            write(Some(space), Contents::Orders(arrays.table()?), precision)
+        }
     }
 }
 
@@ -61,7 +72,39 @@ fn largest_angle(table: &MirrorTable) -> Result<f64> {
 
 #[cfg(test)]
 mod tests {
+    use goniochrome::colour::Illuminant;
+
     use super::*;
+    use crate::table::metadata::MetadataKey;
+    use crate::table::orders::tests::sample;
+
+    #[test]
+    fn orders_keep_their_spectra_and_their_light() {
+        let mut table = sample();
+        table.metadata.insert(MetadataKey::ColourSpace, "rec2020");
+        table.metadata.insert(MetadataKey::Illuminant, "E");
+        let bytes = encode(&table.clone().into(), Precision::Single).unwrap();
+        let blob = Blob::read(&bytes).unwrap();
+        assert_eq!(blob.space, Some(RgbSpace::Rec2020));
+        let Contents::Orders(read) = blob.contents else { panic!("a table of orders") };
+        assert_eq!((read.layout(), read.order_count(), read.wavelength_count()), (table.layout, 3, 2));
+        let xyz = visible_weights(&table.wavelength_nm, Illuminant::E, Quadrature::Interpolated).unwrap();
+        for (w, xyz) in xyz.into_iter().enumerate() {
+            assert_eq!(read.wavelength_nm(w), table.wavelength_nm[w] as f32);
+            assert_eq!(read.rgb_weight(w), RgbSpace::Rec2020.from_xyz(xyz).map(|c| c as f32));
+            // The node at the normal.
+            let strengths = &table.unpolarised()[table.first(w, 1)..][..3];
+            let view = read.view(glam::Vec3::Z).unwrap();
+            for (order, strength) in strengths.iter().enumerate() {
+                let light = view.light(w, order).unwrap();
+                let cos = if order == 1 { 1.0 } else { light.direction.z };
+                // Rounding of the angles to single precision, times the differences of neighbouring nodes.
+                assert!((light.efficiency - strength * cos).abs() < 1e-6, "{light:?} for {strength}");
+            }
+        }
+        table.wavelength_nm = vec![1200.0, 1300.0];
+        assert!(encode(&table.into(), Precision::Single).unwrap_err().to_string().contains("invisible"));
+    }
 
     #[test]
     fn angles_that_a_blob_does_not_have_and_values_it_cannot_hold_are_refused() {

@@ -1,7 +1,7 @@
 //! Table of diffraction orders in memory.
 
 use goniochrome::simd::complex::Polarised;
-use goniochrome::table::{OrderArrays, OrderLayout, OrderTable as Lookup};
+use goniochrome::table::{OrderArrays, OrderLayout, OrderTable as Lookup, Periodicity};
 
 use crate::support::error::{Error, Result};
 use crate::table::metadata::Metadata;
@@ -51,8 +51,8 @@ impl OrderTable {
         self.reflected.s.iter().zip(&self.reflected.p).map(|(s, p)| 0.5 * (s + p)).collect()
     }
 
-    /// The table in the form that the library looks up, unpolarised. `rgb_weights` are the linear RGB that a reflectance
-    /// of 1 at each wavelength adds to a colour.
+    /// The table in the form that the library looks up, unpolarised. `rgb_weights` are the linear RGB that a
+    /// reflectance of 1 at each wavelength adds to a colour.
     #[must_use]
     pub fn arrays(&self, rgb_weights: impl IntoIterator<Item = [f64; 3]>) -> LookupArrays {
         let narrow = |numbers: &[f64]| numbers.iter().map(|x| *x as f32).collect();
@@ -75,9 +75,10 @@ impl OrderTable {
     /// Checks sizes and values.
     ///
     /// # Errors
-    /// An empty or too large table, arrays whose lengths do not fit the layout, orders that do not ascend or lack
-    /// (0, 0), wavelengths that are not positive or do not increase, an index that is not positive above or negative
-    /// below, a strength or error that is negative or not finite.
+    /// An empty or too large table, arrays whose lengths do not fit the layout, orders that do not ascend, lack (0, 0)
+    /// or count along an axis along which the surface does not repeat, wavelengths that are not positive or do not
+    /// increase, an index that is not positive above or negative below, a strength or error that is negative or not
+    /// finite.
     pub fn check(&self) -> Result<()> {
         check_wavelengths(&self.wavelength_nm)?;
         check_order_size(&self.layout, self.orders.len(), self.wavelength_nm.len())?;
@@ -98,6 +99,12 @@ impl OrderTable {
         }
         if !self.orders.is_sorted_by(|a, b| a < b) || !self.orders.contains(&[0, 0]) {
             return Err(Error::failed("the orders of the table do not ascend, or (0, 0) is missing"));
+        }
+        let varies = [self.layout.periodicity() != Periodicity::Y, self.layout.periodicity() != Periodicity::X];
+        if let Some([m, n]) = self.orders.iter().find(|order| (0..2).any(|axis| order[axis] != 0 && !varies[axis])) {
+            return Err(Error::failed(format_args!(
+                "the table has an order ({m}, {n}), but the surface repeats along one axis alone"
+            )));
         }
         let good = |n: f64, least: f64| n >= least && n.is_finite();
         if !self.index_above.iter().all(|&n| good(n, f64::MIN_POSITIVE))
@@ -162,8 +169,6 @@ pub fn check_order_size(layout: &OrderLayout, orders: usize, wavelengths: usize)
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use goniochrome::table::Periodicity;
-
     use super::*;
 
     /// Lines of period 700 nm along y: three orders, two wavelengths, 3 × 2 directions.
@@ -194,6 +199,7 @@ pub(crate) mod tests {
         assert!(refusal(|t| t.error.truncate(3)).contains("3 errors where 12 belong"));
         assert!(refusal(|t| t.orders[1] = [2, 0]).contains("do not ascend"));
         assert!(refusal(|t| t.orders = vec![[-1, 0], [1, 0], [2, 0]]).contains("(0, 0) is missing"));
+        assert!(refusal(|t| t.orders[2] = [1, 1]).contains("an order (1, 1), but"));
         assert!(refusal(|t| t.index_above[1] = 0.0).contains("refractive index"));
         assert!(refusal(|t| t.reflected.p[7] = f32::NAN).contains("is NaN"));
         assert!(refusal(|t| t.transmitted.s[7] = -1.0).contains("is -1"));

@@ -17,7 +17,10 @@ use goniochrome::optics::stack::{Film, PreparedStack, PreparedStackArrays, Stack
 use goniochrome::simd::complex::ComplexLanes;
 use goniochrome::simd::lanes::{F32, F64, Lanes, simd_level};
 use goniochrome::table::blob::{Blob, Contents, Precision};
-use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::table::{
+    DiffractedLight, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler,
+    ScatterTable,
+};
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
@@ -171,12 +174,49 @@ fn written(contents: Contents<'_>, precision: Precision, path: &Path) -> Vec<u8>
     bytes
 }
 
+fn print_light(light: Option<DiffractedLight>) {
+    let light = light.unwrap_or(DiffractedLight { direction: Vec3::ZERO, efficiency: 0.0 });
+    light.direction.to_array().into_iter().for_each(|x| print("direction", f64::from(x)));
+    print("efficiency", f64::from(light.efficiency));
+}
+
+fn orders(table: &OrderTable<'_>) {
+    for order in 0..table.order_count() {
+        table.order(order).into_iter().for_each(|number| print("order", f64::from(number)));
+    }
+    for wavelength in 0..table.wavelength_count() {
+        print("nm", f64::from(table.wavelength_nm(wavelength)));
+        table.rgb_weight(wavelength).into_iter().for_each(|c| print("rgb", f64::from(c)));
+    }
+    for i in 0..64u8 {
+        let wo = Vec3::new(f32::from(i % 8) - 3.5, f32::from(i / 8) - 3.5, 2.0);
+        let view = table.view(wo.normalize()).unwrap();
+        for wavelength in 0..table.wavelength_count() {
+            for order in 0..table.order_count() {
+                print_light(view.light_between(wavelength, 0.25 * f32::from(i % 5), order));
+                print("probability", f64::from(view.probability(wavelength, order)));
+            }
+            let drawn = view.sample(wavelength, f32::from(i) / 64.0);
+            print("drawn", drawn.map_or(0.0, |drawn| drawn.order as f64));
+            print_light(drawn.map(|d| DiffractedLight { direction: d.direction, efficiency: d.efficiency }));
+            print("probability", drawn.map_or(0.0, |drawn| f64::from(drawn.probability)));
+        }
+    }
+}
+
 fn table(bytes: &[u8]) {
     let Blob { contents, .. } = Blob::read(bytes).unwrap();
-    let kind = if matches!(contents, Contents::Mirror(_)) { 1.0 } else { 2.0 };
+    let kind = match contents {
+        Contents::Mirror(_) => 1.0,
+        Contents::Scatter(..) => 2.0,
+        Contents::Orders(_) => 3.0,
+    };
     print("kind", kind);
     print("channels", 3.0);
     print("space", 2.0);
+    if let Contents::Orders(table) = contents {
+        return orders(&table);
+    }
     for i in 0..64u8 {
         let (x, y) = (f32::from(i % 8) / 8.0 - 0.4375, f32::from(i / 8) / 8.0 - 0.4375);
         let (wi, wo) = (Vec3::new(x, y, 1.0 - 0.5 * (x * x + y * y)), Vec3::new(-y, 0.5 * x, 0.75));
@@ -191,6 +231,7 @@ fn table(bytes: &[u8]) {
                 let (drawn, pdf) = sampler.sample(wi, u).unwrap();
                 (table.rgb(wi, wo), (drawn, pdf), table.rgb(wi, drawn).map(|f| f * drawn.z / pdf))
             }
+            Contents::Orders(_) => unreachable!("printed above"),
         };
         print("pdf", f64::from(drawn.1));
         for c in 0..3 {
@@ -218,4 +259,16 @@ fn main() {
     table(&written(Contents::Mirror(mirror), Precision::Single, &folder.join("mirror.gonio")));
     table(&written(Contents::Scatter(scatter, sampler), Precision::Single, &folder.join("scatter.gonio")));
     table(&written(Contents::Scatter(scatter, sampler), Precision::Half, &folder.join("half.gonio")));
+    let layout = OrderLayout::new([5, 3], Periodicity::X, [1600.0, 1.0]).unwrap();
+    let strength: Vec<f32> = (0..3 * layout.count() * 7).map(|i| (i * 31 % 97) as f32 / 970.0).collect();
+    let arrays = OrderArrays {
+        orders: &[-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|m| [m, 0.0]),
+        wavelength_nm: &[450.0, 550.0, 650.0],
+        index: &[1.0, 1.25, 1.5],
+        rgb_weights: &[[0.0, 0.25, 0.75], [0.25, 0.625, 0.25], [0.75, 0.125, 0.0]],
+        strength: &strength,
+    };
+    let orders = OrderTable::new(layout, &arrays).unwrap();
+    table(&written(Contents::Orders(orders), Precision::Single, &folder.join("orders.gonio")));
+    table(&written(Contents::Orders(orders), Precision::Half, &folder.join("orders-half.gonio")));
 }

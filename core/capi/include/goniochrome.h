@@ -103,6 +103,21 @@
 #define GONIO_KIND_SCATTER 2
 
 /*
+ Kind of a table: a periodic surface, which reflects into diffraction orders. The functions gonio_orders_… take it.
+ */
+#define GONIO_KIND_ORDERS 3
+
+/*
+ Size of a gonio_order_view in bytes.
+ */
+#define GONIO_ORDER_VIEW_SIZE (8 * 32)
+
+/*
+ Alignment of a gonio_order_view in bytes.
+ */
+#define GONIO_ORDER_VIEW_ALIGN 8
+
+/*
  Status that a call returns. Results are written only if it is GONIO_STATUS_OK.
  */
 enum gonio_status
@@ -156,7 +171,7 @@ enum gonio_status
      */
     GONIO_STATUS_NO_DATA = 10,
     /*
-     An index refers to a medium, an interface or a vertex that does not exist.
+     An index refers to a medium, an interface, a vertex, an order or a wavelength that does not exist.
      */
     GONIO_STATUS_INDEX = 11,
     /*
@@ -184,7 +199,7 @@ enum gonio_status
      */
     GONIO_STATUS_DIVERGED = 17,
     /*
-     The table is of the other kind.
+     The table is of another kind.
      */
     GONIO_STATUS_WRONG_KIND = 18,
     /*
@@ -420,11 +435,11 @@ typedef struct {
  */
 typedef struct {
     /*
-     GONIO_KIND_MIRROR or GONIO_KIND_SCATTER.
+     GONIO_KIND_MIRROR, GONIO_KIND_SCATTER or GONIO_KIND_ORDERS.
      */
     uint32_t kind;
     /*
-     Number of channels. The first three are red, green and blue.
+     Number of channels. The first three are red, green and blue. 3 for orders, the RGB weights of their wavelengths.
      */
     uint32_t channels;
     /*
@@ -450,6 +465,75 @@ typedef struct {
      */
     float weight[3];
 } gonio_sample;
+
+/*
+ Numbers of orders and of wavelengths of a table.
+ */
+typedef struct {
+    /*
+     Number of orders.
+     */
+    uint32_t orders;
+    /*
+     Number of wavelengths.
+     */
+    uint32_t wavelengths;
+} gonio_order_counts;
+
+/*
+ Wavelength of a table of orders.
+ */
+typedef struct {
+    /*
+     Vacuum wavelength in nanometres.
+     */
+    float nm;
+    /*
+     Linear RGB that a reflectance of 1 at this wavelength adds to a colour. Over all wavelengths they add up to
+     white.
+     */
+    float rgb[3];
+} gonio_wavelength;
+
+/*
+ Table of diffraction orders seen from one direction; made by gonio_orders_view. It may be moved, and shared between
+ threads. It refers to the bytes of the table's blob, not to the gonio_table.
+ */
+typedef struct {
+    uint64_t opaque[32];
+} gonio_order_view;
+
+/*
+ Light that reaches the viewer by one order.
+ */
+typedef struct {
+    /*
+     Direction towards the light, a unit vector; zero if the order is evanescent.
+     */
+    float direction[3];
+    /*
+     Share of that light's radiance which the viewer receives, unpolarised; 0 if the order is evanescent.
+     */
+    float efficiency;
+} gonio_diffracted_light;
+
+/*
+ Order that was drawn, its light, and the probability of the draw.
+ */
+typedef struct {
+    /*
+     Index of the order.
+     */
+    uint32_t order;
+    /*
+     Light that reaches the viewer by the order.
+     */
+    gonio_diffracted_light light;
+    /*
+     Probability of the draw; 0 if no light reaches the viewer.
+     */
+    float probability;
+} gonio_order_sample;
 
 #ifdef __cplusplus
 extern "C" {
@@ -613,13 +697,82 @@ gonio_status gonio_table_rgb(const gonio_table *table, const float *wi, const fl
 gonio_status gonio_table_pdf(const gonio_table *table, const float *wi, const float *wo, float *pdf);
 
 /*
- Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes tables of
- either kind.
+ Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes
+ mirror-like and scattering tables.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
  */
 gonio_status gonio_table_sample(const gonio_table *table, const float *wi, const float *u, gonio_sample *sample);
+
+/*
+ Reads the numbers of orders and of wavelengths of a table of orders.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
+ */
+gonio_status gonio_orders_count(const gonio_table *table, gonio_order_counts *counts);
+
+/*
+ Reads the numbers m and n of an order, along x and y.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `numbers` to two integers.
+ */
+gonio_status gonio_orders_numbers(const gonio_table *table, uint32_t order, int32_t *numbers);
+
+/*
+ Reads a wavelength and its RGB weight.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
+ */
+gonio_status gonio_orders_wavelength(const gonio_table *table, uint32_t wavelength, gonio_wavelength *result);
+
+/*
+ Makes the view of a table of orders from `wo`, the direction towards the viewer in the surface's frame, which lies
+ above the surface and need not be of unit length.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wo` to three floats.
+ */
+gonio_status gonio_orders_view(gonio_order_view *view, const gonio_table *table, const float *wo);
+
+/*
+ Looks up the light that reaches the viewer by an order, at the share `t` in [0, 1] of the way from a wavelength to
+ the next. The radiance that the viewer receives is the sum of efficiency times radiance from each order's direction.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
+ */
+gonio_status gonio_orders_light(const gonio_order_view *view,
+                                uint32_t wavelength,
+                                float t,
+                                uint32_t order,
+                                gonio_diffracted_light *light);
+
+/*
+ Draws an order at a wavelength in proportion to its efficiency, by a number `u` in [0, 1). The estimate of the
+ radiance is efficiency/probability times the radiance from the order's direction.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
+ */
+gonio_status gonio_orders_sample(const gonio_order_view *view,
+                                 uint32_t wavelength,
+                                 float u,
+                                 gonio_order_sample *sample);
+
+/*
+ Looks up the probability with which gonio_orders_sample draws an order.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
+ */
+gonio_status gonio_orders_probability(const gonio_order_view *view,
+                                      uint32_t wavelength,
+                                      uint32_t order,
+                                      float *probability);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -34,7 +34,7 @@ pub enum Status {
     Medium = 9,
     /// A medium has no data at a wavelength.
     NoData = 10,
-    /// An index refers to a medium, an interface or a vertex that does not exist.
+    /// An index refers to a medium, an interface, a vertex, an order or a wavelength that does not exist.
     Index = 11,
     /// A thickness is not from 0 to 1e9 nm.
     Thickness = 12,
@@ -48,7 +48,7 @@ pub enum Status {
     Argument = 16,
     /// Interfering waves do not converge in this cell; trace it without interference.
     Diverged = 17,
-    /// The table is of the other kind.
+    /// The table is of another kind.
     WrongKind = 18,
     /// The bytes do not begin with the magic of a table blob.
     BlobMagic = 19,
@@ -80,14 +80,14 @@ impl Status {
         c"no wavelengths, or one is not from 1e-3 to 1e9 nm",
         c"a medium's data are empty, not finite, not increasing, or not passive",
         c"a medium has no data at a wavelength",
-        c"an index names a medium, an interface or a vertex that is not there",
+        c"an index names a medium, an interface, a vertex, an order or a wavelength that is not there",
         c"a thickness is not from 0 to 1e9 nm",
         c"the medium that the light comes from absorbs: its k is above 1e-3",
         c"the mesh is empty or not finite, or a triangle has no area",
         c"the period is not positive, or the mesh leaves it",
         c"a count or an enumerator is out of range",
         c"interfering waves do not converge in this cell; trace it without interference",
-        c"the table is of the other kind",
+        c"the table is of another kind",
         c"the bytes are not a table blob",
         c"the table blob is of a later version than this library",
         c"the table blob is cut short, or followed by other bytes",

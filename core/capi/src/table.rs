@@ -25,13 +25,16 @@ pub const GONIO_KIND_MIRROR: u32 = 1;
 /// Kind of a table: a surface that reflects into every direction.
 pub const GONIO_KIND_SCATTER: u32 = 2;
 
+/// Kind of a table: a periodic surface, which reflects into diffraction orders. The functions gonio_orders_… take it.
+pub const GONIO_KIND_ORDERS: u32 = 3;
+
 /// Kind, channels and colour space of a table.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TableDescription {
-    /// GONIO_KIND_MIRROR or GONIO_KIND_SCATTER.
+    /// GONIO_KIND_MIRROR, GONIO_KIND_SCATTER or GONIO_KIND_ORDERS.
     pub kind: u32,
-    /// Number of channels. The first three are red, green and blue.
+    /// Number of channels. The first three are red, green and blue. 3 for orders, the RGB weights of their wavelengths.
     pub channels: u32,
     /// Colour space: GONIO_SPACE_…; 0 if it is unknown, 4 for the matrix printed in the paper.
     pub space: u32,
@@ -79,6 +82,7 @@ pub unsafe extern "C" fn gonio_table_describe(table: *const Table, description: 
         let (kind, channels) = match &blob.contents {
             Contents::Mirror(table) => (GONIO_KIND_MIRROR, table.channels()),
             Contents::Scatter(table, _) => (GONIO_KIND_SCATTER, table.channels()),
+            Contents::Orders(_) => (GONIO_KIND_ORDERS, 3),
         };
         let space = space_number(blob.space);
         description.write([TableDescription { kind, channels: channels as u32, space }]);
@@ -138,8 +142,8 @@ pub unsafe extern "C" fn gonio_table_pdf(table: *const Table, wi: *const f32, wo
     })
 }
 
-/// Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes tables of
-/// either kind.
+/// Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes
+/// mirror-like and scattering tables.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
@@ -168,6 +172,7 @@ pub unsafe extern "C" fn gonio_table_sample(
                 let weight = |f: f32| if pdf > 0.0 { f * wo.z / pdf } else { 0.0 };
                 (wo, pdf, table.rgb(wi, wo).map(weight))
             }
+            Contents::Orders(_) => return Err(Status::WrongKind),
         };
         sample.write([Sample { wo: wo.to_array(), pdf, weight }]);
         Ok(())
@@ -178,7 +183,7 @@ pub unsafe extern "C" fn gonio_table_sample(
 ///
 /// # Safety
 /// A pointer that is neither null nor misaligned points to a readable table that nobody changes meanwhile.
-unsafe fn view<'a>(table: *const Table) -> Result<&'a Blob<'static>, Status> {
+pub(crate) unsafe fn view<'a>(table: *const Table) -> Result<&'a Blob<'static>, Status> {
     // SAFETY: the caller's promise.
     unsafe { Tagged::get(table) }
 }
@@ -187,7 +192,7 @@ unsafe fn view<'a>(table: *const Table) -> Result<&'a Blob<'static>, Status> {
 ///
 /// # Safety
 /// A pointer that is neither null nor misaligned points to three numbers.
-unsafe fn direction(pointer: *const f32) -> Result<Vec3, Status> {
+pub(crate) unsafe fn direction(pointer: *const f32) -> Result<Vec3, Status> {
     // SAFETY: the caller's promise.
     let direction = Vec3::from_array(*unsafe { shared(pointer.cast::<[f32; 3]>()) }?);
     if direction.is_finite() && direction != Vec3::ZERO { Ok(direction) } else { Err(Status::Direction) }

@@ -10,10 +10,12 @@
 _Static_assert(sizeof(gonio_stack) == GONIO_STACK_SIZE, "size of a stack");
 _Static_assert(sizeof(gonio_colour) == GONIO_COLOUR_SIZE, "size of a colour");
 _Static_assert(sizeof(gonio_table) == GONIO_TABLE_SIZE, "size of a table");
+_Static_assert(sizeof(gonio_order_view) == GONIO_ORDER_VIEW_SIZE, "size of a view of orders");
 _Static_assert(sizeof(gonio_cell) == GONIO_CELL_SIZE, "size of a cell");
 _Static_assert(_Alignof(gonio_stack) == GONIO_STACK_ALIGN, "alignment of a stack");
 _Static_assert(_Alignof(gonio_colour) == GONIO_COLOUR_ALIGN, "alignment of a colour");
 _Static_assert(_Alignof(gonio_table) == GONIO_TABLE_ALIGN, "alignment of a table");
+_Static_assert(_Alignof(gonio_order_view) == GONIO_ORDER_VIEW_ALIGN, "alignment of a view of orders");
 _Static_assert(_Alignof(gonio_cell) == GONIO_CELL_ALIGN, "alignment of a cell");
 #endif
 
@@ -116,6 +118,47 @@ static void ridge(uint32_t interference) {
     free(scratch);
 }
 
+static void print_light(const gonio_diffracted_light *light) {
+    for (int c = 0; c < 3; c++) print("direction", light->direction[c]);
+    print("efficiency", light->efficiency);
+}
+
+static void orders(const gonio_table *table) {
+    gonio_order_counts counts;
+    need(gonio_orders_count(table, &counts));
+    for (uint32_t order = 0; order < counts.orders; order++) {
+        int32_t numbers[2];
+        need(gonio_orders_numbers(table, order, numbers));
+        for (int c = 0; c < 2; c++) print("order", numbers[c]);
+    }
+    for (uint32_t w = 0; w < counts.wavelengths; w++) {
+        gonio_wavelength wavelength;
+        need(gonio_orders_wavelength(table, w, &wavelength));
+        print("nm", wavelength.nm);
+        for (int c = 0; c < 3; c++) print("rgb", wavelength.rgb[c]);
+    }
+    for (int i = 0; i < 64; i++) {
+        const float wo[3] = {(float)(i % 8) - 3.5f, (float)(i / 8) - 3.5f, 2.0f};
+        gonio_order_view view;
+        need(gonio_orders_view(&view, table, wo));
+        for (uint32_t w = 0; w < counts.wavelengths; w++) {
+            for (uint32_t order = 0; order < counts.orders; order++) {
+                gonio_diffracted_light light;
+                float probability;
+                need(gonio_orders_light(&view, w, 0.25f * (float)(i % 5), order, &light));
+                need(gonio_orders_probability(&view, w, order, &probability));
+                print_light(&light);
+                print("probability", probability);
+            }
+            gonio_order_sample drawn;
+            need(gonio_orders_sample(&view, w, (float)i / 64.0f, &drawn));
+            print("drawn", drawn.order);
+            print_light(&drawn.light);
+            print("probability", drawn.probability);
+        }
+    }
+}
+
 static void table(const char *path) {
     FILE *file = fopen(path, "rb");
     static uint8_t bytes[1 << 16];
@@ -129,6 +172,10 @@ static void table(const char *path) {
     print("kind", description.kind);
     print("channels", description.channels);
     print("space", description.space);
+    if (description.kind == GONIO_KIND_ORDERS) {
+        orders(&view);
+        return;
+    }
     for (int i = 0; i < 64; i++) {
         /* Exact in binary, and near enough to unit length. */
         const float x = (float)(i % 8) / 8.0f - 0.4375f, y = (float)(i / 8) / 8.0f - 0.4375f;

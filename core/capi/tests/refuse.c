@@ -181,6 +181,45 @@ static gonio_status view(const uint8_t *bytes, size_t size) {
     return status;
 }
 
+/* A view of orders: indices beyond the last, numbers out of range. */
+static void orders(const gonio_table *table) {
+    const float up[3] = {0, 0, 1}, odd[][3] = {{0, 0, -1}, {0, 0, 0}, {1, 0, 0}, {NAN, 0, 1}, {0, 0, INFINITY}, {0, 0, 1e-38f}};
+    gonio_order_counts counts;
+    gonio_order_view view;
+    gonio_wavelength wavelength;
+    gonio_diffracted_light light = {{-7.0f, -7.0f, -7.0f}, -7.0f};
+    gonio_order_sample sample = {7, light, -7.0f};
+    int32_t numbers[2];
+    memset(&view, 0, sizeof(view));
+    EXPECT(OK, gonio_orders_count(table, &counts));
+    EXPECT(NULL_POINTER, gonio_orders_count(table, NULL));
+    EXPECT(NOT_MADE, gonio_orders_light(&view, 0, 0.0f, 0, &light));
+    for (int i = 0; i < 6; i++) EXPECT(DIRECTION, gonio_orders_view(&view, table, odd[i]));
+    EXPECT(NULL_POINTER, gonio_orders_view(&view, table, NULL));
+    EXPECT(NULL_POINTER, gonio_orders_view(&view, NULL, up));
+    EXPECT(NOT_MADE, gonio_orders_sample(&view, 0, 0.5f, &sample));
+    EXPECT(OK, gonio_orders_view(&view, table, up));
+    const uint32_t beyond[][2] = {{counts.wavelengths, 0}, {0, counts.orders}, {UINT32_MAX, 0}, {0, UINT32_MAX}};
+    for (int i = 0; i < 4; i++) {
+        EXPECT(INDEX, gonio_orders_light(&view, beyond[i][0], 0.0f, beyond[i][1], &light));
+        EXPECT(INDEX, gonio_orders_probability(&view, beyond[i][0], beyond[i][1], untouched));
+    }
+    for (int i = 0; i < 4; i += 2) {
+        EXPECT(INDEX, gonio_orders_sample(&view, beyond[i][0], 0.5f, &sample));
+        EXPECT(INDEX, gonio_orders_wavelength(table, beyond[i][0], &wavelength));
+        EXPECT(INDEX, gonio_orders_numbers(table, beyond[i + 1][1], numbers));
+    }
+    const float shares[] = {-0.5f, 1.5f, NAN}, draws[] = {-0.5f, 1.0f, NAN};
+    for (int i = 0; i < 3; i++) {
+        EXPECT(ARGUMENT, gonio_orders_light(&view, 0, shares[i], 0, &light));
+        EXPECT(ARGUMENT, gonio_orders_sample(&view, 0, draws[i], &sample));
+    }
+    EXPECT(MISALIGNED, gonio_orders_light((gonio_order_view *)((char *)&view + 1), 0, 0.0f, 0, &light));
+    EXPECT(NULL_POINTER, gonio_orders_light(&view, 0, 0.0f, 0, NULL));
+    if (light.efficiency != -7.0f || sample.order != 7) expect("orders", GONIO_STATUS_OK, GONIO_STATUS_ARGUMENT);
+    EXPECT(OK, gonio_orders_light(&view, counts.wavelengths - 1, 1.0f, counts.orders - 1, &light));
+}
+
 static void blob(const char *path) {
     static uint8_t bytes[1 << 16], damaged[1 << 16];
     FILE *file = fopen(path, "rb");
@@ -211,6 +250,9 @@ static void blob(const char *path) {
     const float up[3] = {0, 0, 1}, half[2] = {0.5f, 0.5f};
     EXPECT(NOT_MADE, gonio_table_rgb(&table, up, up, untouched));
     EXPECT(OK, gonio_table_view(&table, bytes, size));
+    gonio_table_description description;
+    EXPECT(OK, gonio_table_describe(&table, &description));
+    EXPECT(NULL_POINTER, gonio_table_describe(&table, NULL));
     const float cosines[] = {NAN, -0.1f, 1.1f, INFINITY}, odd[][3] = {{NAN, 0, 1}, {0, 0, 0}, {0, INFINITY, 1}};
     for (int i = 0; i < 4; i++) EXPECT(ANGLE, gonio_table_reflectance(&table, cosines[i], untouched));
     for (int i = 0; i < 3; i++) {
@@ -223,14 +265,17 @@ static void blob(const char *path) {
     for (int i = 0; i < 3; i++) EXPECT(ARGUMENT, gonio_table_sample(&table, up, wrong[i], &sample));
     EXPECT(NULL_POINTER, gonio_table_sample(&table, up, half, NULL));
     EXPECT(NULL_POINTER, gonio_table_sample(&table, up, NULL, &sample));
-    EXPECT(NULL_POINTER, gonio_table_describe(&table, NULL));
-    gonio_table_description description;
-    EXPECT(OK, gonio_table_describe(&table, &description));
-    if (description.kind == GONIO_KIND_MIRROR) {
+    if (description.kind != GONIO_KIND_MIRROR) EXPECT(WRONG_KIND, gonio_table_reflectance(&table, 0.5f, untouched));
+    if (description.kind != GONIO_KIND_SCATTER) {
         EXPECT(WRONG_KIND, gonio_table_rgb(&table, up, up, untouched));
         EXPECT(WRONG_KIND, gonio_table_pdf(&table, up, up, untouched));
+    }
+    if (description.kind == GONIO_KIND_ORDERS) {
+        EXPECT(WRONG_KIND, gonio_table_sample(&table, up, half, &sample));
+        orders(&table);
     } else {
-        EXPECT(WRONG_KIND, gonio_table_reflectance(&table, 0.5f, untouched));
+        gonio_order_view seen;
+        EXPECT(WRONG_KIND, gonio_orders_view(&seen, &table, up));
     }
     check_untouched(path);
 }

@@ -1,4 +1,5 @@
-//! Tables as bytes, for run time: a [`MirrorTable`], or a [`ScatterTable`] with its [`ScatterSampler`].
+//! Tables as bytes, for run time: a [`MirrorTable`], a [`ScatterTable`] with its [`ScatterSampler`], or an
+//! [`OrderTable`].
 //!
 //! [`Blob::read`] checks the bytes once and borrows them; nothing is copied. The bytes need no alignment.
 //!
@@ -10,30 +11,40 @@
 //! |---|---|---|
 //! | 0 | 8 | magic: 89 47 4F 4E 49 0D 0A 1A (hexadecimal; "GONI" between bytes that text conversion damages) |
 //! | 8 | 4 | u32 version: 1 |
-//! | 12 | 4 | u32 kind: 1 mirror, 2 scatter |
+//! | 12 | 4 | u32 kind: 1 mirror, 2 scatter, 3 orders |
 //! | 16 | 4 | u32 bytes of a value: 4 for IEEE 754 binary32, 2 for binary16 |
-//! | 20 | 4 | u32 channels C, at least 1; the first three are linear red, green, blue |
-//! | 24 | 4 | u32 rows T: mirror: angles, at least 2; scatter: rows of incident directions |
-//! | 28 | 4 | u32 columns P of incident directions; mirror: 1 |
-//! | 32 | 4 | u32 rows N of outgoing bins; mirror: 1 |
-//! | 36 | 4 | u32 columns M of outgoing bins, a multiple of P; mirror: 1 |
-//! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: 0 |
+//! | 20 | 4 | u32 channels C, at least 1; the first three are linear red, green, blue; orders: number of orders |
+//! | 24 | 4 | u32 rows T: mirror: angles, at least 2; scatter: rows of incident directions; orders: nodes along β |
+//! | 28 | 4 | u32 columns P of incident directions; mirror: 1; orders: nodes along α |
+//! | 32 | 4 | u32 rows N of outgoing bins; mirror: 1; orders: number of wavelengths |
+//! | 36 | 4 | u32 columns M of outgoing bins, a multiple of P; mirror: 1; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
+//! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: 0; orders: two binary32, the periods along x and y in nm |
 //! | 48 | 8 | u64 size of the whole blob |
-//! | 56 | 4 | u32 colour space of the first three channels: 0 unknown, 1 linear sRGB, 2 linear Rec. 2020, 3 ACEScg, 4 the paper's matrix ([`RgbSpace`]) |
+//! | 56 | 4 | u32 colour space of the first three channels, or of the RGB weights of orders: 0 unknown, 1 linear sRGB, 2 linear Rec. 2020, 3 ACEScg, 4 the paper's matrix ([`RgbSpace`]) |
 //! | 60 | 4 | u32 CRC-32 (of zlib, PNG and Ethernet) of all other bytes: those from 0 to 59, then those from 64 to the end |
-//! | 64 | T·P·N·M·C values | mirror: ρ, `[angle][channel]`; scatter: f in 1/sr, `[incident][bin][channel]` |
+//! | 64 | T·P·N·M·C values; orders: N·T·P·C | mirror: ρ, `[angle][channel]`; scatter: f in 1/sr, `[incident][bin][channel]`; orders: strengths, `[wavelength][node][order]` |
 //! | | 0 to 3 | zeros, up to a multiple of 4 |
 //! | | 4·T·P·(1 + N + N·M) | scatter only: binary32 for each incident direction: Σ over bins of \|f\| cos θ_o times the bin's solid angle, \|f\| the mean over channels; N cumulative probabilities of the rows of bins; in each row, M cumulative probabilities of its columns |
+//! | | 4·(2·C + 5·N) | orders only: binary32: m and n of each order; N vacuum wavelengths in nm; N refractive indices of the medium above; three RGB weights of each wavelength |
 //!
 //! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and bins are those of [`ScatterLayout`],
 //! columns running fastest. Scatter sides are at most 1024. Values are finite and their magnitudes at most 10³⁰, so
 //! that interpolated values are finite too. The first number of an incident direction is in [0, 4·10³⁰]. Cumulative
-//! probabilities do not decrease and end in exactly 1. Nothing follows the last section. A reader refuses bytes that
-//! break any of these rules.
+//! probabilities do not decrease and end in exactly 1.
+//!
+//! The nodes of orders are those of [`OrderLayout`], α running fastest; [`OrderTable`] says what strengths are and how
+//! they are looked up. Sides are from 2 to 1024, and there are at most 2²⁰ orders. Strengths are not negative. m and n
+//! are whole numbers up to 10⁶, and 0 along an axis along which the surface does not repeat. Periods, wavelengths and
+//! indices are positive, and wavelengths increase.
+//!
+//! Nothing follows the last section. A reader refuses bytes that break any of these rules. Kind 3 came after kinds 1
+//! and 2, whose bytes it leaves as they were: a reader that does not know it refuses it for its kind.
 
 use super::error::TableError;
 use super::layout::ScatterLayout;
 use super::mirror::MirrorTable;
+use super::order_layout::{OrderLayout, Periodicity};
+use super::orders::OrderTable;
 use super::sampler::ScatterSampler;
 use super::scatter::ScatterTable;
 use super::values::{Values, half_is_finite, to_half};
@@ -53,6 +64,10 @@ const CHECKSUM: usize = 60;
 const MIRROR: u32 = 1;
 /// Number of a scatter table's kind.
 const SCATTER: u32 = 2;
+/// Number of the kind of a table of diffraction orders.
+const ORDERS: u32 = 3;
+/// Periodicities in the order of their numbers, from 1.
+const PERIODICITIES: [Periodicity; 3] = [Periodicity::X, Periodicity::Y, Periodicity::Both];
 
 /// Number of a colour space in a blob's header; 0 if the space is unknown.
 #[must_use]
@@ -89,12 +104,14 @@ pub enum Contents<'a> {
     Mirror(MirrorTable<'a>),
     /// Table of a surface that reflects into every direction, with its importance sampler.
     Scatter(ScatterTable<'a>, ScatterSampler<'a>),
+    /// Table of the diffraction orders of a periodic surface.
+    Orders(OrderTable<'a>),
 }
 
 /// Table and colour space that have been read from bytes, or are to be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blob<'a> {
-    /// Linear colour space of the first three channels; `None` if it is unknown.
+    /// Linear colour space of the first three channels, or of the RGB weights of orders; `None` if it is unknown.
     pub space: Option<RgbSpace>,
     /// The table.
     pub contents: Contents<'a>,
@@ -167,16 +184,25 @@ struct Dimensions {
 }
 
 impl Dimensions {
-    /// Sizes of the two sections in bytes: values with their padding, and sampler; `None` beyond 64 bits.
+    /// Number of values; `None` beyond 64 bits.
+    fn count(&self) -> Option<u64> {
+        let [rows, columns, cos, phi] = self.sides.map(u64::from);
+        let last = if self.kind == ORDERS { 1 } else { phi };
+        [columns, cos, last, self.channels.into()].iter().try_fold(rows, |n, &side| n.checked_mul(side))
+    }
+
+    /// Sizes of the two sections in bytes: values with their padding, and sampler or axes of orders; `None` beyond 64
+    /// bits.
     fn sections(&self) -> Option<[u64; 2]> {
         let [rows, columns, cos, phi] = self.sides.map(u64::from);
-        let values = [columns, cos, phi, self.channels.into()].iter().try_fold(rows, |n, &side| n.checked_mul(side))?;
-        let values = values.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
-        if self.kind == MIRROR {
-            return Some([values, 0]);
-        }
-        let stride = cos.checked_mul(phi)?.checked_add(1 + cos)?;
-        Some([values, rows.checked_mul(columns)?.checked_mul(stride)?.checked_mul(4)?])
+        let values = self.count()?.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
+        let numbers = match self.kind {
+            MIRROR => 0,
+            // Sums of products of 32 bits.
+            ORDERS => 2 * u64::from(self.channels) + 5 * cos,
+            _ => rows.checked_mul(columns)?.checked_mul(cos.checked_mul(phi)?.checked_add(1 + cos)?)?,
+        };
+        Some([values, numbers.checked_mul(4)?])
     }
 
     /// Size of the whole blob in bytes; `None` beyond 64 bits.
@@ -239,8 +265,7 @@ impl<'a> Blob<'a> {
             sides: [word(24), word(28), word(32), word(36)],
         };
         let space = space_of_number(word(56)).ok_or(BlobError::Field { offset: 56 })?;
-        let theta_max = f64::from_bits(u64_at(header, 40));
-        Ok(Self { space, contents: contents(dimensions, theta_max, payload)? })
+        Ok(Self { space, contents: contents(dimensions, u64_at(header, 40), payload)? })
     }
 
     /// Size of the blob in bytes, which [`Blob::write`] needs; `None` if it is beyond the size of memory.
@@ -262,31 +287,35 @@ impl<'a> Blob<'a> {
             return Err(wrong);
         }
         let (header, payload) = bytes.split_first_chunk_mut::<HEADER>().ok_or(wrong)?;
-        let (values, sampler, theta_max) = match &self.contents {
-            Contents::Mirror(table) => (table.values(), None, table.theta_max()),
-            Contents::Scatter(table, sampler) => (table.values(), Some(sampler.values()), 0.0),
+        // The last section has up to four parts.
+        let none = [Values::Numbers(&[]); 4];
+        let (values, numbers, extent) = match &self.contents {
+            Contents::Mirror(table) => (table.values(), none, table.theta_max().to_bits()),
+            Contents::Scatter(table, sampler) => {
+                let [_, a, b, c] = none;
+                (table.values(), [sampler.values(), a, b, c], 0)
+            }
+            Contents::Orders(table) => (table.strengths(), table.axes(), period_bits(table.layout().period_nm())),
         };
         payload.fill(0);
         let [value_bytes, _] = dimensions.sections().ok_or(BlobError::Dimensions)?;
-        let (value_bytes, sampler_bytes) = payload.split_at_mut_checked(value_bytes as usize).ok_or(wrong)?;
+        let (value_bytes, number_bytes) = payload.split_at_mut_checked(value_bytes as usize).ok_or(wrong)?;
         match precision {
-            Precision::Single => write_singles(values, value_bytes),
+            Precision::Single => write_singles(values.iter(), value_bytes),
             Precision::Half => {
                 for (index, (value, bytes)) in values.iter().zip(value_bytes.as_chunks_mut().0).enumerate() {
                     *bytes = to_half(value).ok_or(BlobError::Range { index })?.to_le_bytes();
                 }
             }
         }
-        if let Some(sampler) = sampler {
-            write_singles(sampler, sampler_bytes);
-        }
+        write_singles(numbers.into_iter().flat_map(Values::iter), number_bytes);
         let [rows, columns, cos, phi] = dimensions.sides;
         let words = [VERSION, dimensions.kind, dimensions.value_bytes, dimensions.channels, rows, columns, cos, phi];
         header[..8].copy_from_slice(&MAGIC);
         for (word, place) in words.into_iter().zip(header[8..40].as_chunks_mut().0) {
             *place = word.to_le_bytes();
         }
-        header[40..48].copy_from_slice(&theta_max.to_le_bytes());
+        header[40..48].copy_from_slice(&extent.to_le_bytes());
         header[48..56].copy_from_slice(&required.to_le_bytes());
         header[56..CHECKSUM].copy_from_slice(&space_number(self.space).to_le_bytes());
         let checksum = checksum(header, payload);
@@ -305,15 +334,27 @@ impl<'a> Blob<'a> {
                 let layout = table.layout();
                 (SCATTER, table.channels(), [layout.theta(), layout.phi(), layout.bins().cos, layout.bins().phi])
             }
+            Contents::Orders(table) => {
+                let [alpha, beta] = table.layout().nodes();
+                let periodicity = PERIODICITIES.iter().zip(1..).find(|(p, _)| **p == table.layout().periodicity());
+                let wavelengths = u32::try_from(table.wavelength_count()).ok()?;
+                (ORDERS, table.order_count(), [beta, alpha, wavelengths, periodicity?.1])
+            }
         };
         Some(Dimensions { kind, value_bytes, channels: u32::try_from(channels).ok()?, sides })
     }
 }
 
-/// Checks the table that a header describes, in the bytes after the header.
-fn contents(dimensions: Dimensions, theta_max: f64, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
+/// Periods as the eight bytes of the header that hold the largest angle of other tables.
+fn period_bits([x, y]: [f32; 2]) -> u64 {
+    u64::from(y.to_bits()) << 32 | u64::from(x.to_bits())
+}
+
+/// Checks the table that a header describes, in the bytes after the header. `extent` holds the bits of the largest
+/// angle or of the periods.
+fn contents(dimensions: Dimensions, extent: u64, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
     let field = |offset| Err(BlobError::Field { offset });
-    if !(dimensions.kind == MIRROR || dimensions.kind == SCATTER) {
+    if !(MIRROR..=ORDERS).contains(&dimensions.kind) {
         return field(12);
     }
     if !(dimensions.value_bytes == 2 || dimensions.value_bytes == 4) {
@@ -323,24 +364,35 @@ fn contents(dimensions: Dimensions, theta_max: f64, payload: &[u8]) -> Result<Co
     if dimensions.kind == MIRROR && [columns, cos, phi] != [1; 3] {
         return field(28);
     }
-    if dimensions.kind == SCATTER && theta_max.to_bits() != 0 {
+    if dimensions.kind == SCATTER && extent != 0 {
         return field(40);
     }
-    let [value_bytes, sampler_bytes] = dimensions.sections().ok_or(BlobError::Dimensions)?;
-    if value_bytes.checked_add(sampler_bytes) != Some(payload.len() as u64) {
+    let [value_bytes, number_bytes] = dimensions.sections().ok_or(BlobError::Dimensions)?;
+    if value_bytes.checked_add(number_bytes) != Some(payload.len() as u64) {
         return Err(BlobError::Dimensions);
     }
     // From here on every product of the dimensions is at most the size of memory.
-    let (bytes, sampler) = payload.split_at_checked(value_bytes as usize).ok_or(BlobError::Dimensions)?;
-    let count = [columns, cos, phi, dimensions.channels].iter().fold(rows as usize, |n, &side| n * side as usize);
+    let (bytes, numbers) = payload.split_at_checked(value_bytes as usize).ok_or(BlobError::Dimensions)?;
+    let count = dimensions.count().ok_or(BlobError::Dimensions)? as usize;
     let values = values(bytes, dimensions.value_bytes, count)?;
+    let numbers = Values::Single(numbers.as_chunks().0);
     let channels = dimensions.channels as usize;
-    if dimensions.kind == MIRROR {
-        return Ok(Contents::Mirror(MirrorTable::of(values, channels, theta_max)?));
+    match dimensions.kind {
+        MIRROR => Ok(Contents::Mirror(MirrorTable::of(values, channels, f64::from_bits(extent))?)),
+        SCATTER => {
+            let layout = ScatterLayout::new(rows, columns, DirectionBins { cos, phi })?;
+            let sampler = ScatterSampler::of(numbers, layout)?;
+            Ok(Contents::Scatter(ScatterTable::of(values, layout, channels)?, sampler))
+        }
+        _ => {
+            let Some((&periodicity, _)) = PERIODICITIES.iter().zip(1..).find(|(_, number)| *number == phi) else {
+                return field(36);
+            };
+            let period_nm = [extent as u32, (extent >> 32) as u32].map(f32::from_bits);
+            let layout = OrderLayout::new([columns, rows], periodicity, period_nm)?;
+            Ok(Contents::Orders(OrderTable::from_parts(layout, values, numbers, channels, cos as usize)?))
+        }
     }
-    let layout = ScatterLayout::new(rows, columns, DirectionBins { cos, phi })?;
-    let sampler = ScatterSampler::of(Values::Single(sampler.as_chunks().0), layout)?;
-    Ok(Contents::Scatter(ScatterTable::of(values, layout, channels)?, sampler))
 }
 
 /// Borrows `count` finite values, and checks the padding after them.
@@ -360,8 +412,8 @@ fn values(bytes: &[u8], value_bytes: u32, count: usize) -> Result<Values<'_>, Bl
 }
 
 /// Writes values in single precision.
-fn write_singles(values: Values<'_>, bytes: &mut [u8]) {
-    for (value, bytes) in values.iter().zip(bytes.as_chunks_mut().0) {
+fn write_singles(values: impl Iterator<Item = f32>, bytes: &mut [u8]) {
+    for (value, bytes) in values.zip(bytes.as_chunks_mut().0) {
         *bytes = value.to_le_bytes();
     }
 }

@@ -48,15 +48,15 @@ pub struct OrderLayout {
 }
 
 impl OrderLayout {
-    /// Grid of α × β `nodes`, each from 2 to 1024, for a surface with these periods along x and y. The period of an axis
-    /// along which the surface does not vary does not count.
+    /// Grid of α × β `nodes`, each from 2 to 1024, for a surface with these periods along x and y. The period of an
+    /// axis along which the surface does not vary does not count.
     ///
     /// # Errors
-    /// [`TableError::Layout`] if a number of nodes is out of range or a period is not positive and finite.
+    /// [`TableError::OrderLayout`] if a number of nodes is out of range or a period is not positive and finite.
     pub fn new(nodes: [u32; 2], periodicity: Periodicity, period_nm: [f32; 2]) -> Result<Self, TableError> {
         let nodes_fit = nodes.iter().all(|n| (2..=MAX_SIDE).contains(n));
         let periods_fit = period_nm.iter().all(|period| *period > 0.0 && period.is_finite());
-        if nodes_fit && periods_fit { Ok(Self { nodes, periodicity, period_nm }) } else { Err(TableError::Layout) }
+        if nodes_fit && periods_fit { Ok(Self { nodes, periodicity, period_nm }) } else { Err(TableError::OrderLayout) }
     }
 
     /// Numbers of nodes along α and along β.
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn impossible_grids_are_refused() {
-        let refused = |nodes, period| OrderLayout::new(nodes, Periodicity::X, period) == Err(TableError::Layout);
+        let refused = |nodes, period| OrderLayout::new(nodes, Periodicity::X, period) == Err(TableError::OrderLayout);
         assert!(refused([1, 4], [700.0; 2]) && refused([4, 1025], [700.0; 2]));
         assert!(refused([4, 4], [0.0, 700.0]) && refused([4, 4], [f32::INFINITY, 700.0]));
     }

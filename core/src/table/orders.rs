@@ -2,17 +2,17 @@
 
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::layout::GridNode;
-use super::order_layout::OrderLayout;
+use super::order_layout::{OrderLayout, Periodicity};
 use super::values::Values;
 use glam::Vec3;
 
 /// Reflection of a periodic surface into diffraction orders.
 ///
-/// Light from the unit vector `wi` leaves in order (m, n) along `wo`, of tangential components
-/// wo_t = −wi_t + (λ/n) (m/Λx, n/Λy) for the index n of the medium above. Reversed, light along `wo` reaches the viewer in
-/// that order from **one** direction, wi_t = −wo_t + (λ/n) (m/Λx, n/Λy), and by reciprocity with the efficiency e of
-/// light that arrives from `wo` itself and leaves along `wi`. The surface element, the cosines and the solid angles
-/// cancel, so that radiance is L(wo, λ) = Σ e L(wi, λ): a sum of mirror-like terms, one for each order.
+/// Light from the unit vector `wi` leaves in order (m, n) along `wo`, of tangential components wo_t = −wi_t + (λ/n)
+/// (m/Λx, n/Λy) for the index n of the medium above. Reversed, light along `wo` reaches the viewer in that order from
+/// **one** direction, wi_t = −wo_t + (λ/n) (m/Λx, n/Λy), and by reciprocity with the efficiency e of light that arrives
+/// from `wo` itself and leaves along `wi`. The surface element, the cosines and the solid angles cancel, so that
+/// radiance is L(wo, λ) = Σ e L(wi, λ): a sum of mirror-like terms, one for each order.
 ///
 /// The table holds strengths, not efficiencies. For orders other than (0, 0) the strength is e/(cos θ_i cos θ_o): it
 /// passes smoothly through the directions in which an order begins or ends, where e itself has a kink. The strength of
@@ -30,7 +30,7 @@ pub struct OrderTable<'a> {
 /// Arrays of an [`OrderTable`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderArrays<'a> {
-    /// Numbers (m, n) of each order: whole numbers.
+    /// Numbers (m, n) of each order: whole numbers, 0 along an axis along which the surface does not vary.
     pub orders: &'a [[f32; 2]],
     /// Vacuum wavelengths, positive and strictly increasing.
     pub wavelength_nm: &'a [f32],
@@ -38,9 +38,14 @@ pub struct OrderArrays<'a> {
     pub index: &'a [f32],
     /// Linear RGB that a reflectance of 1 at each wavelength adds to a colour; their sum is white.
     pub rgb_weights: &'a [[f32; 3]],
-    /// Strengths of unpolarised light, `[wavelength][node][order]`.
+    /// Strengths of unpolarised light, not negative, `[wavelength][node][order]`.
     pub strength: &'a [f32],
 }
+
+/// Largest number of orders. With it, sums over orders stay within single precision.
+const MAX_ORDERS: usize = 1 << 20;
+/// Largest number m or n of an order.
+const MAX_NUMBER: f32 = 1e6;
 
 /// Light that reaches a viewer by one diffraction order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +65,7 @@ pub struct OrderSample {
     pub direction: Vec3,
     /// Share of that light's radiance which the viewer receives, unpolarised.
     pub efficiency: f32,
-    /// Probability of the draw, positive: efficiency over the sum of all efficiencies.
+    /// Probability of the draw, positive: efficiency over the sum of the efficiencies of all orders.
     pub probability: f32,
 }
 
@@ -68,57 +73,66 @@ impl<'a> OrderTable<'a> {
     /// Checks a table.
     ///
     /// # Errors
-    /// [`TableError::Shape`] if there is no order or no wavelength, [`TableError::Length`] if an array does not fit the
-    /// others (it states the number of strengths), and [`TableError::NotFinite`] for a strength that is NaN or beyond
-    /// [`MAX_MAGNITUDE`], a wavelength or index that is not positive, wavelengths that do not increase, an order that is
-    /// not whole, or a weight that is not finite; it counts within the array.
+    /// [`TableError::Shape`] if there is no wavelength or no order, or more than 2²⁰ orders. [`TableError::Length`] if
+    /// an array does not fit the others; it states the number of strengths. [`TableError::Orders`] for numbers of an
+    /// order, wavelengths, indices or weights that are not as [`OrderArrays`] says, or beyond [`MAX_MAGNITUDE`].
+    /// [`TableError::Strength`] for a strength that is NaN, negative or beyond [`MAX_MAGNITUDE`].
     pub fn new(layout: OrderLayout, arrays: &OrderArrays<'a>) -> Result<Self, TableError> {
         let &OrderArrays { orders, wavelength_nm, index, rgb_weights, strength } = arrays;
-        Self::of(
+        Self::checked(Self {
             layout,
-            Values::Numbers(orders.as_flattened()),
-            Values::Numbers(wavelength_nm),
-            Values::Numbers(index),
-            Values::Numbers(rgb_weights.as_flattened()),
-            Values::Numbers(strength),
-        )
+            orders: Values::Numbers(orders.as_flattened()),
+            wavelength_nm: Values::Numbers(wavelength_nm),
+            index: Values::Numbers(index),
+            rgb_weights: Values::Numbers(rgb_weights.as_flattened()),
+            strength: Values::Numbers(strength),
+        })
     }
 
-    pub(super) fn of(
+    /// Checks a table whose arrays may lie in a blob. `axes` holds what [`OrderTable::axes`] gives, one after the
+    /// other.
+    pub(super) fn from_parts(
         layout: OrderLayout,
-        orders: Values<'a>,
-        wavelength_nm: Values<'a>,
-        index: Values<'a>,
-        rgb_weights: Values<'a>,
         strength: Values<'a>,
+        axes: Values<'a>,
+        orders: usize,
+        wavelengths: usize,
     ) -> Result<Self, TableError> {
-        let (order_count, wavelengths) = (orders.len() / 2, wavelength_nm.len());
-        if order_count == 0 || wavelengths == 0 {
+        let part = |from: usize, count: usize| axes.part(from, count);
+        let (orders, wavelength_nm) = (part(0, 2 * orders), part(2 * orders, wavelengths));
+        let from = orders.len() + wavelengths;
+        let (index, rgb_weights) = (part(from, wavelengths), part(from + wavelengths, 3 * wavelengths));
+        Self::checked(Self { layout, orders, wavelength_nm, index, rgb_weights, strength })
+    }
+
+    fn checked(table: Self) -> Result<Self, TableError> {
+        let Self { layout, orders, wavelength_nm, index, rgb_weights, strength } = table;
+        let (order_count, wavelengths) = (table.order_count(), table.wavelength_count());
+        if !(1..=MAX_ORDERS).contains(&order_count) || wavelengths == 0 {
             return Err(TableError::Shape);
         }
         let required = order_count.saturating_mul(wavelengths).saturating_mul(layout.count());
         let fits = orders.len() == 2 * order_count
             && index.len() == wavelengths
-            && rgb_weights.len() == 3 * wavelengths
+            && rgb_weights.len() == wavelengths.saturating_mul(3)
             && strength.len() == required;
         if !fits {
             return Err(TableError::Length { required });
         }
-        let bounded = |x: f32| (-MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&x);
-        let whole = |x: f32| x.abs() < 1e6 && libm::truncf(x) == x;
-        let positive = |x: f32| x > 0.0 && bounded(x);
+        let varies = [layout.periodicity() != Periodicity::Y, layout.periodicity() != Periodicity::X];
+        let whole = |(x, varies): (f32, bool)| x.abs() <= if varies { MAX_NUMBER } else { 0.0 } && libm::truncf(x) == x;
+        let positive = |x: f32| x > 0.0 && x <= MAX_MAGNITUDE;
         let mut last = 0.0;
-        let increasing = |x: f32| positive(x) && core::mem::replace(&mut last, x) < x;
-        let wrong = orders
-            .iter()
-            .position(|x| !whole(x))
-            .or_else(|| wavelength_nm.iter().map(increasing).position(|good| !good))
-            .or_else(|| index.iter().position(|x| !positive(x)))
-            .or_else(|| rgb_weights.iter().position(|x| !bounded(x)))
-            .or_else(|| strength.iter().position(|x| !bounded(x)));
-        match wrong {
-            Some(index) => Err(TableError::NotFinite { index }),
-            None => Ok(Self { layout, orders, wavelength_nm, index, rgb_weights, strength }),
+        let sound = orders.iter().zip(varies.into_iter().cycle()).all(whole)
+            && wavelength_nm.iter().all(|x| positive(x) && core::mem::replace(&mut last, x) < x)
+            && index.iter().all(positive)
+            && rgb_weights.iter().all(|x| x.abs() <= MAX_MAGNITUDE);
+        if !sound {
+            return Err(TableError::Orders);
+        }
+        match strength.iter().position(|x| !(0.0..=MAX_MAGNITUDE).contains(&x)) {
+            Some(index) => Err(TableError::Strength { index }),
+            None => Ok(table),
         }
     }
 
@@ -134,10 +148,16 @@ impl<'a> OrderTable<'a> {
         self.orders.len() / 2
     }
 
-    /// Numbers (m, n) of an order.
+    /// Numbers (m, n) of an order; (0, 0) beyond the last.
     #[must_use]
     pub fn order(&self, order: usize) -> [i32; 2] {
-        [self.orders.at(2 * order) as i32, self.orders.at(2 * order + 1) as i32]
+        self.numbers(order).map_or([0; 2], |numbers| numbers.map(|x| x as i32))
+    }
+
+    /// Numbers (m, n) of an order as the table stores them; `None` beyond the last.
+    #[inline]
+    fn numbers(&self, order: usize) -> Option<[f32; 2]> {
+        (order < self.order_count()).then(|| [self.orders.at(2 * order), self.orders.at(2 * order + 1)])
     }
 
     /// Number of wavelengths.
@@ -146,16 +166,17 @@ impl<'a> OrderTable<'a> {
         self.wavelength_nm.len()
     }
 
-    /// Vacuum wavelength, in nanometres.
+    /// Vacuum wavelength, in nanometres; 0 beyond the last.
     #[must_use]
     pub fn wavelength_nm(&self, wavelength: usize) -> f32 {
         self.wavelength_nm.at(wavelength)
     }
 
-    /// Linear RGB that a reflectance of 1 at this wavelength adds to a colour.
+    /// Linear RGB that a reflectance of 1 at this wavelength adds to a colour; 0 beyond the last wavelength.
     #[must_use]
     pub fn rgb_weight(&self, wavelength: usize) -> [f32; 3] {
-        core::array::from_fn(|c| self.rgb_weights.at(3 * wavelength + c))
+        let first = wavelength.saturating_mul(3);
+        [0, 1, 2].map(|c| self.rgb_weights.at(first.saturating_add(c)))
     }
 
     /// The table as seen from the unit vector `wo`; `None` if it lies below the horizon.
@@ -163,13 +184,21 @@ impl<'a> OrderTable<'a> {
     #[inline]
     pub fn view(&self, wo: Vec3) -> Option<OrderView<'a>> {
         let above = wo.z > 0.0;
-        above.then(|| OrderView { table: *self, wo, nodes: self.layout.interpolation(wo) })
+        above.then(|| {
+            let orders = self.order_count();
+            let first = |node: GridNode| GridNode { index: node.index * orders, ..node };
+            let (nodes, stride) = (self.layout.interpolation(wo).map(first), self.layout.count() * orders);
+            OrderView { table: *self, wo, nodes, stride }
+        })
     }
 
-    /// Strength of an order at a node.
-    #[inline]
-    fn strength(&self, wavelength: usize, node: usize, order: usize) -> f32 {
-        self.strength.at((wavelength * self.layout.count() + node) * self.order_count() + order)
+    /// Arrays in the order of a blob's last section: orders, wavelengths, indices, weights.
+    pub(super) fn axes(&self) -> [Values<'a>; 4] {
+        [self.orders, self.wavelength_nm, self.index, self.rgb_weights]
+    }
+
+    pub(super) fn strengths(&self) -> Values<'a> {
+        self.strength
     }
 }
 
@@ -178,47 +207,70 @@ impl<'a> OrderTable<'a> {
 pub struct OrderView<'a> {
     table: OrderTable<'a>,
     wo: Vec3,
+    /// Places of the first order of each node at the first wavelength.
     nodes: [GridNode; 4],
+    /// Number of strengths of one wavelength.
+    stride: usize,
 }
 
-impl OrderView<'_> {
-    /// Light that reaches the viewer by an order at a wavelength of the table; `None` where the order is evanescent.
+impl<'a> OrderView<'a> {
+    /// The table.
+    #[must_use]
+    pub fn table(&self) -> &OrderTable<'a> {
+        &self.table
+    }
+
+    /// Light that reaches the viewer by an order at a wavelength of the table. `None` where the order is evanescent, or
+    /// if the table has no such order or wavelength.
     #[must_use]
     #[inline]
     pub fn light(&self, wavelength: usize, order: usize) -> Option<DiffractedLight> {
-        self.light_between(wavelength, 0.0, order)
+        let wavelength_in_medium_nm = self.table.wavelength_nm.at(wavelength) / self.table.index.at(wavelength);
+        self.reflected(order, wavelength_in_medium_nm, || self.strength(wavelength, order))
     }
 
-    /// Light that reaches the viewer by an order at the wavelength λ_w + t (λ_{w+1} − λ_w) for t in [0, 1]: its
-    /// direction is exact, its strength linear between the two. `None` where the order is evanescent.
+    /// Light that reaches the viewer by an order at the wavelength λ_w + t (λ_{w+1} − λ_w) for t in [0, 1]. Its
+    /// direction is exact, its strength linear between the two, and so is the refractive index. Beyond the last
+    /// wavelength all are constant. `None` as for [`OrderView::light`].
     #[must_use]
     #[inline]
     pub fn light_between(&self, wavelength: usize, t: f32, order: usize) -> Option<DiffractedLight> {
-        let table = &self.table;
-        let next = if t > 0.0 { (wavelength + 1).min(table.wavelength_count() - 1) } else { wavelength };
-        let mix = |values: Values<'_>| {
-            let first = values.at(wavelength);
-            first + t * (values.at(next) - first)
-        };
-        let direction = self.towards(mix(table.wavelength_nm) / mix(table.index), order)?;
-        let at = |wavelength: usize| -> f32 {
-            self.nodes.iter().map(|node| node.weight * table.strength(wavelength, node.index, order)).sum()
-        };
-        let first = at(wavelength);
-        let strength = if next == wavelength { first } else { first + t * (at(next) - first) };
-        let cosines = if table.order(order) == [0, 0] { 1.0 } else { direction.z * self.wo.z };
-        Some(DiffractedLight { direction, efficiency: strength * cosines })
+        let last = self.table.wavelength_count() - 1;
+        if wavelength > last {
+            return None;
+        }
+        let between = Between { first: wavelength, next: (wavelength + 1).min(last), t: t.clamp(0.0, 1.0) };
+        let nm = between.mix(|wavelength| self.table.wavelength_nm.at(wavelength));
+        let index = between.mix(|wavelength| self.table.index.at(wavelength));
+        self.reflected(order, nm / index, || between.mix(|wavelength| self.strength(wavelength, order)))
     }
 
-    /// Unit vector towards the light of an order at this wavelength in the medium above; `None` where the order is
-    /// evanescent.
+    /// Light of an order at this wavelength in the medium above; `None` where the order is evanescent or missing.
     #[inline]
-    fn towards(&self, wavelength_in_medium_nm: f32, order: usize) -> Option<Vec3> {
-        let [m, n] = [0, 1].map(|axis| self.table.orders.at(2 * order + axis));
+    fn reflected(
+        &self,
+        order: usize,
+        wavelength_in_medium_nm: f32,
+        strength: impl FnOnce() -> f32,
+    ) -> Option<DiffractedLight> {
+        let numbers @ [m, n] = self.table.numbers(order)?;
         let [x, y] = self.table.layout.period_nm();
         let (x, y) = (m * wavelength_in_medium_nm / x - self.wo.x, n * wavelength_in_medium_nm / y - self.wo.y);
         let up_squared = 1.0 - x * x - y * y;
-        (up_squared > 0.0).then(|| Vec3::new(x, y, libm::sqrtf(up_squared)))
+        // NaN travels nowhere.
+        let travels = up_squared > 0.0;
+        travels.then(|| {
+            let direction = Vec3::new(x, y, libm::sqrtf(up_squared));
+            let cosines = if numbers == [0.0; 2] { 1.0 } else { direction.z * self.wo.z };
+            DiffractedLight { direction, efficiency: strength() * cosines }
+        })
+    }
+
+    /// Strength of an order for light from the viewer's direction.
+    #[inline]
+    fn strength(&self, wavelength: usize, order: usize) -> f32 {
+        let first = wavelength * self.stride + order;
+        self.nodes.iter().map(|node| node.weight * self.table.strength.at(first + node.index)).sum()
     }
 
     /// Sum of the efficiencies of all orders at a wavelength: the directional albedo.
@@ -236,20 +288,17 @@ impl OrderView<'_> {
     #[must_use]
     pub fn sample(&self, wavelength: usize, u: f32) -> Option<OrderSample> {
         let albedo = self.albedo(wavelength);
-        let lit = albedo > 0.0;
-        if !lit {
-            return None;
-        }
         let (mut left, mut drawn) = (u * albedo, None);
         for order in 0..self.table.order_count() {
             let Some(DiffractedLight { direction, efficiency }) = self.light(wavelength, order) else { continue };
-            if efficiency <= 0.0 {
-                continue;
-            }
-            drawn = Some(OrderSample { order, direction, efficiency, probability: efficiency / albedo });
-            left -= efficiency;
-            if left < 0.0 {
-                break;
+            let probability = efficiency / albedo;
+            // Not so for an albedo of 0, nor for efficiencies too small for single precision.
+            if probability > 0.0 {
+                drawn = Some(OrderSample { order, direction, efficiency, probability });
+                left -= efficiency;
+                if left < 0.0 {
+                    break;
+                }
             }
         }
         drawn
@@ -258,9 +307,30 @@ impl OrderView<'_> {
     /// Probability with which [`OrderView::sample`] draws an order.
     #[must_use]
     pub fn probability(&self, wavelength: usize, order: usize) -> f32 {
-        match (self.albedo(wavelength), self.light(wavelength, order)) {
-            (albedo, Some(light)) if albedo > 0.0 => light.efficiency.max(0.0) / albedo,
+        match self.light(wavelength, order) {
+            Some(light) if light.efficiency > 0.0 => light.efficiency / self.albedo(wavelength),
             _ => 0.0,
         }
     }
 }
+
+/// Place between two wavelengths of a table, at the share `t` of the way.
+#[derive(Clone, Copy)]
+struct Between {
+    first: usize,
+    next: usize,
+    t: f32,
+}
+
+impl Between {
+    /// Linear interpolation of a quantity.
+    #[inline]
+    fn mix(self, at: impl Fn(usize) -> f32) -> f32 {
+        let first = at(self.first);
+        first + self.t * (at(self.next) - first)
+    }
+}
+
+#[cfg(test)]
+#[path = "orders_tests.rs"]
+mod tests;

@@ -4,7 +4,9 @@ use goniochrome::glam::Vec3;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::colour::RgbSpace;
 use goniochrome::table::blob::{Blob, Contents, Precision};
-use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::table::{
+    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
+};
 
 /// The sum of all that a table blob gives for two directions; NaN if it is refused.
 #[unsafe(no_mangle)]
@@ -18,10 +20,37 @@ pub extern "C" fn table_look_up(bytes: &&[u8], wi: &Vec3, wo: &Vec3, u: &[f32; 2
             let drawn = sampler.sample(*wi, *u).map_or(0.0, |(wo, pdf)| wo.z / pdf);
             table.rgb(*wi, *wo).into_iter().sum::<f32>() + sampler.pdf(*wi, *wo) + drawn + albedo[0]
         }
+        Contents::Orders(table) => {
+            let Some(view) = table.view(*wo) else { return 0.0 };
+            let (wavelength, order) = (wi.x as usize, wi.y as usize);
+            let light = view.light_between(wavelength, wi.z, order).or(view.light(wavelength, order));
+            let drawn = view.sample(wavelength, u[0]).map_or(0.0, |drawn| drawn.direction.z / drawn.probability);
+            let numbers = table.order(order).into_iter().sum::<i32>() as f32;
+            let known = numbers + table.wavelength_nm(wavelength) + table.rgb_weight(wavelength)[0];
+            known + light.map_or(0.0, |light| light.efficiency) + drawn + view.probability(wavelength, order)
+        }
     }
 }
 
-/// Makes a table of either kind and writes it as a blob. Returns whether it succeeded.
+/// Makes a table of orders and writes it as a blob. Returns whether it succeeded.
+#[unsafe(no_mangle)]
+pub extern "C" fn orders_write(
+    nodes: &[u32; 2],
+    period_nm: &[f32; 2],
+    orders: &&[[f32; 2]],
+    numbers: &[&[f32]; 3],
+    rgb_weights: &&[[f32; 3]],
+    bytes: &mut &mut [u8],
+) -> bool {
+    let [wavelength_nm, index, strength] = *numbers;
+    let arrays = OrderArrays { orders, wavelength_nm, index, rgb_weights, strength };
+    let table = OrderLayout::new(*nodes, Periodicity::Both, *period_nm).and_then(|l| OrderTable::new(l, &arrays));
+    table.is_ok_and(|table| {
+        Blob { space: None, contents: Contents::Orders(table) }.write(Precision::Half, bytes).is_ok()
+    })
+}
+
+/// Makes a mirror-like or scattering table and writes it as a blob. Returns whether it succeeded.
 #[unsafe(no_mangle)]
 pub extern "C" fn table_write(
     values: &&[f32],

@@ -244,7 +244,7 @@ mod tests {
         for (periodicity, beta) in [(Periodicity::Y, "0 89"), (Periodicity::Both, "-89 89")] {
             let layout = OrderLayout::new([3, 2], periodicity, [f32::MIN_POSITIVE, 3e38]).unwrap();
             assert_eq!(axes(&layout), ["-89 0 89", beta]);
-            let table = Table::Orders(OrderTable { layout, ..sample() });
+            let table = Table::Orders(OrderTable { layout, orders: vec![[0, -1], [0, 0], [0, 1]], ..sample() });
             assert_eq!(decode(&encode(&table, 1).unwrap()).unwrap(), table);
         }
     }
