@@ -153,7 +153,7 @@ fn energy() {
             let surface = graph(800.0, above, Complex64::from(below), &trapezoid);
             let sums = [0, 1].map(|p| efficiencies(&solve(&surface, 500.0, q, 25)).iter().map(|e| e[p]).sum::<f64>());
             for sum in sums {
-                assert!((sum - 1.0).abs() <= 1e-5, "{above} {q:?}: {:.1e}", sum - 1.0);
+                assert!((sum - 1.0).abs() <= 1e-10, "{above} {q:?}: {:.1e}", sum - 1.0);
             }
         }
     }

@@ -92,6 +92,16 @@ pub(crate) fn inverse(matrix: &Matrix) -> Result<Matrix, WaveError> {
     if found.is_all_finite() { Ok(found) } else { Err(WaveError::Singular) }
 }
 
+/// Matrix with orthonormal rows or columns that is nearest to `matrix`: U V† of its singular value decomposition.
+///
+/// # Errors
+/// [`WaveError::Singular`] if the iteration does not converge or a number is not finite.
+pub(crate) fn nearest_isometry(matrix: &Matrix) -> Result<Matrix, WaveError> {
+    let found = matrix.thin_svd().map_err(|_| WaveError::Singular)?;
+    let nearest = product(found.U(), found.V().adjoint().to_owned().as_ref());
+    if nearest.is_all_finite() { Ok(nearest) } else { Err(WaveError::Singular) }
+}
+
 /// Product of two matrices.
 pub(crate) fn product(left: MatRef<'_, Complex64>, right: MatRef<'_, Complex64>) -> Matrix {
     let mut out = Matrix::zeros(left.nrows(), right.ncols());

@@ -1,223 +1,199 @@
-//! Waves in a homogeneous half-space beside an interface, and the map from a field on it to its normal derivative.
-//!
-//! With invariance along y, each component ψ ∈ {E_y, H_y} obeys (∂_x² + ∂_z² + γ²) ψ = 0 with γ² = ε − k_y². In the
-//! coordinates x = X(u), z = Z(u) + v, with f = X′ and g = Z′, a mode ψ = φ(u) exp(iρv) and its χ = −i∂_xψ + iρψ
-//! are continuous wherever f or g jumps, and obey the pencil
-//!
-//! ```text
-//! ρ (G − iF) φ = αφ − Fχ          ρ (G + iF) χ = αχ − γ²Fφ
-//! ```
-//!
-//! of the Toeplitz matrices F = ⟦f⟧ and G = ⟦g⟧ and α = −i∂_u. It is Chandezon's eigenproblem with Li's factorisation
-//! at corners (Li & Chandezon 1996), written by ∂_x ± i∂_z: no inverse of f remains, so vertical walls, where f = 0, are
-//! no exception. The tangential field of the other polarisation is q = −i (f ∂_z − g ∂_x) ψ = iαφ − (G + iF) χ.
+//! Waves in the half-spaces beside an interface.
 
 use num_complex::Complex64;
 
-use super::path::{Node, Path};
+use super::interface::{Fields, Interface, Modes};
 use crate::error::WaveError;
-use crate::fields::{forward_root, off_anomaly};
-use crate::linear::{Matrix, eigen, product, scale_columns, solve};
+use crate::linear::{Matrix, nearest_isometry, product, scale_columns, scale_rows, solve};
 
-/// Largest decay, as Im k_z times the height of the interface, of orders that enter as plane waves. Their exact fields
-/// replace those of modes. Plane waves of steeper decay would make the basis ill-conditioned.
-const MAX_DECAY: f64 = 1.0;
-/// Nodes of the quadratures for each order: six for each oscillation of the fastest harmonic.
-const NODES_PER_ORDER: f64 = 6.0;
+/// Largest |Im ρ|, relative to |γ|, at which the flux of a mode tells its direction and not its decay. Eigenvalues of
+/// travelling modes have rounding errors of up to some 1e-9 for deep interfaces. Near a Rayleigh anomaly ρ² is off by
+/// rounding, and ρ by its root, 1e-8.
+const MAX_TRAVELLING_DECAY: f64 = 1e-7;
+/// Least flux of a travelling mode, relative to |ψ| |q|. Below it rounding errors outweigh the flux.
+const MIN_FLUX: f64 = 1e-9;
 
-/// Direction in which waves leave a half-space.
+/// Side of the interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
-    /// Above the interface, waves go up.
+    /// Above the interface, where waves leave upwards.
     Above,
-    /// Below the interface, waves go down.
+    /// Below the interface, where waves leave downwards.
     Below,
 }
 
 impl Side {
-    /// Sign of the vertical wavevector.
+    /// Sign of k_z of waves that leave.
     pub fn sign(self) -> f64 {
         match self {
             Self::Above => 1.0,
             Self::Below => -1.0,
         }
     }
+
+    /// z at which the phases of plane waves are 0: the top of the interface for those above, its bottom for those below.
+    pub fn origin(self, interface: &Interface) -> f64 {
+        interface.heights()[usize::from(self == Self::Above)]
+    }
 }
 
-/// Interface in Fourier space, for one k_x.
-#[derive(Clone, Debug)]
-pub(super) struct Interface {
-    path: Path,
-    /// Nodes of quadratures over u.
-    pub nodes: Vec<Node>,
-    /// Tangential wavevector k_x of each order, in units of k₀.
-    pub k_x: Vec<f64>,
-    /// Products (G − iF)⁻¹α, (G − iF)⁻¹F, (G + iF)⁻¹α and (G + iF)⁻¹F.
-    products: [Matrix; 4],
-    /// G + iF.
-    sum: Matrix,
-    /// From values at the nodes to Fourier coefficients.
-    analysis: Matrix,
+/// Half-space beside an interface, by its truncated modes.
+#[derive(Debug)]
+pub(super) struct HalfSpace {
+    side: Side,
+    /// Vertical wavevector of each order.
+    k_z: Vec<Complex64>,
+    /// Matrix Y with q = Yψ for fields that leave.
+    pub outgoing: Matrix,
+    leaving: PlaneWaves,
+    arriving: PlaneWaves,
 }
 
-/// Values of a plane wave and of its q at the nodes.
-pub(super) struct PlaneWave {
-    /// ψ at each node.
-    pub field: Vec<Complex64>,
-    /// q at each node.
-    pub derivative: Vec<Complex64>,
+/// Plane waves of amplitude 1 within the truncation: the flux-orthogonal combinations of travelling modes that are
+/// nearest to the exact plane waves. They carry the flux of these exactly, so that lossless surfaces keep all power at
+/// any truncation.
+#[derive(Debug)]
+struct PlaneWaves {
+    /// Orders of the columns, by their row; those that travel in a lossless medium.
+    orders: Vec<usize>,
+    fields: Fields,
 }
 
-impl Interface {
-    /// Interface for the orders −M…M around `kx0`, with M = `max_order`.
+impl HalfSpace {
+    /// Half-space of squared wavevector `gamma2` across y, in which the orders have the vertical wavevectors `k_z`.
     ///
     /// # Errors
-    /// [`WaveError::Singular`] if a number is not finite.
-    pub fn new(path: Path, kx0: f64, max_order: usize) -> Result<Self, WaveError> {
-        let n = 2 * max_order + 1;
-        let limit = i32::try_from(2 * max_order).unwrap_or(i32::MAX);
-        let coefficients: Vec<[Complex64; 2]> = (-limit..=limit).map(|h| path.coefficients(h)).collect();
-        let toeplitz = |z_sign: f64| {
-            Matrix::from_fn(n, n, |row, column| {
-                let [f, g] = coefficients[row + n - 1 - column];
-                if z_sign == 0.0 { f } else { g + Complex64::new(0.0, z_sign) * f }
-            })
+    /// [`WaveError::Singular`] if the eigenproblem does not converge or its vectors are not independent.
+    pub fn new(interface: &Interface, gamma2: Complex64, k_z: Vec<Complex64>, side: Side) -> Result<Self, WaveError> {
+        let n = interface.orders();
+        let modes = interface.modes(gamma2)?;
+        let mut ranked: Vec<(f64, usize)> =
+            (0..2 * n).map(|i| (side.sign() * upwardness(&modes, i, gamma2.norm().sqrt()), i)).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let leaving = select(&modes.fields, &ranked[..n].iter().map(|&(_, i)| i).collect::<Vec<_>>());
+        let [psi, q] = [&leaving.psi, &leaving.q].map(|part| part.transpose().to_owned());
+        let outgoing = solve(&psi, &q)?.transpose().to_owned();
+        let travelling = |direction: f64| {
+            // A flux of 1 may be rounded up; decays begin at 2.
+            let rank = MIN_FLUX..1.5;
+            let of = ranked.iter().filter(|(value, _)| rank.contains(&(direction * value)));
+            select(&modes.fields, &of.map(|&(_, i)| i).collect::<Vec<_>>())
         };
-        let step = std::f64::consts::TAU / path.period;
-        let k_x: Vec<f64> = (0..n).map(|i| kx0 + (i as f64 - max_order as f64) * step).collect();
-        let alpha = Matrix::from_fn(n, n, |row, column| {
-            if row == column { Complex64::from(k_x[row] * path.period) } else { Complex64::ZERO }
-        });
-        let [difference, f, sum] = [-1.0, 0.0, 1.0].map(toeplitz);
-        let products = [solve(&difference, &alpha)?, solve(&difference, &f)?, solve(&sum, &alpha)?, solve(&sum, &f)?];
-        let nodes = path.nodes(NODES_PER_ORDER * n as f64);
-        let analysis = Matrix::from_fn(n, nodes.len(), |order, i| {
-            nodes[i].weight * Complex64::cis(-k_x[order] * path.period * nodes[i].u)
-        });
-        Ok(Self { path, nodes, k_x, products, sum, analysis })
+        let plane_waves = |orders: Vec<usize>, direction: f64| {
+            let waves = orders.into_iter().filter(|&i| k_z[i].im == 0.0).map(|i| (i, k_z[i].re)).collect();
+            let sign = direction * side.sign();
+            PlaneWaves::new(interface, &travelling(direction), waves, side.origin(interface), sign)
+        };
+        let leaving = plane_waves((0..n).collect(), 1.0)?;
+        let arriving = plane_waves(vec![n / 2], -1.0)?;
+        Ok(Self { side, k_z, outgoing, leaving, arriving })
     }
 
-    /// Number of orders.
-    pub fn orders(&self) -> usize {
-        self.k_x.len()
+    /// Plane wave of order 0 that arrives with amplitude 1, in Fourier coefficients.
+    pub fn arriving(&self, interface: &Interface) -> Fields {
+        if !self.arriving.orders.is_empty() {
+            return self.arriving.fields.clone();
+        }
+        let order = interface.orders() / 2;
+        let wave = (interface.k_x[order], -self.side.sign() * self.k_z[order]);
+        interface.analyse(&interface.plane_waves(&[wave], self.side.origin(interface)))
     }
 
-    /// Length of the period in units of 1/k₀.
-    pub fn period(&self) -> f64 {
-        self.path.period
-    }
-
-    /// z at which the phases of a half-space's plane waves are 0: the top of the interface for those above, its bottom
-    /// for those below.
-    pub fn reference(&self, side: Side) -> f64 {
-        self.path.heights[usize::from(side == Side::Above)]
-    }
-
-    /// −i∂_u of Fourier coefficients: the factor of one order.
-    pub fn alpha(&self, order: usize) -> f64 {
-        self.k_x[order] * self.path.period
-    }
-
-    /// Plane wave exp(i k_x x + i k_z (z − z₀)) with [`Self::reference`] z₀ at the nodes.
-    pub fn plane_wave(&self, k_x: f64, k_z: Complex64, side: Side) -> PlaneWave {
-        let origin = self.reference(side);
-        let field: Vec<Complex64> = self
-            .nodes
-            .iter()
-            .map(|node| (Complex64::I * (k_x * node.position[0] + k_z * (node.position[1] - origin))).exp())
-            .collect();
-        let derivative = self
-            .nodes
-            .iter()
-            .zip(&field)
-            .map(|(node, field)| field * (node.velocity[0] * k_z - node.velocity[1] * k_x))
-            .collect();
-        PlaneWave { field, derivative }
-    }
-
-    /// Fourier coefficients of functions that are given at the nodes, one function for each column.
-    pub fn analyse(&self, columns: &[Vec<Complex64>]) -> Matrix {
-        let values = Matrix::from_fn(self.nodes.len(), columns.len(), |row, column| columns[column][row]);
-        product(self.analysis.as_ref(), values.as_ref())
-    }
-
-    /// Values at the nodes, times the weights of the quadrature, of functions that are given by Fourier coefficients, one
-    /// for each column.
-    pub fn weighted_values(&self, coefficients: &Matrix) -> Matrix {
-        self.analysis.adjoint() * coefficients
-    }
-
-    /// Matrix Y with q = Yψ on the interface for waves that leave into a half-space, of squared wavevector `gamma2`
-    /// across y.
+    /// Amplitudes of the orders, as rows, of fields that leave, given in Fourier coefficients as columns.
     ///
-    /// # Errors
-    /// [`WaveError::Singular`] if the eigenproblem does not converge or the modes are not independent.
-    pub fn outgoing(&self, gamma2: Complex64, side: Side) -> Result<Matrix, WaveError> {
-        let n = self.orders();
-        let k_z: Vec<Complex64> =
-            self.k_x.iter().map(|k_x| forward_root(off_anomaly(gamma2 - k_x * k_x, gamma2))).collect();
-        let height = self.path.heights[1] - self.path.heights[0];
-        let mut plane: Vec<usize> = (0..n).filter(|&i| k_z[i].im * height < MAX_DECAY).collect();
-        plane.sort_by(|&a, &b| self.k_x[a].abs().total_cmp(&self.k_x[b].abs()));
-        let (fields, derivatives) = plane
-            .iter()
-            .map(|&i| self.plane_wave(self.k_x[i], side.sign() * k_z[i], side))
-            .map(|wave| (wave.field, wave.derivative))
-            .unzip::<_, _, Vec<_>, Vec<_>>();
-        let exact = [self.analyse(&fields), self.analyse(&derivatives)];
-        let modes = if plane.len() < n {
-            let taken: Vec<Complex64> = plane.iter().flat_map(|&i| [k_z[i], -k_z[i]]).collect();
-            Some(self.modes(gamma2, side, &taken, n - plane.len())?)
-        } else {
-            None
-        };
-        let mut basis = [0, 1].map(|part| {
-            Matrix::from_fn(n, n, |row, column| match (&modes, column.checked_sub(plane.len())) {
-                (Some(modes), Some(mode)) => modes[part][(row, mode)],
-                _ => exact[part][(row, column)],
-            })
-        });
-        let scales: Vec<Complex64> = (0..n).map(|i| Complex64::from(basis[0].col(i).norm_l2().recip())).collect();
-        for part in &mut basis {
-            scale_columns(part, &scales);
-        }
-        let [fields, derivatives] = basis;
-        Ok(solve(&fields.transpose().to_owned(), &derivatives.transpose().to_owned())?.transpose().to_owned())
+    /// Travelling orders are the products of flux with [`PlaneWaves`]. Others follow from Green's second identity with
+    /// the plane wave of opposite wavevector, which does not grow between the interface and the plane where phases are 0.
+    pub fn amplitudes(&self, interface: &Interface, fields: &Fields) -> Matrix {
+        let (n, sign) = (interface.orders(), self.side.sign());
+        let travelling = self.leaving.fields.flux(fields);
+        let test: Vec<(f64, Complex64)> = (0..n).map(|i| (-interface.k_x[i], -sign * self.k_z[i])).collect();
+        let test = interface.plane_waves(&test, self.side.origin(interface));
+        let values = interface.weighted_values(fields);
+        let green = product(test.psi.transpose().to_owned().as_ref(), values.q.as_ref())
+            - product(test.q.transpose().to_owned().as_ref(), values.psi.as_ref());
+        Matrix::from_fn(n, fields.psi.ncols(), |order, column| {
+            let scale = sign * self.k_z[order] * interface.period();
+            match self.leaving.orders.iter().position(|&other| other == order) {
+                Some(row) => travelling[(row, column)] / scale,
+                None => green[(order, column)] / (2.0 * scale),
+            }
+        })
     }
+}
 
-    /// The `count` modes of fastest decay away from the interface, as columns of ψ and of q. Eigenvalues nearest to those
-    /// in `taken`, one for each, are left out.
-    fn modes(
-        &self,
-        gamma2: Complex64,
-        side: Side,
-        taken: &[Complex64],
-        count: usize,
-    ) -> Result<[Matrix; 2], WaveError> {
-        let n = self.orders();
-        let [minus_alpha, minus_f, plus_alpha, plus_f] = &self.products;
-        let found = eigen(&Matrix::from_fn(2 * n, 2 * n, |row, column| match (row < n, column < n) {
-            (true, true) => minus_alpha[(row, column)],
-            (true, false) => -minus_f[(row, column - n)],
-            (false, true) => -gamma2 * plus_f[(row - n, column)],
-            (false, false) => plus_alpha[(row - n, column - n)],
-        }))?;
-        let mut left: Vec<usize> = (0..2 * n).collect();
-        for value in taken {
-            let distance = |&i: &usize| (found.values[i] - value).norm();
-            let nearest = (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b])));
-            nearest.map(|i| left.swap_remove(i));
+impl PlaneWaves {
+    /// Plane waves of direction `sign` along z, given by their orders and |k_z|, from the travelling modes of that
+    /// direction. None where there are no modes or they are not independent.
+    fn new(
+        interface: &Interface,
+        modes: &Fields,
+        waves: Vec<(usize, f64)>,
+        origin: f64,
+        sign: f64,
+    ) -> Result<Self, WaveError> {
+        let none = || Self { orders: Vec::new(), fields: select(modes, &[]) };
+        if waves.is_empty() || modes.psi.ncols() == 0 {
+            return Ok(none());
         }
-        let decay = |i: usize| side.sign() * found.values[i].im;
-        // Equal decays keep the order of the decomposition.
-        left.sort_unstable();
-        left.sort_by(|&a, &b| decay(b).total_cmp(&decay(a)));
-        let field = Matrix::from_fn(n, count, |row, column| found.vectors[(row, left[column])]);
-        let chi = Matrix::from_fn(n, count, |row, column| found.vectors[(row + n, left[column])]);
-        let product = product(self.sum.as_ref(), chi.as_ref());
-        let derivative = Matrix::from_fn(n, count, |row, column| {
-            Complex64::new(0.0, self.alpha(row)) * field[(row, column)] - product[(row, column)]
-        });
-        Ok([field, derivative])
+        let Some(modes) = orthonormal(modes, sign)? else { return Ok(none()) };
+        let exact: Vec<(f64, Complex64)> =
+            waves.iter().map(|&(i, k_z)| (interface.k_x[i], Complex64::from(sign * k_z))).collect();
+        let exact = interface.analyse(&interface.plane_waves(&exact, origin));
+        // Amplitude 1 carries the flux k_z Λ.
+        let roots: Vec<f64> = waves.iter().map(|(_, k_z)| (k_z * interface.period()).sqrt()).collect();
+        let mut overlap = exact.flux(&modes);
+        let factors: Vec<Complex64> = roots
+            .iter()
+            .enumerate()
+            .map(|(row, root)| {
+                // Orders that the truncation or a Rayleigh anomaly spoils do not outweigh the others.
+                let length = overlap.row(row).norm_l2() / root;
+                Complex64::from(sign / (root * length.max(1.0)))
+            })
+            .collect();
+        scale_rows(&mut overlap, &factors);
+        let mut combination = nearest_isometry(&overlap)?.adjoint().to_owned();
+        scale_columns(&mut combination, &roots.iter().map(|&root| Complex64::from(root)).collect::<Vec<_>>());
+        let orders = waves.into_iter().map(|(i, _)| i).collect();
+        Ok(Self { orders, fields: modes.combine(&combination) })
     }
+}
+
+/// Some columns of fields.
+fn select(fields: &Fields, columns: &[usize]) -> Fields {
+    let [psi, q] = [&fields.psi, &fields.q]
+        .map(|part| Matrix::from_fn(part.nrows(), columns.len(), |row, column| part[(row, columns[column])]));
+    Fields { psi, q }
+}
+
+/// How far a mode goes up: its flux relative to |ψ| |q|, in [−1, 1], where it travels; otherwise its decay upwards
+/// relative to `gamma`, beyond ±1.
+fn upwardness(modes: &Modes, mode: usize, gamma: f64) -> f64 {
+    let decay = modes.rho[mode].im / gamma;
+    if decay.abs() > MAX_TRAVELLING_DECAY {
+        return decay + 2.0_f64.copysign(decay);
+    }
+    let [psi, q] = [&modes.fields.psi, &modes.fields.q].map(|part| part.col_as_slice(mode));
+    let flux: f64 = psi.iter().zip(q).map(|(psi, q)| (psi.conj() * q).re).sum();
+    let square = |values: &[Complex64]| values.iter().map(Complex64::norm_sqr).sum::<f64>();
+    flux / (square(psi) * square(q)).sqrt()
+}
+
+/// Combinations of travelling modes whose products of flux are ±1 with themselves, by the direction `sign`, and 0 with
+/// others. `None` if the modes are not independent.
+fn orthonormal(modes: &Fields, sign: f64) -> Result<Option<Fields>, WaveError> {
+    let diagonal = modes.flux(modes);
+    let scales: Vec<Complex64> =
+        (0..diagonal.ncols()).map(|i| Complex64::from(diagonal[(i, i)].re.abs().sqrt().recip())).collect();
+    let mut modes = modes.clone();
+    scale_columns(&mut modes.psi, &scales);
+    scale_columns(&mut modes.q, &scales);
+    let Ok(root) = (modes.flux(&modes) * faer::Scale(Complex64::from(sign))).llt(faer::Side::Lower) else {
+        return Ok(None);
+    };
+    // With fluxes C C†, the columns times C⁻† are orthonormal.
+    let columns = scales.len();
+    let unit = Matrix::from_fn(columns, columns, |i, j| Complex64::from(if i == j { 1.0 } else { 0.0 }));
+    let inverse = solve(&root.L().adjoint().to_owned(), &unit)?;
+    Ok(Some(modes.combine(&inverse)))
 }

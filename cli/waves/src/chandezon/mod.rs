@@ -11,9 +11,11 @@ use crate::profile::Graph;
 use crate::response::{Order, Response};
 
 mod path;
+mod interface;
 mod half_space;
 
-use half_space::{Interface, Side};
+use half_space::{HalfSpace, Side};
+use interface::{Fields, Interface};
 use path::Path;
 
 /// Least |γ²| = |ε − k_y²| of a half-space, relative to |ε|. At γ² = 0 the components along y do not determine the
@@ -72,14 +74,17 @@ impl GraphModes {
             if gamma2.norm() >= least { gamma2 } else { Complex64::from(least.copysign(gamma2.re)) }
         });
         let epsilon = gamma2.map(|gamma2| gamma2 + ky * ky);
-        let above = interface.outgoing(gamma2[0], Side::Above)?;
-        let below = interface.outgoing(gamma2[1], Side::Below)?;
+        let half_spaces = [Complex64::from(self.above), self.below];
+        let half_space = |medium: usize, side| {
+            let k_z = interface.k_x.iter().map(|&k_x| fields::vertical(half_spaces[medium], [k_x, ky])).collect();
+            HalfSpace::new(interface, gamma2[medium], k_z, side)
+        };
+        let [above, below] = [half_space(0, Side::Above)?, half_space(1, Side::Below)?];
 
         let incident = fields::incident(self.above, q, vertical);
-        let wave = interface.plane_wave(q[0], Complex64::from(-vertical), Side::Above);
-        let [wave_field, wave_derivative] = [wave.field, wave.derivative].map(|values| interface.analyse(&[values]));
-        // Yψ − q of the incident field: what the reflected field must add.
-        let excess = product(above.as_ref(), wave_field.as_ref()) - &wave_derivative;
+        let light = above.arriving(interface);
+        // Yψ − q of the light: what the reflected field must add.
+        let excess = product(above.outgoing.as_ref(), light.psi.as_ref()) - &light.q;
 
         // Unknowns: E_y, then H_y, on the interface. Continuity of H_u gives the first n equations, of E_u the others:
         //   γ² H_u = −k_y αH_y − εq(E_y)          γ² E_u = −k_y αE_y + q(H_y)
@@ -89,7 +94,7 @@ impl GraphModes {
             let [electric_row, electric_column] = [row < n, column < n];
             if electric_row == electric_column {
                 let [a, b] = if electric_row { [0, 1].map(|k| weight[k] * epsilon[k]) } else { weight };
-                a * above[(i, j)] - b * below[(i, j)]
+                a * above.outgoing[(i, j)] - b * below.outgoing[(i, j)]
             } else if i == j {
                 let coupling = (gamma2[1] - gamma2[0]) * ky * interface.alpha(i);
                 if electric_row { coupling } else { -coupling }
@@ -107,62 +112,36 @@ impl GraphModes {
         });
         let solution = solve(&equations, &right)?;
         // Columns: E_y for light in s, E_y in p, H_y in s, H_y in p.
-        let field = Matrix::from_fn(n, 4, |row, column| solution[(row + n * (column / 2), column % 2)]);
-        let reflected = product(above.as_ref(), field.as_ref());
+        let transmitted = Matrix::from_fn(n, 4, |row, column| solution[(row + n * (column / 2), column % 2)]);
         let reflected = Matrix::from_fn(n, 4, |row, column| {
             let Tangential { electric, magnetic } = incident[column % 2];
             let amplitude = if column < 2 { electric[1] } else { magnetic[1] };
-            reflected[(row, column)] - amplitude * excess[(row, 0)]
+            transmitted[(row, column)] - amplitude * light.psi[(row, 0)]
         });
-        let transmitted = product(below.as_ref(), field.as_ref());
-        let order = |side, derivative: &Matrix, medium: usize| {
-            self.orders(side, [&field, derivative], ky, gamma2[medium], epsilon[medium])
+        let orders = |medium: usize, side: Side, half_space: &HalfSpace, psi: Matrix| {
+            let q = product(half_space.outgoing.as_ref(), psi.as_ref());
+            let amplitudes = half_space.amplitudes(interface, &Fields { psi, q });
+            let of_order = |i: usize| {
+                let q = [interface.k_x[i], ky];
+                let k_z = side.sign() * fields::vertical(half_spaces[medium], q);
+                let fields = [0, 1].map(|polarisation| {
+                    let [electric, magnetic] = [0, 2].map(|field| amplitudes[(i, polarisation + field)]);
+                    let [e_x, h_x] = [k_z * magnetic, -k_z * epsilon[medium] * electric];
+                    let e_x = (e_x - q[0] * ky * electric) / gamma2[medium];
+                    let h_x = (h_x - q[0] * ky * magnetic) / gamma2[medium];
+                    Tangential { electric: [e_x, electric], magnetic: [h_x, magnetic] }
+                });
+                fields::order([i as i32 - self.max_order as i32, 0], half_spaces[medium], q, fields)
+            };
+            let orders: Vec<Order> = (0..n).map(of_order).collect();
+            let finite = |order: &Order| order.jones.as_flattened().iter().all(|amplitude| amplitude.is_finite());
+            if orders.iter().all(finite) { Ok(orders) } else { Err(WaveError::Singular) }
         };
         Ok(Response {
             incident_vertical: vertical,
-            half_spaces: [Complex64::from(self.above), self.below],
-            reflected: order(Side::Above, &reflected, 0)?,
-            transmitted: order(Side::Below, &transmitted, 1)?,
+            half_spaces,
+            reflected: orders(0, Side::Above, &above, reflected)?,
+            transmitted: orders(1, Side::Below, &below, transmitted)?,
         })
-    }
-
-    /// Plane waves that leave into a half-space, from ψ and q on the interface, columns as in [`Self::response`].
-    ///
-    /// Green's second identity with the plane wave of opposite wavevector, which does not grow between the interface and
-    /// the plane of reference, gives each amplitude as an integral over the interface. It holds for the total field:
-    /// light that arrives adds nothing.
-    fn orders(
-        &self,
-        side: Side,
-        [field, derivative]: [&Matrix; 2],
-        ky: f64,
-        gamma2: Complex64,
-        epsilon: Complex64,
-    ) -> Result<Vec<Order>, WaveError> {
-        let interface = &self.interface;
-        let [field, derivative] = [field, derivative].map(|part| interface.weighted_values(part));
-        let eta = if side == Side::Above { Complex64::from(self.above) } else { self.below };
-        let orders = (0..interface.orders()).map(|i| {
-            let q = [interface.k_x[i], ky];
-            let k_z = side.sign() * fields::vertical(eta, q);
-            let test = interface.plane_wave(-q[0], -k_z, side);
-            let amplitude = [0, 1, 2, 3].map(|column| {
-                let sum: Complex64 = (0..interface.nodes.len())
-                    .map(|j| test.field[j] * derivative[(j, column)] - test.derivative[j] * field[(j, column)])
-                    .sum();
-                sum / (2.0 * k_z * interface.period())
-            });
-            let fields = [0, 1].map(|polarisation| {
-                let [electric, magnetic] = [amplitude[polarisation], amplitude[polarisation + 2]];
-                Tangential {
-                    electric: [(k_z * magnetic - q[0] * ky * electric) / gamma2, electric],
-                    magnetic: [(-k_z * epsilon * electric - q[0] * ky * magnetic) / gamma2, magnetic],
-                }
-            });
-            fields::order([i as i32 - self.max_order as i32, 0], eta, q, fields)
-        });
-        let orders: Vec<Order> = orders.collect();
-        let finite = |order: &Order| order.jones.iter().flatten().all(|amplitude| amplitude.is_finite());
-        if orders.iter().all(finite) { Ok(orders) } else { Err(WaveError::Singular) }
     }
 }
