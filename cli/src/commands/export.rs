@@ -9,7 +9,8 @@ use crate::commands::args::{ExportArgs, ExportKind, Origin, spelled};
 use crate::export::blob;
 use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
-use crate::export::{bsdf, merl, png};
+use crate::export::order_lut::{self, OrderLut};
+use crate::export::{LobeWidth, ShaderLanguage, bsdf, merl, png};
 use crate::scene::{Scene, load, parse};
 use crate::support::error::{Error, Result};
 use crate::support::output;
@@ -34,6 +35,9 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     if args.to == ExportKind::Gltf {
         return gltf(args);
     }
+    if args.to == ExportKind::OrderLut {
+        return order_lut(args, &inputs);
+    }
     let table = read_table(args)?;
     let named = |error: Error| {
         let line = format!("{}: {error}", args.source);
@@ -41,7 +45,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     };
     let bytes = match args.to {
         ExportKind::Merl => merl::encode(&table, args.roughness),
-        _ => bsdf::encode(&table, args.roughness, args.rgb),
+        _ => bsdf::encode(&table, LobeWidth { roughness: args.roughness, spread_deg: args.spread }, args.rgb),
     };
     let bytes = bytes.map_err(named)?;
     output::write_file(&args.output, &bytes)?;
@@ -98,7 +102,9 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (args.width.is_some(), "width", lut, "lut"),
         (args.vary.is_some(), "vary", lut, "lut"),
         (args.origin.is_some(), "origin", lut, "lut"),
-        (args.shader.is_some(), "shader", lut, "lut"),
+        (args.bands.is_some(), "bands", args.to == ExportKind::OrderLut, "order-lut"),
+        (args.spread.is_some(), "spread", args.to == ExportKind::Bsdf, "bsdf"),
+        (args.shader.is_some(), "shader", lut || args.to == ExportKind::OrderLut, "lut and order-lut"),
         (args.half, "half", args.to == ExportKind::Blob, "blob"),
     ] {
         if given && !fits {
@@ -115,6 +121,7 @@ fn check_options(args: &ExportArgs) -> Result<()> {
 fn check_name(args: &ExportArgs) -> Result<()> {
     let wanted: &[&str] = match args.to {
         ExportKind::Lut => &["exr", "png"],
+        ExportKind::OrderLut => &["exr"],
         ExportKind::Merl => &["binary"],
         ExportKind::Bsdf => &["bsdf"],
         ExportKind::Gltf => &["gltf"],
@@ -129,7 +136,7 @@ fn check_name(args: &ExportArgs) -> Result<()> {
 
 /// Writes a lut, with its shader function if one is asked for.
 fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
-    let shader = args.shader.as_deref().map(snippet).transpose()?;
+    let shader = args.shader.as_deref().map(language).transpose()?.map(Lut::shader);
     if let Some(path) = &args.shader {
         output::check_destination(path, inputs)?;
         output::refuse_same_output(&args.output, path)?;
@@ -163,7 +170,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
             }
             Table::Orders(_) => {
                 return Err(Error::failed(format_args!(
-                    "{}: a table of diffraction orders, and a lut holds mirror-like reflection alone",
+                    "{}: the table holds diffraction orders, a lut holds mirror-like reflection alone; export an order-lut",
                     args.source
                 )));
             }
@@ -212,10 +219,18 @@ fn gltf(args: &ExportArgs) -> Result<()> {
 /// The scene in a table's header.
 fn scene_of_table(path: &Path) -> Result<Scene> {
     let name = path.display();
-    let Table::Mirror(table) = file::read(path)? else {
-        return Err(Error::failed(format_args!(
-            "{name}: the table scatters into all directions, and glTF's iridescence is a plane film; export a bsdf"
-        )));
+    let table = match file::read(path)? {
+        Table::Mirror(table) => table,
+        Table::Scatter(_) => {
+            return Err(Error::failed(format_args!(
+                "{name}: the table scatters into all directions, and glTF's iridescence is a plane film; export a bsdf"
+            )));
+        }
+        Table::Orders(_) => {
+            return Err(Error::failed(format_args!(
+                "{name}: the table holds diffraction orders, and glTF's iridescence is a plane film; export an order-lut"
+            )));
+        }
     };
     let metadata = &table.metadata;
     if metadata.get(MetadataKey::Model) == Some("paper") {
@@ -234,12 +249,41 @@ fn scene_of_table(path: &Path) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The shader function in the language of a file's extension.
-fn snippet(path: &Path) -> Result<&'static str> {
+/// The language of a shader file's extension.
+fn language(path: &Path) -> Result<ShaderLanguage> {
     match path.extension().and_then(|extension| extension.to_str()) {
-        Some("glsl") => Ok(include_str!("../../data/shaders/lut.glsl")),
-        Some("hlsl") => Ok(include_str!("../../data/shaders/lut.hlsl")),
-        Some("wgsl") => Ok(include_str!("../../data/shaders/lut.wgsl")),
+        Some("glsl") => Ok(ShaderLanguage::Glsl),
+        Some("hlsl") => Ok(ShaderLanguage::Hlsl),
+        Some("wgsl") => Ok(ShaderLanguage::Wgsl),
         _ => Err(Error::usage(format_args!("--shader {}: name it .glsl, .hlsl or .wgsl", path.display()))),
     }
+}
+
+/// Writes a texture of diffraction orders, with its shader function if one is asked for.
+fn order_lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
+    let shader = args.shader.as_deref().map(|path| language(path).map(|language| (path, language))).transpose()?;
+    if let Some((path, _)) = shader {
+        output::check_destination(path, inputs)?;
+        output::refuse_same_output(&args.output, path)?;
+    }
+    let Table::Orders(table) = read_table(args)? else {
+        return Err(Error::failed(format_args!(
+            "{}: the table holds no diffraction orders; export a lut or a bsdf",
+            args.source
+        )));
+    };
+    let named = |error: Error| Error::failed(format_args!("{}: {error}", args.source));
+    let lut = OrderLut::new(&table, args.bands.unwrap_or(order_lut::WAVELENGTHS)).map_err(named)?;
+    let bytes = lut.exr().map_err(named)?;
+    match shader {
+        Some((path, language)) => {
+            let text = lut.shader(language);
+            output::write_file_and(&args.output, &bytes, || output::write_file(path, text.as_bytes()))?;
+        }
+        None => output::write_file(&args.output, &bytes)?,
+    }
+    let ([width, height], orders, bands) = (lut.size(), table.orders.len(), lut.wavelength_nm().len());
+    let output = args.output.display();
+    note(args.quiet, format_args!("{output}: {width} × {height} texels, {orders} orders at {bands} wavelengths"));
+    Ok(())
 }

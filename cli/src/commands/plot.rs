@@ -1,16 +1,22 @@
 //! The command `goniochrome plot`.
 
-use crate::commands::args::{PlotArgs, PlotKind};
+use goniochrome::table::Periodicity;
+
+use crate::commands::args::{OrderArg, PlotArgs, PlotKind};
 use crate::commands::pictures::save_picture;
 use crate::commands::table_source::TableSource;
 use crate::plot::{Picture, PictureFormat, tables};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::table::Table;
+use crate::table::orders::OrderTable;
 use crate::table::scatter::ScatterTable;
 
 /// The default angles marked on the path of the colour.
 const MARKED: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
+
+/// The default angle of the light in spectra of orders.
+const LIGHT_ON_ORDERS: f64 = 30.0;
 
 /// The default angles of the light on a cell.
 const LIGHTS: [f64; 3] = [15.0, 45.0, 75.0];
@@ -32,8 +38,23 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             args.table.display()
         )));
     }
+    if !matches!(table, Table::Orders(_)) {
+        let given = [(!args.orders.is_empty(), "order"), (args.wavelength.is_some(), "wavelength")];
+        if let Some((_, option)) = given.into_iter().find(|(given, _)| *given) {
+            return Err(Error::usage(format_args!(
+                "{}: --{option} is for tables of diffraction orders; leave it out",
+                args.table.display()
+            )));
+        }
+    }
     let unused = match (&table, args.kind) {
-        (_, PlotKind::Map) if theta.is_some() => Some("--theta: a map shows every angle"),
+        (_, PlotKind::Map | PlotKind::Angles) if theta.is_some() => Some("--theta: this picture shows every angle"),
+        (Table::Orders(_), kind) if args.wavelength.is_some() && kind != PlotKind::Angles => {
+            Some("--wavelength is for --kind angles")
+        }
+        (Table::Orders(_), PlotKind::Disc | PlotKind::Chromaticity) if !args.orders.is_empty() => {
+            Some("--order: this picture shows every order")
+        }
         (Table::Mirror(_), PlotKind::Disc) if theta.is_some() => {
             Some("--theta: the disc of a planar scene shows every angle")
         }
@@ -52,9 +73,9 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             PlotKind::Spectrum => tables::mirror::spectra(mirror, name, theta.unwrap_or(&[0.0, 45.0, 75.0])),
             PlotKind::Map => tables::mirror::map(mirror, name)?,
             PlotKind::Chromaticity => tables::mirror::colour_path(mirror, name, theta.unwrap_or(&MARKED))?,
-            PlotKind::Lobes => {
+            PlotKind::Lobes | PlotKind::Angles => {
                 return Err(Error::usage(format_args!(
-                    "{}: a planar scene has no lobes; draw its disc, spectrum, map or chromaticity",
+                    "{}: a planar scene has no lobes and no orders; draw its disc, spectrum, map or chromaticity",
                     args.table.display()
                 )));
             }
@@ -65,8 +86,18 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             PlotKind::Spectrum => cell_spectra(scatter, name, theta.unwrap_or(&LIGHTS), args)?,
             PlotKind::Map => tables::scatter::map(scatter, name, args.phi)?,
             PlotKind::Chromaticity => tables::scatter::colour_path(scatter, name, theta.unwrap_or(&MARKED), args.phi)?,
+            PlotKind::Angles => {
+                return Err(Error::usage(format_args!(
+                    "{}: the table has no diffraction orders; draw its disc, lobes, spectrum, map or chromaticity",
+                    args.table.display()
+                )));
+            }
         },
-        Table::Orders(_) => return Err(Error::failed("tables of diffraction orders have no plot yet")),
+        Table::Orders(orders) => match args.kind {
+            PlotKind::Disc => tables::disc(&table, theta, args.phi)?,
+            PlotKind::Chromaticity => tables::orders::colour_path(orders, name, theta.unwrap_or(&MARKED), args.phi)?,
+            kind => charts_of_orders(orders, name, kind, args)?,
+        },
     };
     save_picture(&picture, &args.output, args.quiet)
 }
@@ -81,4 +112,34 @@ fn cell_spectra(table: &ScatterTable, name: &str, theta_deg: &[f64], args: &Plot
         return Err(Error::usage(format_args!("--theta-out {theta}: the angle must lie in [0, 90) degrees")));
     }
     Ok(tables::scatter::spectra(table, name, theta_deg, args.theta_out, [args.phi, phi_out]))
+}
+
+/// The charts of chosen orders.
+fn charts_of_orders(table: &OrderTable, name: &str, kind: PlotKind, args: &PlotArgs) -> Result<Picture> {
+    let numbers = |order: &OrderArg| match (*order, table.layout.periodicity()) {
+        (OrderArg::Crossed(order), _) => Ok(order),
+        (OrderArg::Line(m), Periodicity::X) => Ok([m, 0]),
+        (OrderArg::Line(n), Periodicity::Y) => Ok([0, n]),
+        (OrderArg::Line(m), Periodicity::Both) => {
+            Err(Error::usage(format_args!("--order {m}: orders of crossed periods have two numbers; name it {m},0")))
+        }
+    };
+    let chosen = args.orders.iter().map(numbers).collect::<Result<Vec<_>>>()?;
+    match kind {
+        PlotKind::Spectrum => {
+            let theta = args.theta.as_ref().map_or(&[LIGHT_ON_ORDERS][..], |angles| &angles.0);
+            let &[theta] = theta else {
+                return Err(Error::usage(
+                    "--theta: spectra of orders are for the light of one direction; name one angle",
+                ));
+            };
+            tables::orders::spectra(table, name, theta, args.phi, &chosen)
+        }
+        PlotKind::Angles => tables::orders::over_angle(table, name, args.wavelength, args.phi, &chosen),
+        PlotKind::Map => tables::orders::map(table, name, args.phi, &chosen),
+        PlotKind::Disc | PlotKind::Chromaticity | PlotKind::Lobes => Err(Error::usage(format_args!(
+            "{}: diffraction orders have no lobes; draw their disc, spectrum, angles, map or chromaticity",
+            args.table.display()
+        ))),
+    }
 }

@@ -6,14 +6,15 @@
 //! into the gamut. The header describes the texels: see [`Lut::about`].
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 use std::str::FromStr;
 
-use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
-use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Vec2, WritableImage, f16};
+use exr::meta::attribute::Chromaticities;
+use exr::prelude::{Vec2, f16};
 use goniochrome::colour::{Illuminant, RgbSpace, VISIBLE_NM};
 use goniochrome::optics::interface::Model;
 
+use super::half_exr;
+use super::shader::ShaderLanguage;
 use crate::colour::space_name;
 use crate::scene::{Scene, Shape};
 use crate::solve::integral::Integral;
@@ -23,7 +24,7 @@ use crate::solve::spectra::{Method, SpectraRequest};
 use crate::support::error::{Error, Result};
 use crate::support::parallel;
 use crate::support::text;
-use crate::table::file::{PREFIX, sort_attributes};
+use crate::table::file::PREFIX;
 use crate::table::mirror::MirrorTable;
 
 /// A look-up texture.
@@ -155,26 +156,21 @@ impl Lut {
     /// # Errors
     /// What the OpenEXR encoder refuses.
     pub fn exr(&self) -> Result<Vec<u8>> {
-        let channel = |name: &str, c: usize| {
-            let values = self.texels.iter().map(|texel| f16::from_f32(texel[c])).collect();
-            AnyChannel::new(name, FlatSamples::F16(values))
-        };
-        let channels = AnyChannels::sort([channel("R", 0), channel("G", 1), channel("B", 2)].into_iter().collect());
+        let channel =
+            |name, c: usize| (name, self.texels.iter().map(|texel| f16::from_f32(texel[c])).collect::<Vec<f16>>());
         let size = (self.width, self.texels.len() / self.width);
-        let mut image = Image::from_encoded_channels(size, Encoding::UNCOMPRESSED, channels);
-        image.attributes.chromaticities = chromaticities(self.space);
-        // Text is UTF-8, as in tables.
-        let text = |string: &str| Text::from_slice_unchecked(string.as_bytes());
-        let about = self.about().into_iter();
-        let attributes = about.map(|(key, value)| (text(&key), AttributeValue::Text(text(&value))));
-        image.layer_data.attributes.other.extend(attributes);
-        let mut bytes = Cursor::new(Vec::new());
-        let failed =
-            |error: &dyn std::fmt::Display| Error::failed(format_args!("cannot encode the table as EXR: {error}"));
-        image.write().non_parallel().to_buffered(&mut bytes).map_err(|error| failed(&error))?;
-        let mut bytes = bytes.into_inner();
-        sort_attributes(&mut bytes).ok_or_else(|| failed(&"malformed header"))?;
-        Ok(bytes)
+        let channels = [channel("R", 0), channel("G", 1), channel("B", 2)];
+        half_exr::encode(size, channels, chromaticities(self.space), self.about())
+    }
+
+    /// The function that samples the texture, in a shading language.
+    #[must_use]
+    pub fn shader(language: ShaderLanguage) -> &'static str {
+        match language {
+            ShaderLanguage::Glsl => include_str!("../../data/shaders/lut.glsl"),
+            ShaderLanguage::Hlsl => include_str!("../../data/shaders/lut.hlsl"),
+            ShaderLanguage::Wgsl => include_str!("../../data/shaders/lut.wgsl"),
+        }
     }
 
     /// The look-up of the shaders: bilinear, constant beyond the edges.
@@ -197,7 +193,7 @@ impl Lut {
 }
 
 /// What is known of the colours. The name may come from a file of a stranger.
-fn facts(scene: &str, illuminant: Illuminant) -> BTreeMap<&'static str, String> {
+pub(super) fn facts(scene: &str, illuminant: Illuminant) -> BTreeMap<&'static str, String> {
     let illuminant = match illuminant {
         Illuminant::D65 => "D65",
         Illuminant::E => "E",
@@ -238,6 +234,8 @@ pub(super) fn exact_rgb(planar: &PlanarScene<'_>, theta_deg: &[f64]) -> Result<V
 
 #[cfg(test)]
 mod tests {
+    use exr::meta::attribute::{AttributeValue, Text};
+
     use super::*;
 
     #[test]

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use super::Reflection;
-use super::reflection::{Evaluator, ReflectionKind};
+use super::reflection::{Evaluator, LobeWidth, ReflectionKind};
 use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
@@ -43,9 +43,15 @@ fn directions(h: usize, d: usize, p: usize) -> [DVec3; 2] {
 /// The bytes of the MERL file of a table.
 ///
 /// # Errors
-/// An anisotropic table, a table without colours, or a roughness that is missing or has no use.
+/// An anisotropic table, one of diffraction orders, a table without colours, or a roughness that is missing or has no use.
 pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
-    let reflection = Reflection::new(table, roughness, true)?;
+    if matches!(table, Table::Orders(_)) {
+        return Err(Error::failed(
+            "the table holds diffraction orders, which depend on the azimuth, and MERL's format does not; export a bsdf with \
+             --spread",
+        ));
+    }
+    let reflection = Reflection::new(table, LobeWidth { roughness, ..LobeWidth::default() }, true)?;
     if let ReflectionKind::Scatter(layout) = reflection.kind()
         && layout.phi() > 1
     {

@@ -1,12 +1,18 @@
 //! Tables in the formats of engines and renderers, one file per format.
 
 pub mod ggx;
+mod order_lobes;
 mod reflection;
+mod half_exr;
+mod shader;
 pub mod lut;
+pub mod order_lut;
 pub mod png;
 pub mod blob;
 pub mod merl;
 pub mod bsdf;
 pub mod gltf;
 
-pub use reflection::{Evaluator, Reflection, ReflectionKind};
+pub use order_lobes::{LobesAt, OrderLobes};
+pub use reflection::{Evaluator, LobeWidth, Reflection, ReflectionKind};
+pub use shader::ShaderLanguage;

@@ -1,9 +1,10 @@
-//! The BRDF f(wi, wo) of either kind of table, in each of its channels.
+//! The BRDF f(wi, wo) of any kind of table, in each of its channels.
 
 use glam::{DVec3, Vec3};
 use goniochrome::table::{ScatterLayout, ScatterTable as Lookup};
 
 use super::ggx::Ggx;
+use super::order_lobes::{LobesAt, OrderLobes};
 use crate::support::error::{Error, Result};
 use crate::table::Table;
 use crate::table::mirror::neighbours;
@@ -31,18 +32,33 @@ pub enum ReflectionKind {
     },
     /// A table of tilted facets, of this layout.
     Scatter(ScatterLayout),
+    /// Diffraction orders, spread by lobes.
+    Orders(OrderLobes),
+}
+
+/// Widths of lobes that the user gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LobeWidth {
+    /// For mirror-like tables: α of a GGX lobe.
+    pub roughness: Option<f64>,
+    /// For diffraction orders: standard deviation of a Gaussian lobe, in degrees.
+    pub spread_deg: Option<f64>,
 }
 
 impl Reflection {
-    /// The BRDF of a table. A mirror-like table needs a roughness; other tables have none.
+    /// The BRDF of a table. A mirror-like table needs a roughness, diffraction orders a spread; other tables have
+    /// neither.
     ///
     /// # Errors
-    /// A roughness that is missing or has no use; RGB of a table without colours.
-    pub fn new(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Self> {
-        let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra()? };
+    /// A width that is missing or has no use; RGB of a table without colours.
+    pub fn new(table: &Table, width: LobeWidth, rgb: bool) -> Result<Self> {
         let wavelength_nm = if rgb { Vec::new() } else { table.wavelength_nm().to_vec() };
-        let channels = if rgb { 3 } else { wavelength_nm.len() };
-        let kind = match (table, roughness) {
+        if width.spread_deg.is_some() && !matches!(table, Table::Orders(_)) {
+            return Err(Error::usage(
+                "--spread is for tables of diffraction orders, and this one holds none: leave it out",
+            ));
+        }
+        let kind = match (table, width.roughness) {
             (Table::Mirror(_), None) => {
                 return Err(Error::usage(
                     "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \
@@ -54,15 +70,30 @@ impl Reflection {
                     "--roughness is for mirror-like tables; this one holds the scattering of tilted facets as it is: leave it out",
                 ));
             }
+            (Table::Orders(_), Some(_)) => {
+                return Err(Error::usage(
+                    "--roughness is for mirror-like tables; this one holds diffraction orders: give their width, as --spread 2",
+                ));
+            }
             (Table::Mirror(table), Some(alpha)) => ReflectionKind::Lobe {
                 ggx: Ggx { alpha },
                 theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
             },
             (Table::Scatter(table), None) => ReflectionKind::Scatter(table.layout),
-            (Table::Orders(_), _) => {
-                return Err(Error::failed("tables of diffraction orders are not exported yet"));
+            (Table::Orders(table), None) => {
+                let spread = width.spread_deg.ok_or_else(|| {
+                    Error::usage(
+                        "--spread is missing: diffraction orders are deltas in direction, which this format cannot hold; \
+                         give the standard deviation in degrees of the lobes that shall stand in for them, as --spread 2",
+                    )
+                })?;
+                let lobes = OrderLobes::new(table, spread, rgb)?;
+                let channels = lobes.channels();
+                return Ok(Self { channels, wavelength_nm, values: Vec::new(), kind: ReflectionKind::Orders(lobes) });
             }
         };
+        let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra()? };
+        let channels = if rgb { 3 } else { wavelength_nm.len() };
         Ok(Self { channels, wavelength_nm, values, kind })
     }
 
@@ -79,12 +110,12 @@ impl Reflection {
     #[must_use]
     pub fn evaluator(&self) -> Evaluator<'_> {
         let lookup = match self.kind {
-            ReflectionKind::Lobe { .. } => None,
+            ReflectionKind::Lobe { .. } | ReflectionKind::Orders(_) => None,
             ReflectionKind::Scatter(layout) => {
                 Some(Lookup::new(&self.values, layout, self.channels).expect("a checked table fits its layout"))
             }
         };
-        Evaluator { reflection: self, lookup, values: vec![0.0; self.channels] }
+        Evaluator { reflection: self, lookup, values: vec![0.0; self.channels], lobes: LobesAt::default() }
     }
 
     /// ρ(θ) in each channel, linear between the table's angles and constant beyond them.
@@ -111,6 +142,8 @@ pub struct Evaluator<'r> {
     /// The look-up of a [`ReflectionKind::Scatter`].
     lookup: Option<Lookup<'r>>,
     values: Vec<f32>,
+    /// The lobes of a [`ReflectionKind::Orders`].
+    lobes: LobesAt,
 }
 
 impl<'r> Evaluator<'r> {
@@ -122,7 +155,10 @@ impl<'r> Evaluator<'r> {
 
     /// f in each channel, in 1/sr. Both directions lie above the horizon.
     pub fn eval(&mut self, wi: DVec3, wo: DVec3, out: &mut [f64]) {
-        if let Some(lookup) = &self.lookup {
+        if let ReflectionKind::Orders(orders) = &self.reflection.kind {
+            orders.projected(wi, wo, &mut self.lobes, out);
+            out.iter_mut().for_each(|value| *value /= wo.z);
+        } else if let Some(lookup) = &self.lookup {
             let single = |w: DVec3| Vec3::new(w.x as f32, w.y as f32, w.z as f32);
             lookup.eval(single(wi), single(wo), &mut self.values);
             out.iter_mut().zip(&self.values).for_each(|(out, value)| *out = f64::from(*value));
@@ -132,5 +168,18 @@ impl<'r> Evaluator<'r> {
             let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);
             out.iter_mut().for_each(|value| *value *= lobe);
         }
+    }
+
+    /// f cos θ_o of diffraction orders in each channel, continued below the horizon. `false` for other tables.
+    pub(super) fn projected_orders(&mut self, wi: DVec3, wo: DVec3, out: &mut [f64]) -> bool {
+        let ReflectionKind::Orders(orders) = &self.reflection.kind else { return false };
+        orders.projected(wi, wo, &mut self.lobes, out);
+        true
+    }
+
+    /// ∫ f cos θ_o dω_o of diffraction orders in each channel; `None` for other tables.
+    pub(super) fn albedo_of_orders(&mut self, wi: DVec3) -> Option<Vec<f64>> {
+        let ReflectionKind::Orders(orders) = &self.reflection.kind else { return None };
+        Some(orders.albedo(wi, &mut self.lobes))
     }
 }

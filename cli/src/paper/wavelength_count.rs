@@ -2,7 +2,7 @@
 
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, VISIBLE_NM};
 
-use crate::plot::{LineOptions, PALETTE, Picture, Series, line_chart};
+use crate::plot::{Dash, LineOptions, PALETTE, Picture, Series, line_chart};
 use crate::solve::colours::{Colour, colours};
 use crate::solve::integral::Integral;
 use crate::solve::planar_scene::PlanarScene;
@@ -97,7 +97,7 @@ pub fn picture(title: &str, curves: &[(String, Vec<Point>)]) -> Picture {
             label: label.clone(),
             colour: (*colour).to_owned(),
             points: points.iter().map(|point| (f64::from(point.samples), point.error)).collect(),
-            dashed: false,
+            dash: Dash::None,
         })
         .collect();
     let options = LineOptions { log_y: true, ..LineOptions::default() };

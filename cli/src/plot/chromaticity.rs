@@ -8,7 +8,7 @@ use super::axis::{Scale, ScaleKind, draw_axes};
 use super::encode::hex;
 use super::place::Place;
 use super::raster::Raster;
-use super::svg::{AXIS, Anchor, Canvas, INK, SOFT_INK, Style, text_width};
+use super::svg::{AXIS, Anchor, Canvas, Dash, INK, SOFT_INK, Style, text_width};
 use super::{OutOfGamut, Picture};
 
 /// Chromaticities of sRGB's red, green and blue.
@@ -143,14 +143,14 @@ impl Panel {
         };
         canvas.image(self.place, &colours);
         canvas.clipped(self.place, |canvas| {
-            canvas.curve(&closed(&locus), SOFT_INK, 1.2, false);
-            canvas.curve(&closed(&SRGB_PRIMARIES), "#fff", 2.6, false);
-            canvas.curve(&closed(&SRGB_PRIMARIES), SOFT_INK, 1.0, false);
+            canvas.curve(&closed(&locus), SOFT_INK, 1.2, Dash::None);
+            canvas.curve(&closed(&SRGB_PRIMARIES), "#fff", 2.6, Dash::None);
+            canvas.curve(&closed(&SRGB_PRIMARIES), SOFT_INK, 1.0, Dash::None);
             let points: Vec<_> = path.iter().map(|place| xy(place.xyz)).collect();
             for run in points.split(Option::is_none) {
                 let run: Vec<_> = run.iter().flatten().map(|&point| self.at(point)).collect();
-                canvas.curve(&run, "#fff", 4.0, false);
-                canvas.curve(&run, INK, 1.8, false);
+                canvas.curve(&run, "#fff", 4.0, Dash::None);
+                canvas.curve(&run, INK, 1.8, Dash::None);
             }
             let (x, y) = self.at(white);
             for (colour, stroke) in [("#000", 3.2), ("#fff", 1.6)] {
@@ -166,7 +166,7 @@ impl Panel {
     /// Draws a dashed box around ranges of x and y.
     fn outline(&self, canvas: &mut Canvas, [(left, right), (bottom, top)]: [(f64, f64); 2]) {
         let corners = [[left, bottom], [right, bottom], [right, top], [left, top], [left, bottom]];
-        canvas.curve(&corners.map(|corner| self.at(corner)), INK, 1.0, true);
+        canvas.curve(&corners.map(|corner| self.at(corner)), INK, 1.0, Dash::Long);
     }
 
     /// Writes wavelengths beside the locus, outside it.

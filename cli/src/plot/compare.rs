@@ -3,7 +3,7 @@
 use super::disc::{Disc, disc_grid};
 use super::encode::{grey, wavelength_colour};
 use super::layout::rows;
-use super::line_chart::{LineOptions, Series, line_chart};
+use super::line_chart::{Dash, LineOptions, Series, line_chart};
 use super::{Picture, axis};
 use crate::table::mirror::neighbours;
 
@@ -46,7 +46,7 @@ pub fn side_by_side(title: &str, left_label: &str, right_label: &str, profiles: 
                 label: format!("{} nm", p.wavelength_nm),
                 colour: wavelength_colour(p.wavelength_nm),
                 points: p.theta_deg.iter().enumerate().map(|(i, &theta)| (theta, value(p, i))).collect(),
-                dashed: false,
+                dash: Dash::None,
             })
             .collect();
         let y_range = (!log_y).then_some(shared);

@@ -28,15 +28,26 @@ pub struct Disc<'a> {
     pub azimuthal: bool,
 }
 
+/// Shape of a [`Mark`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MarkShape {
+    /// Circle around the direction.
+    Ring,
+    /// Upright cross in the direction.
+    Cross,
+    /// Text whose middle lies in the direction.
+    Text(String),
+}
+
 /// A mark at a direction of a disc.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// Angle from the normal, in degrees.
     pub theta_deg: f64,
     /// Azimuth, in degrees.
     pub phi_deg: f64,
-    /// Whether the mark is a cross instead of a ring.
-    pub cross: bool,
+    /// What is drawn there.
+    pub shape: MarkShape,
 }
 
 /// A picture of one large disc with a scale of θ below it.
@@ -57,7 +68,7 @@ pub fn marked_disc(disc: &Disc, marks: &[Mark], notes: &[String]) -> Picture {
     canvas.text(centre.0, 28.0, Anchor::Middle, Style::title(), disc.label);
     let out_of_gamut = draw_disc(&mut canvas, centre, RADIUS, disc);
     for mark in marks {
-        draw_mark(&mut canvas, centre, RADIUS, *mark);
+        draw_mark(&mut canvas, centre, RADIUS, mark);
     }
     if disc.azimuthal {
         let (x, y) = centre;
@@ -93,14 +104,18 @@ impl std::fmt::Debug for Disc<'_> {
     }
 }
 
-fn draw_mark(canvas: &mut Canvas, centre: (f64, f64), radius: f64, mark: Mark) {
+fn draw_mark(canvas: &mut Canvas, centre: (f64, f64), radius: f64, mark: &Mark) {
     const SIZE: f64 = 6.0;
     let (sin, cos) = mark.phi_deg.to_radians().sin_cos();
     let at = radius * mark.theta_deg / 90.0;
     let (x, y) = (centre.0 + at * cos, centre.1 - at * sin);
+    if let MarkShape::Text(text) = &mark.shape {
+        canvas.text(x, y + 4.0, Anchor::Middle, Style { colour: "#ddd", ..Style::tick() }, text);
+        return;
+    }
     // Dark under light, as for the rings.
     for (colour, width) in [("#000", 3.0), ("#fff", 1.4)] {
-        if mark.cross {
+        if mark.shape == MarkShape::Cross {
             canvas.line((x - SIZE, y), (x + SIZE, y), colour, width);
             canvas.line((x, y - SIZE), (x, y + SIZE), colour, width);
         } else {

@@ -8,6 +8,8 @@ use super::svg::{AXIS, Anchor, Canvas, SOFT_INK, Style, text_width};
 /// Colours of curves, by Okabe and Ito, which colour-blind readers can tell apart; the darkest on white come first.
 pub const PALETTE: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
+pub use super::svg::Dash;
+
 /// One curve of a [`line_chart`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -17,8 +19,8 @@ pub struct Series {
     pub colour: String,
     /// Points `(x, y)` in order; points that have no place on the axes leave a gap.
     pub points: Vec<(f64, f64)>,
-    /// Whether the line is dashed, which tells curves apart without colour.
-    pub dashed: bool,
+    /// Dashes of the line, which tell curves apart without colour.
+    pub dash: Dash,
 }
 
 /// The layout of a [`line_chart`].
@@ -69,7 +71,7 @@ pub fn line_chart(title: &str, x_label: &str, y_label: &str, series: &[Series], 
             for run in points.split(Option::is_none) {
                 let run: Vec<_> = run.iter().flatten().copied().collect();
                 drawn |= !run.is_empty();
-                canvas.curve(&run, &series.colour, 1.8, series.dashed);
+                canvas.curve(&run, &series.colour, 1.8, series.dash);
             }
         }
     });
@@ -91,7 +93,7 @@ fn draw_legend(canvas: &mut Canvas, series: &[Series], left: f64, right: f64) ->
         if any && x + width > right {
             (x, y) = (left, y + 18.0);
         }
-        canvas.curve(&[(x, y - 4.0), (x + DASH, y - 4.0)], &series.colour, 2.0, series.dashed);
+        canvas.curve(&[(x, y - 4.0), (x + DASH, y - 4.0)], &series.colour, 2.0, series.dash);
         canvas.text(x + DASH + 7.0, y, Anchor::Start, Style::tick(), &series.label);
         x += width + 16.0;
         any = true;
@@ -111,7 +113,7 @@ mod tests {
     use super::*;
 
     fn series(label: &str, points: &[(f64, f64)]) -> Series {
-        Series { label: label.into(), colour: "#ff0000".into(), points: points.into(), dashed: false }
+        Series { label: label.into(), colour: "#ff0000".into(), points: points.into(), dash: Dash::None }
     }
 
     fn reds(picture: &Picture) -> Vec<(u32, u32)> {

@@ -21,12 +21,12 @@ pub mod tables;
 
 pub use chromaticity::{ColourAt, chromaticity, xy};
 pub use compare::{Profile, side_by_side};
-pub use disc::{Disc, Mark, disc, disc_grid, marked_disc};
+pub use disc::{Disc, Mark, MarkShape, disc, disc_grid, marked_disc};
 pub use encode::{grey, hex, in_gamut, srgb8, wavelength_colour};
 pub use gamut::OutOfGamut;
 pub use heat_map::{HeatAxis, heat_map};
 pub use layout::rows;
-pub use line_chart::{LineOptions, PALETTE, Series, line_chart};
+pub use line_chart::{Dash, LineOptions, PALETTE, Series, line_chart};
 pub use picture::{PNG_SCALE, Picture, PictureFormat};
 pub use raster::Raster;
 pub(crate) use svg::escape;

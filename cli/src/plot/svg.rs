@@ -27,6 +27,29 @@ pub(super) enum Anchor {
     End,
 }
 
+/// Dashes of a line.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Dash {
+    /// A full line.
+    #[default]
+    None,
+    /// Long dashes.
+    Long,
+    /// Short dashes.
+    Short,
+}
+
+impl Dash {
+    /// Lengths of a dash and of the gap after it.
+    fn lengths(self) -> Option<[f32; 2]> {
+        match self {
+            Self::None => None,
+            Self::Long => Some([6.0, 5.0]),
+            Self::Short => Some([2.0, 3.0]),
+        }
+    }
+}
+
 /// Size, colour and weight of a text.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Style {
@@ -131,7 +154,7 @@ impl Canvas {
     }
 
     /// Adds an open curve through the points.
-    pub(super) fn curve(&mut self, points: &[(f64, f64)], stroke: &str, width: f64, dashed: bool) {
+    pub(super) fn curve(&mut self, points: &[(f64, f64)], stroke: &str, width: f64, dash: Dash) {
         if points.is_empty() {
             return;
         }
@@ -142,17 +165,19 @@ impl Canvas {
         for (i, (x, y)) in points.iter().enumerate() {
             let _ = write!(path, "{}{x} {y}", if i == 0 { 'M' } else { 'L' });
         }
-        let dash =
-            if dashed { " stroke-dasharray=\"6 5\" stroke-linecap=\"butt\"" } else { " stroke-linecap=\"round\"" };
+        let lengths = dash.lengths();
+        let dashes = lengths.map_or_else(
+            || " stroke-linecap=\"round\"".to_owned(),
+            |[on, off]| format!(" stroke-dasharray=\"{on} {off}\" stroke-linecap=\"butt\""),
+        );
         self.element(format_args!(
-            "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}/>",
+            "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dashes}/>",
             escape(stroke)
         ));
         let round = Stroke { line_join: LineJoin::Round, ..of_width(width) };
-        let drawn = if dashed {
-            Stroke { dash: StrokeDash::new(vec![6.0, 5.0], 0.0), ..round }
-        } else {
-            Stroke { line_cap: LineCap::Round, ..round }
+        let drawn = match lengths {
+            Some(lengths) => Stroke { dash: StrokeDash::new(lengths.to_vec(), 0.0), ..round },
+            None => Stroke { line_cap: LineCap::Round, ..round },
         };
         self.stroke(polyline(&points), stroke, drawn);
     }

@@ -23,6 +23,9 @@ pub struct ExportArgs {
     /// merl and bsdf of mirror-like tables: the width of the lobe, α of the GGX distribution in (0, 1]
     #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
     pub roughness: Option<f64>,
+    /// bsdf of diffraction orders: the width of each order, the standard deviation of a Gaussian lobe in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]
+    pub spread: Option<f64>,
     /// bsdf: the table's linear RGB instead of its spectra, for RGB variants of Mitsuba
     #[arg(long)]
     pub rgb: bool,
@@ -35,7 +38,10 @@ pub struct ExportArgs {
     /// lut with --vary: the side of the picture at which the range starts [default: top]
     #[arg(long, value_enum)]
     pub origin: Option<Origin>,
-    /// lut: also write the shader function that samples it (.glsl, .hlsl or .wgsl)
+    /// order-lut: number of wavelengths, a multiple of 4 up to 64 [default: 16]
+    #[arg(long, value_name = "N", value_parser = bands)]
+    pub bands: Option<u16>,
+    /// lut and order-lut: also write the shader function that samples it (.glsl, .hlsl or .wgsl)
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
     /// Print no notes on standard error
@@ -48,6 +54,8 @@ pub struct ExportArgs {
 pub enum ExportKind {
     /// RGB reflectance over cos θ for shaders (.exr, half floats, or .png, 16 bits)
     Lut,
+    /// Strengths of diffraction orders for shaders, over the direction of the viewer (.exr, half floats)
+    OrderLut,
     /// The format of the MERL BRDF database (.binary)
     Merl,
     /// The RGL tensor file of Mitsuba's `measured` (.bsdf); up to 64 MiB, for anisotropic tables 256 MiB
@@ -70,6 +78,27 @@ pub enum Origin {
 
 /// The smallest roughness: below it, single precision no longer holds the peak of the lobe.
 const MIN_ROUGHNESS: f64 = 1e-3;
+
+/// Ends of the range of `--spread`, in degrees: a narrower lobe falls between the samples of a file, a wider one is no
+/// longer that of an order.
+const SPREAD_DEG: [f64; 2] = [0.5, 30.0];
+
+/// Parses `--spread`.
+fn spread(text: &str) -> Result<f64, String> {
+    let [least, most] = SPREAD_DEG;
+    match text.parse::<f64>() {
+        Ok(degrees) if (least..=most).contains(&degrees) => Ok(degrees),
+        Ok(_) => Err(format!("must lie in [{least}, {most}] degrees")),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Parses `--bands`.
+fn bands(text: &str) -> Result<u16, String> {
+    let count = text.parse::<u16>().map_err(|error| error.to_string())?;
+    let good = (4..=64).contains(&count) && count.is_multiple_of(4);
+    if good { Ok(count) } else { Err("must be a multiple of 4, from 4 to 64".into()) }
+}
 
 /// Parses `--roughness`.
 fn roughness(text: &str) -> Result<f64, String> {

@@ -26,7 +26,7 @@ pub use estimate::{CellSampling, EstimateArgs};
 pub use export::{ExportArgs, ExportKind, Origin};
 pub use figures::FiguresArgs;
 pub use orders::OrdersArgs;
-pub use plot::{PlotArgs, PlotKind};
+pub use plot::{OrderArg, PlotArgs, PlotKind};
 pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
 pub use sampling::SamplingArgs;
 pub use scatter::ScatterArgs;

@@ -1,10 +1,33 @@
 //! Arguments of `plot`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
+use super::values::positive;
 use crate::solve::grid::Angles;
+
+/// Numbers of a diffraction order, such as `-1` or `1,2`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OrderArg {
+    /// One number, along the only axis of the period.
+    Line(i32),
+    /// Numbers along x and y.
+    Crossed([i32; 2]),
+}
+
+impl FromStr for OrderArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<i32>().map_err(|_| "expected M or M,N such as -1 or 1,2".into());
+        match text.split_once(',') {
+            Some((m, n)) => Ok(Self::Crossed([number(m)?, number(n)?])),
+            None => number(text).map(Self::Line),
+        }
+    }
+}
 
 /// Arguments of `plot`.
 #[derive(Debug, Args)]
@@ -19,8 +42,8 @@ pub struct PlotArgs {
     #[arg(long, value_enum, default_value_t = PlotKind::Disc)]
     pub kind: PlotKind,
     /// Angles of incidence in degrees [default: 0,45,75 for spectra, which take the nearest of the table; 15,45,75 for
-    /// lobes and spectra of cells; 30 for the disc of a cell, which takes one; 0:75:15 to mark on the path of the
-    /// colour]
+    /// lobes and spectra of cells; 30 for the disc of a cell and for spectra of orders, which take one; 0:75:15 to mark
+    /// on the path of the colour]
     #[arg(long, allow_hyphen_values = true)]
     pub theta: Option<Angles>,
     /// Cells: azimuth of the light in degrees
@@ -32,6 +55,13 @@ pub struct PlotArgs {
     /// Spectra of cells: azimuth of the direction towards the viewer [default: opposite to the light, as in a mirror]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub phi_out: Option<f64>,
+    /// Spectrum, angles and map of diffraction orders: the order to draw, as M or M,N; repeat it for more [default: the
+    /// strongest; for the map all together]
+    #[arg(long = "order", value_name = "M[,N]", allow_hyphen_values = true)]
+    pub orders: Vec<OrderArg>,
+    /// Angles of diffraction orders: the wavelength in nm [default: 550]
+    #[arg(long, value_name = "NM", value_parser = positive)]
+    pub wavelength: Option<f64>,
     /// Print no progress and no notes on standard error
     #[arg(long, short)]
     pub quiet: bool,
@@ -41,12 +71,15 @@ pub struct PlotArgs {
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum PlotKind {
     /// The BRDF as a disc, radius θ and angle φ (the paper's figures 3 and 4); for cells, where light from one
-    /// direction goes
+    /// direction goes; diffraction orders as streaks of colour
     Disc,
     /// Cells: f cos θ in the plane of incidence
     Lobes,
-    /// Reflectance against the wavelength at chosen angles: s, p, mean; for cells, f between two directions
+    /// Reflectance against the wavelength at chosen angles: s, p, mean; for cells, f between two directions, or
+    /// efficiencies of diffraction orders
     Spectrum,
+    /// Diffraction orders: efficiencies against the angle of incidence at one wavelength
+    Angles,
     /// Mean reflectance over angle and wavelength; for cells, of all reflected light together
     Map,
     /// The path of the colour in the CIE xy diagram over the angle, with swatches; for cells, of all reflected light

@@ -7,9 +7,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use goniochrome::table::Periodicity;
+
 use super::density::Density;
-use crate::export::Reflection;
 use crate::export::reflection::ReflectionKind;
+use crate::export::{OrderLobes, Reflection};
 
 /// Largest number of values in a file: 64 MiB.
 const MAX_VALUES: usize = 1 << 24;
@@ -38,6 +40,17 @@ const COLUMNS: usize = 1024;
 /// along it.
 const ACROSS: f64 = 3.0;
 
+/// Columns of the warp over v for orders, a multiple of 4 so that their azimuths are among them.
+const SPOKES: usize = 128;
+/// Density of half vectors over u at the normal, over that at the horizon. Elsewhere they are even over θ_m.
+const LEAST_RADIAL: f64 = 0.05;
+/// Nodes over v for each factor e of the distance from an order's azimuth, on all four sides.
+const PER_SIDE: f64 = 8.0;
+/// Widths of a lobe over half vectors between directions of the light.
+const PER_LOBE: f64 = 2.5;
+/// Largest factor by which samples along an axis may lie closer than is needed.
+const MAX_FINER: f64 = 2.0;
+
 /// The grid of a tensor file.
 #[derive(Clone, Debug)]
 pub struct BsdfGrid {
@@ -64,7 +77,7 @@ impl BsdfGrid {
                     let rest = 1.0 - i as f64 / (side - 1) as f64;
                     (FRAC_PI_2 * (1.0 - GRAZING * (rest * (1.0 / GRAZING).ln_1p()).exp_m1())).clamp(0.0, MAX_THETA)
                 };
-                Self::of([radial(ggx.alpha), across()], side, (0..side).map(grazing).collect(), vec![0.0])
+                Self::of([radial(ggx.alpha), across()], [side; 2], (0..side).map(grazing).collect(), vec![0.0])
             }
             ReflectionKind::Scatter(layout) => {
                 let bins = layout.bins();
@@ -85,13 +98,43 @@ impl BsdfGrid {
                 let theta = (0..=steps as usize).map(|i| (FRAC_PI_2 * even(i, steps)).min(MAX_THETA)).collect();
                 let turn = |i: usize| TAU * even(i, turns - 1.0) - PI;
                 let phi = if isotropic { vec![0.0] } else { (0..turns as usize).map(turn).collect() };
-                Self::of([Density::uniform(), Density::uniform()], side, theta, phi)
+                Self::of([Density::uniform(), Density::uniform()], [side; 2], theta, phi)
             }
+            ReflectionKind::Orders(lobes) => Self::of_orders(lobes, MAX_ANISOTROPIC_VALUES as f64 / values),
         }
     }
 
-    fn of(density: [Density; 2], side: usize, theta: Vec<f64>, phi: Vec<f64>) -> Self {
-        Self { theta, phi, nodes: density.each_ref().map(|density| density.nodes(side)), density }
+    /// The grid for lobes around diffraction orders, of at most `room` samples.
+    ///
+    /// The half vector of an order lies along its grating vector, whatever the direction of the light: for lines always
+    /// at one azimuth, and nodes lie close to that. A lobe is half as wide over half vectors as over directions.
+    fn of_orders(lobes: &OrderLobes, room: f64) -> Self {
+        let width = 0.5 * lobes.spread();
+        let along = match lobes.periodicity() {
+            Periodicity::Both => Density::uniform(),
+            lines => beside(if lines == Periodicity::X { 0.0 } else { 0.25 }, width / TAU),
+        };
+        // One σ of a lobe between nodes of half vectors; several between directions of the light, with which the half
+        // vector of an order moves slowly.
+        let around = match lobes.periodicity() {
+            Periodicity::Both => TAU / width,
+            _ => PER_SIDE * ((0.25 * TAU + width) / width).ln(),
+        };
+        let wanted = [FRAC_PI_2 / width, around, FRAC_PI_2 / (PER_LOBE * width), TAU / (PER_LOBE * width)];
+        let scale = (room / wanted.iter().product::<f64>()).powf(0.25).min(MAX_FINER);
+        let [across, along_count, theta, phi] = wanted.map(|count| (count * scale).max(2.0 * MIN_SAMPLES).floor());
+        let even = |i: usize, count: f64| i as f64 / (count - 1.0);
+        Self::of(
+            [Density(vec![LEAST_RADIAL, 1.0]), along],
+            [across as usize, along_count as usize],
+            (0..theta as usize).map(|i| (FRAC_PI_2 * even(i, theta)).min(MAX_THETA)).collect(),
+            (0..phi as usize).map(|i| TAU * even(i, phi) - PI).collect(),
+        )
+    }
+
+    fn of(density: [Density; 2], sides: [usize; 2], theta: Vec<f64>, phi: Vec<f64>) -> Self {
+        let [across, along] = [0, 1].map(|axis: usize| density[axis].nodes(sides[axis]));
+        Self { theta, phi, nodes: [across, along], density }
     }
 
     /// Whether the BRDF is isotropic, so that φ_m counts from φ_i.
@@ -100,10 +143,10 @@ impl BsdfGrid {
         self.phi.len() == 1
     }
 
-    /// Number of samples along each side of the square.
+    /// Number of samples of the square along v and along u.
     #[must_use]
-    pub fn side(&self) -> usize {
-        self.nodes[0].len()
+    pub fn sides(&self) -> [usize; 2] {
+        [self.nodes[1].len(), self.nodes[0].len()]
     }
 
     /// Number of incident directions.
@@ -130,6 +173,17 @@ fn radial(alpha: f64) -> Density {
         LOGARITHMIC * scale * u / (FRAC_PI_2 * u * u + core) + 1.0 - LOGARITHMIC
     };
     Density((0..COLUMNS).map(at).collect())
+}
+
+/// The density over v of half vectors beside two opposite azimuths, the first of them at `v` below 1/2: 1/(distance +
+/// width), a fixed number for each factor of the distance beyond the width.
+fn beside(v: f64, width: f64) -> Density {
+    let at = |i: usize| {
+        let turn = 2.0 * (i as f64 / SPOKES as f64 - v);
+        let distance = 0.5 * (turn - turn.round()).abs();
+        1.0 / (distance + width)
+    };
+    Density((0..=SPOKES).map(at).collect())
 }
 
 /// The density over v of a lobe's half vectors, highest at ±90° from the plane of incidence, where φ_m = 2πv − π.

@@ -7,7 +7,7 @@
 //! viewer's.
 //!
 //! A mirror-like table becomes GGX facets: D and σ are those of the lobe, and the remaining factor is smooth. For
-//! tilted facets D = 1 and σ = 1/4. The warp only decides where the BRDF is sampled ([`grid`]); `luminance` alone makes
+//! tilted facets and diffraction orders D = 1 and σ = 1/4. The warp only decides where the BRDF is sampled ([`grid`]); `luminance` alone makes
 //! samples follow the BRDF.
 
 pub mod density;
@@ -22,7 +22,7 @@ use glam::DVec3;
 use self::grid::BsdfGrid;
 use self::tensor::{Field, Values};
 use super::Reflection;
-use super::reflection::{Evaluator, ReflectionKind};
+use super::reflection::{Evaluator, LobeWidth, ReflectionKind};
 use crate::support::direction::direction;
 use crate::support::error::Result;
 use crate::support::memory::filled;
@@ -39,9 +39,12 @@ const MAX_EXTENSION: f64 = 0.5;
 /// Computes f cos θ_o in each channel; returns whether wo is above the horizon.
 ///
 /// Renderers do not evaluate directions below the horizon, but interpolate across it. There f cos θ_o is continued
-/// without a kink: a lobe by its formula, a table, which is constant next to the horizon, as an odd function.
+/// without a kink: lobes by their formulas, a table, which is constant next to the horizon, as an odd function.
 fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]) -> bool {
     let wo = 2.0 * wi.dot(m) * m - wi;
+    if evaluator.projected_orders(wi, wo, out) {
+        return wo.z > 0.0;
+    }
     let cos = if let ReflectionKind::Lobe { ggx, .. } = evaluator.reflection().kind() {
         let cos = wo.z.max(-MAX_EXTENSION * wi.z);
         evaluator.reflection().reflectance(wi.dot(m), out);
@@ -84,17 +87,19 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
         slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
         let scale = match reflection.kind() {
             ReflectionKind::Lobe { ggx, .. } => 4.0 * ggx.visible_area(wi.z) / ggx.density(m.z),
-            ReflectionKind::Scatter(_) => 1.0,
+            ReflectionKind::Scatter(_) | ReflectionKind::Orders(_) => 1.0,
         };
         for (c, value) in values.iter().enumerate() {
             slice.spectra[c * area + i] = (value * scale) as f32;
         }
     }
-    if let ReflectionKind::Scatter(layout) = reflection.kind() {
-        let exact = albedo::exact(evaluator, *layout, wi);
-        for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact) {
-            albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel));
-        }
+    let exact = match reflection.kind() {
+        ReflectionKind::Lobe { .. } => None,
+        ReflectionKind::Scatter(layout) => Some(albedo::exact(evaluator, *layout, wi)),
+        ReflectionKind::Orders(_) => evaluator.albedo_of_orders(wi),
+    };
+    for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact.into_iter().flatten()) {
+        albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel));
     }
     let mean = slice.luminance.iter().sum::<f32>() / area as f32;
     // A black direction still needs a density.
@@ -105,12 +110,12 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
 /// The bytes of the tensor file of a table, with its wavelengths or, with `rgb`, its colours.
 ///
 /// # Errors
-/// A roughness that is missing or has no use, RGB of a table without colours, or too little memory.
-pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8>> {
-    let reflection = Reflection::new(table, roughness, rgb)?;
+/// A width that is missing or has no use, RGB of a table without colours, or too little memory.
+pub fn encode(table: &Table, width: LobeWidth, rgb: bool) -> Result<Vec<u8>> {
+    let reflection = Reflection::new(table, width, rgb)?;
     let grid = BsdfGrid::new(&reflection);
-    let (slices, channels, side) = (grid.slices(), reflection.channels, grid.side());
-    let area = side * side;
+    let (slices, channels, [rows, columns]) = (grid.slices(), reflection.channels, grid.sides());
+    let area = rows * columns;
     let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;
     let mut spectra = filled(0.0, slices * channels * area, "the .bsdf file")?;
     let work = luminance.chunks_mut(area).zip(spectra.chunks_mut(channels * area));
@@ -125,7 +130,7 @@ pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8
         },
     );
     let (ndf, sigma) = facets(&reflection);
-    let (warp, columns) = grid.warp();
+    let (warp, places) = grid.warp();
     let singles = |name, shape: Vec<usize>, values| Field { name, shape, values: Values::Singles(values) };
     let narrow = |values: &[f64]| values.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let description = format!("{}, goniochrome {}", table.name(), env!("CARGO_PKG_VERSION")).into_bytes();
@@ -138,9 +143,9 @@ pub fn encode(table: &Table, roughness: Option<f64>, rgb: bool) -> Result<Vec<u8
         singles("phi_i", vec![grid.phi.len()], narrow(&grid.phi)),
         singles("ndf", vec![2, ndf.len() / 2], ndf),
         singles("sigma", vec![2, sigma.len() / 2], sigma),
-        singles("vndf", shape(&[warp.len() / columns, columns]), warp.repeat(slices)),
-        singles("luminance", shape(&[side, side]), luminance),
-        singles(if rgb { "rgb" } else { "spectra" }, shape(&[channels, side, side]), spectra),
+        singles("vndf", shape(&[warp.len() / places, places]), warp.repeat(slices)),
+        singles("luminance", shape(&[rows, columns]), luminance),
+        singles(if rgb { "rgb" } else { "spectra" }, shape(&[channels, rows, columns]), spectra),
     ];
     if !rgb {
         let wavelengths = narrow(&reflection.wavelength_nm);

@@ -8,8 +8,8 @@ use goniochrome::table::ScatterTable as Lookup;
 
 use crate::colour::visible_weights;
 use crate::plot::Picture;
-use crate::plot::disc::{Disc, Mark, marked_disc};
-use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
+use crate::plot::disc::{Disc, Mark, MarkShape, marked_disc};
+use crate::plot::line_chart::{Dash, LineOptions, PALETTE, Series, line_chart};
 use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::table::scatter::ScatterTable;
@@ -75,7 +75,10 @@ pub fn outgoing(table: &ScatterTable, name: &str, theta_deg: Option<&[f64]>, phi
         format!("f scaled to its brightest component, {brightest:.3} per sr"),
         format!("{} × {} bins; ring: the light, cross: its mirror direction", bins.cos, bins.phi),
     ];
-    let marks = [Mark { theta_deg, phi_deg, cross: false }, Mark { theta_deg, phi_deg: phi_deg + 180.0, cross: true }];
+    let marks = [
+        Mark { theta_deg, phi_deg, shape: MarkShape::Ring },
+        Mark { theta_deg, phi_deg: phi_deg + 180.0, shape: MarkShape::Cross },
+    ];
     let disc = Disc { label: &label, rgb: &rgb, theta_max_deg: 90.0, azimuthal: true };
     Ok(marked_disc(&disc, &marks, &notes))
 }
@@ -105,7 +108,7 @@ pub fn lobes(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) 
                 label: format!("light at {theta}°"),
                 colour: (*colour).to_owned(),
                 points: points.collect(),
-                dashed: false,
+                dash: Dash::None,
             }
         })
         .collect();

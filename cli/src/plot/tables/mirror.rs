@@ -7,7 +7,7 @@ use crate::plot::Picture;
 use crate::plot::chromaticity::{ColourAt, chromaticity};
 use crate::plot::disc::{Disc, disc as draw_disc};
 use crate::plot::heat_map::{HeatAxis, heat_map};
-use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
+use crate::plot::line_chart::{Dash, LineOptions, PALETTE, Series, line_chart};
 use crate::support::error::{Error, Result};
 use crate::table::mirror::{MirrorTable, neighbours};
 
@@ -33,17 +33,20 @@ pub fn spectra(table: &MirrorTable, name: &str, theta_deg: &[f64]) -> Picture {
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))
             .expect("a table has at least one angle");
         let theta = table.theta_deg[angle];
-        let curve = |label: String, dashed, of: &dyn Fn(usize) -> f32| Series {
+        let curve = |label: String, dash, of: &dyn Fn(usize) -> f32| Series {
             label,
             colour: (*colour).to_owned(),
             points: (0..width).map(|i| (table.wavelength_nm[i], f64::from(of(angle * width + i)))).collect(),
-            dashed,
+            dash,
         };
         let (s, p) = (&table.reflectance_s, &table.reflectance_p);
-        let mean = curve(format!("{theta:.0}°"), false, &|i| 0.5 * (s[i] + p[i]));
+        let mean = curve(format!("{theta:.0}°"), Dash::None, &|i| 0.5 * (s[i] + p[i]));
         // s and p coincide at normal incidence.
         let parts = (theta > 0.0).then(|| {
-            [curve(format!("{theta:.0}° s"), true, &|i| s[i]), curve(format!("{theta:.0}° p"), true, &|i| p[i])]
+            [
+                curve(format!("{theta:.0}° s"), Dash::Long, &|i| s[i]),
+                curve(format!("{theta:.0}° p"), Dash::Short, &|i| p[i]),
+            ]
         });
         [mean].into_iter().chain(parts.into_iter().flatten()).collect::<Vec<_>>()
     });

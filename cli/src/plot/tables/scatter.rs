@@ -6,7 +6,7 @@ use crate::colour::visible_weights;
 use crate::plot::Picture;
 use crate::plot::chromaticity::{ColourAt, chromaticity};
 use crate::plot::heat_map::{HeatAxis, heat_map};
-use crate::plot::line_chart::{LineOptions, PALETTE, Series, line_chart};
+use crate::plot::line_chart::{Dash, LineOptions, PALETTE, Series, line_chart};
 use crate::support::error::{Error, Result};
 use crate::table::scatter::ScatterTable;
 
@@ -33,7 +33,7 @@ pub fn spectra(
                 label: format!("θ {theta}° → {theta_out}°"),
                 colour: (*colour).to_owned(),
                 points: table.wavelength_nm.iter().copied().zip(f).collect(),
-                dashed: false,
+                dash: Dash::None,
             }
         })
         .collect();

@@ -1,0 +1,197 @@
+//! Diffraction orders of a stated width: a lobe around the exact direction of each order.
+//!
+//! The lobe is the spherical Gaussian (von Mises and Fisher) κ/(2π(1 − exp(−2κ))) exp(κ(cos γ − 1)) at the angle γ from
+//! the order's direction, with κ = 1/σ²: for small σ a Gaussian of standard deviation σ along each axis. It is divided
+//! by its share above the horizon, so that f cos θ_o integrates to the sum of the efficiencies.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use goniochrome::colour::Quadrature;
+use goniochrome::table::Periodicity;
+
+use crate::colour::{visible_weights, xyz_to_rgb};
+use crate::support::error::Result;
+use crate::table::mirror::neighbours;
+use crate::table::orders::{LookupArrays, OrderTable};
+
+/// Angle in units of σ beyond which a lobe is left out: exp(−5²/2) is 4e-6 of its peak.
+const REACH: f64 = 5.0;
+/// Largest distance of neighbouring wavelengths of a colour, as an angle along the streak near the normal, in units of
+/// σ. A sum of Gaussians half a σ apart is smooth to 1e-30.
+const SPACING: f64 = 0.5;
+/// Largest number of wavelengths of a colour.
+const MAX_WAVELENGTHS: f64 = 2000.0;
+
+/// A BRDF of diffraction orders, each with a lobe of one width.
+#[derive(Clone, Debug)]
+pub struct OrderLobes {
+    arrays: LookupArrays,
+    /// Standard deviation σ in radians.
+    spread: f64,
+    periodicity: Periodicity,
+    /// Tangential component that each order adds for each nanometre of the wavelength in the medium above.
+    gratings: Vec<DVec2>,
+    /// Wavelengths whose orders are added up, and what a reflectance of 1 there adds to the channels.
+    samples: Vec<(usize, f32, Addition)>,
+    channels: usize,
+}
+
+/// What a reflectance of 1 at a wavelength adds to the channels.
+#[derive(Clone, Copy, Debug)]
+enum Addition {
+    /// 1 to one channel.
+    Channel(usize),
+    /// Linear RGB.
+    Colour([f64; 3]),
+}
+
+impl Addition {
+    fn add(self, value: f64, channels: &mut [f64]) {
+        match self {
+            Self::Channel(channel) => channels[channel] += value,
+            Self::Colour(rgb) => channels.iter_mut().zip(rgb).for_each(|(channel, c)| *channel += c * value),
+        }
+    }
+}
+
+/// Lobe of an order at a wavelength, for light from one direction.
+#[derive(Clone, Copy, Debug)]
+struct Lobe {
+    direction: DVec3,
+    /// f cos θ_o in the lobe's direction.
+    peak: f64,
+    efficiency: f64,
+    addition: Addition,
+}
+
+/// Lobes of all orders for light from one direction.
+#[derive(Clone, Debug, Default)]
+pub struct LobesAt {
+    wi: Option<DVec3>,
+    /// Lobes of each order.
+    orders: Vec<Vec<Lobe>>,
+}
+
+impl OrderLobes {
+    /// The BRDF of a table, with a standard deviation in degrees, in a channel for each wavelength or in RGB.
+    ///
+    /// # Errors
+    /// RGB of a table without a visible wavelength.
+    pub fn new(table: &OrderTable, spread_deg: f64, rgb: bool) -> Result<Self> {
+        let spread = spread_deg.to_radians();
+        let [x, y] = table.layout.period_nm().map(f64::from);
+        let gratings: Vec<_> =
+            table.orders.iter().map(|[m, n]| DVec2::new(f64::from(*m) / x, f64::from(*n) / y)).collect();
+        let known = &table.wavelength_nm;
+        let (samples, channels) = if rgb {
+            let shortest = known.iter().zip(&table.index_above).map(|(nm, n)| nm / n).fold(f64::INFINITY, f64::min);
+            let steepest =
+                gratings.iter().map(|g| g.length()).filter(|g| g * shortest < 2.0).fold(0.0, f64::max).max(1e-9);
+            let nm = fine(known, SPACING * spread / steepest);
+            let matrix = xyz_to_rgb(table.metadata.space());
+            let weights = visible_weights(&nm, table.metadata.illuminant(), Quadrature::Interpolated)?;
+            let sample = |(nm, weight): (&f64, [f64; 3])| {
+                let (below, _, t) = neighbours(known, *nm);
+                (below, t as f32, Addition::Colour((matrix * DVec3::from_array(weight)).to_array()))
+            };
+            (nm.iter().zip(weights).map(sample).collect(), 3)
+        } else {
+            ((0..known.len()).map(|w| (w, 0.0, Addition::Channel(w))).collect(), known.len())
+        };
+        let arrays = table.arrays(vec![[0.0; 3]; known.len()]);
+        arrays.table()?;
+        Ok(Self { arrays, spread, periodicity: table.layout.periodicity(), gratings, samples, channels })
+    }
+
+    /// Standard deviation σ of a lobe, in radians.
+    #[must_use]
+    pub fn spread(&self) -> f64 {
+        self.spread
+    }
+
+    /// Axes along which the surface repeats.
+    #[must_use]
+    pub fn periodicity(&self) -> Periodicity {
+        self.periodicity
+    }
+
+    /// Number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Computes the lobes for light from `wi`, unless `at` has them already.
+    fn prepare(&self, wi: DVec3, at: &mut LobesAt) {
+        if at.wi == Some(wi) {
+            return;
+        }
+        at.wi = Some(wi);
+        at.orders.clear();
+        // The arrays were checked when they were made.
+        let view = self.arrays.table().ok().and_then(|table| table.view(wi.as_vec3()));
+        let kappa = self.spread.powi(-2);
+        let normalised = kappa / (TAU * -(-2.0 * kappa).exp_m1());
+        for order in 0..self.gratings.len() {
+            let lobe = |&(wavelength, t, addition): &(usize, f32, Addition)| {
+                let light = view.as_ref()?.light_between(wavelength, t, order)?;
+                let direction = light.direction.as_dvec3().normalize();
+                let efficiency = f64::from(light.efficiency);
+                let above = below_normal(direction.z.asin() / self.spread);
+                (efficiency > 0.0).then_some(Lobe {
+                    direction,
+                    peak: efficiency * normalised / above,
+                    efficiency,
+                    addition,
+                })
+            };
+            at.orders.push(self.samples.iter().filter_map(lobe).collect());
+        }
+    }
+
+    /// f cos θ_o in each channel, for light from `wi` above the horizon. Below the horizon, the lobes go on.
+    pub fn projected(&self, wi: DVec3, wo: DVec3, at: &mut LobesAt, out: &mut [f64]) {
+        self.prepare(wi, at);
+        out.fill(0.0);
+        let (kappa, reach) = (self.spread.powi(-2), REACH * self.spread);
+        let nearest = reach.min(TAU / 2.0).cos();
+        let offset = wo.truncate() + wi.truncate();
+        for (grating, lobes) in self.gratings.iter().zip(&at.orders) {
+            // Tangential components differ by no more than the angle.
+            if offset.perp_dot(*grating).abs() > reach * grating.length() {
+                continue;
+            }
+            for lobe in lobes {
+                let cos = lobe.direction.dot(wo);
+                if cos > nearest {
+                    lobe.addition.add(lobe.peak * (kappa * (cos - 1.0)).exp(), out);
+                }
+            }
+        }
+    }
+
+    /// ∫ f cos θ_o dω_o in each channel.
+    pub fn albedo(&self, wi: DVec3, at: &mut LobesAt) -> Vec<f64> {
+        self.prepare(wi, at);
+        let mut total = vec![0.0; self.channels];
+        at.orders.iter().flatten().for_each(|lobe| lobe.addition.add(lobe.efficiency, &mut total));
+        total
+    }
+}
+
+/// The known wavelengths, and evenly spaced ones between them at most `step_nm` apart.
+fn fine(known: &[f64], step_nm: f64) -> Vec<f64> {
+    let range = known.last().zip(known.first()).map_or(0.0, |(last, first)| last - first);
+    let step_nm = step_nm.max(range / MAX_WAVELENGTHS);
+    let between = known.windows(2).flat_map(|pair| {
+        let steps = ((pair[1] - pair[0]) / step_nm).ceil().max(1.0);
+        (0..steps as u32).map(move |i| pair[0] + f64::from(i) / steps * (pair[1] - pair[0]))
+    });
+    between.chain(known.last().copied()).collect()
+}
+
+/// The normal distribution's integral from −∞ to x ≥ 0, to 1.4e-4 (Bowling et al. 2009).
+fn below_normal(x: f64) -> f64 {
+    1.0 / (1.0 + (-x * (1.5976 + 0.07056 * x * x)).exp())
+}
