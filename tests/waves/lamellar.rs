@@ -51,6 +51,43 @@ fn difference(name: &str, max_order: usize) -> f64 {
     largest
 }
 
+/// Largest difference of a lamellar case of `gratings.json` from its record at a truncation.
+fn grating(name: &str, max_order: usize) -> f64 {
+    let gratings = read("gratings.json");
+    let case = list(&gratings, "cases").iter().find(|case| case["name"] == name).expect("case");
+    let below = index(&case["n_substrate"]);
+    let slice = Slice {
+        thickness_nm: number(case, "depth_nm"),
+        edges_nm: vec![0.0, number(&case["profile"], "ridge_width_nm")],
+        eta: vec![below, 1.0.into()],
+    };
+    let profile = Profile { period_nm: number(case, "period_nm"), above: 1.0, below, slices: vec![slice] };
+    let mut largest = 0.0_f64;
+    for record in list(case, "data") {
+        // There light travels towards +x.
+        let [kx, ky] = tangential(-number(record, "theta_deg"), 0.0);
+        let modes = Modes::new(&profile, number(record, "wavelength_nm"), kx, max_order).expect("modes");
+        largest = largest.max(largest_difference(&modes.response(ky).expect("response"), record));
+    }
+    println!("{name} {max_order}: {largest:.1e}");
+    largest
+}
+
+#[test]
+fn lamellar_glass() {
+    assert!(grating("a_lamellar_glass", 40) <= 1e-3);
+}
+
+#[test]
+fn lamellar_silver() {
+    assert!(grating("b_lamellar_silver", 90) <= 5e-3);
+}
+
+#[test]
+fn disc_of_aluminium() {
+    assert!(grating("c_cd_aluminium", 60) <= 5e-3);
+}
+
 #[test]
 fn dielectric_ridge() {
     assert!(difference("dielectric_ridge", 30) <= 3e-4);

@@ -2,6 +2,7 @@
 
 mod crossed;
 mod data;
+mod error_bars;
 mod lamellar;
 mod laws;
 mod random;

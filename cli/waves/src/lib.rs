@@ -14,6 +14,7 @@ pub mod light;
 pub mod response;
 pub(crate) mod fields;
 pub mod profile;
+pub mod convergence;
 pub mod lamellar;
 pub mod crossed;
 pub mod chandezon;
