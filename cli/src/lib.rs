@@ -11,7 +11,7 @@ pub mod solve;
 pub mod plot;
 pub mod export;
 pub mod render;
-pub(crate) mod view;
+pub mod view;
 pub(crate) mod paper;
 pub mod commands;
 

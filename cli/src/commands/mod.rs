@@ -17,6 +17,7 @@ mod orders;
 mod compare;
 mod sampling;
 mod plot;
+mod spread_option;
 mod render;
 mod view;
 mod figures;

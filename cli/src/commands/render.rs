@@ -4,19 +4,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::commands::args::RenderArgs;
+use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
 use crate::obj;
 use crate::render::body::{Body, BodyShape, BvhMemory};
 use crate::render::camera::Camera;
 use crate::render::decode::decode;
 use crate::render::environment::{Environment, EnvironmentLight};
+use crate::render::lamp::Lamp;
 use crate::render::mesh::{Axes, DEFAULT_LEVEL, TriangleMesh};
+use crate::render::spread::spread_environment;
 use crate::render::surface::Surface;
 use crate::render::tone::ToneMap;
 use crate::render::{Quality, Stage, render};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
+use crate::table::Table;
 
 /// The size of the largest file that is read as an environment: 1 GiB.
 const MAX_BYTES: u64 = 1 << 30;
@@ -48,12 +52,20 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let view = args.view.view();
     // Bad options are refused before files are read.
     Camera::new(&view, glam::DVec3::ZERO, 1.0)?;
+    let lamp = lamp(&args.env)?;
 
     let table = source.table(args.running.quiet)?;
+    let spread = spread(args.spread, &table)?;
+    if args.reflections > 1 && matches!(table, Table::Orders(_)) {
+        let what = "--reflections: each reflection by diffraction orders branches into all of them; leave it out";
+        return Err(Error::usage(what));
+    }
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
     let surface = Surface::new(&table, args.spectral).map_err(name)?;
     surface.check_not_black().map_err(name)?;
-    let environment = Environment::new(light(&args.env, args.running.quiet)?, args.env_turn);
+    let light = lamp.map_or_else(|| light(&args.env, args.running.quiet), |lamp| Ok(EnvironmentLight::Lamp(lamp)))?;
+    let environment = Environment::new(light, args.env_turn);
+    let spread = spread.map(|width| spread_environment(&environment, width, args.running.threads())).transpose()?;
     let shape = shape(&args.mesh, args.axes, args.level, args.running.quiet)?;
     let mut memory = BvhMemory::default();
     let body = Body::new(&shape, &mut memory)?;
@@ -63,7 +75,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let stage = Stage {
         body: &body,
         surface: &surface,
-        environment: &environment,
+        environment: spread.as_ref().unwrap_or(&environment),
+        backdrop: &environment,
         camera: &camera,
         background: args.background.0,
     };
@@ -109,7 +122,23 @@ impl RenderFormat {
 
 /// The file that an option names, unless it names something built in.
 fn file_of(word: &str) -> Option<PathBuf> {
-    (!["white", "studio", "teapot", "sphere", "plane"].contains(&word)).then(|| PathBuf::from(word))
+    let built_in = ["white", "studio", "lamp", "teapot", "sphere", "plane", "disc"].contains(&word);
+    (!built_in && !word.starts_with("lamp:")).then(|| PathBuf::from(word))
+}
+
+/// The lamp that `--env` describes, if it describes one.
+fn lamp(word: &str) -> Result<Option<Lamp>> {
+    if word == "lamp" {
+        return Ok(Some(Lamp::default()));
+    }
+    let Some(numbers) = word.strip_prefix("lamp:") else { return Ok(None) };
+    let numbers: std::result::Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[elevation, azimuth, diameter]) => Lamp::new(elevation, azimuth, diameter).map(Some),
+        _ => Err(Error::usage(format_args!(
+            "--env {word}: expected lamp:ELEVATION,AZIMUTH,DIAMETER in degrees, such as lamp:55,112,5"
+        ))),
+    }
 }
 
 /// The light that `--env` names.
@@ -119,7 +148,7 @@ fn light(word: &str, quiet: bool) -> Result<EnvironmentLight> {
         "studio" => Ok(EnvironmentLight::Studio(Box::default())),
         file => {
             let (image, mended) =
-                decode(file, &read(file, "an environment is white, studio, or a .exr or .hdr file")?)?;
+                decode(file, &read(file, "an environment is white, studio, lamp, or a .exr or .hdr file")?)?;
             mended.notes().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
             Ok(EnvironmentLight::Image(image))
         }
@@ -131,9 +160,10 @@ fn shape(word: &str, axes: Axes, level: u32, quiet: bool) -> Result<BodyShape> {
     match word {
         "teapot" => Ok(BodyShape::Mesh(TriangleMesh::teapot(level))),
         "sphere" => Ok(BodyShape::Sphere),
+        "disc" => Ok(BodyShape::Disc),
         "plane" => Ok(BodyShape::Mesh(TriangleMesh::plane())),
         file => {
-            let text = obj::read_file(Path::new(file), "; a mesh is teapot, sphere, plane, or an .obj file")?;
+            let text = obj::read_file(Path::new(file), "; a mesh is teapot, sphere, plane, disc, or an .obj file")?;
             let (mesh, repairs) = TriangleMesh::from_obj(file, &text, axes)?;
             repairs.notes().iter().for_each(|said| note(quiet, format_args!("{file}: {said}")));
             Ok(BodyShape::Mesh(mesh))

@@ -60,8 +60,14 @@ pub(super) fn draw(
             let white = matches!(light, EnvironmentLight::White);
             let background = if white { Background::Colour([0.2; 3]) } else { Background::Environment };
             let environment = Environment::new(light, 0.0);
-            let stage =
-                Stage { body: &body, surface: &surface, environment: &environment, camera: &camera, background };
+            let stage = Stage {
+                body: &body,
+                surface: &surface,
+                environment: &environment,
+                backdrop: &environment,
+                camera: &camera,
+                background,
+            };
             let picture = render(&stage, &quality, &|| ())?;
             output::write_file(&folder.join(file), &picture.png(0.0, ToneMap::None).0)?;
             Ok(file.to_owned())

@@ -1,4 +1,4 @@
-//! Ray intersection with the body: a mesh by the core's bounding volume hierarchy, or the exact sphere.
+//! Ray intersection with the body: a mesh by the core's bounding volume hierarchy, or the exact sphere or disc.
 
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node, Ray};
@@ -11,11 +11,17 @@ use crate::support::memory::filled;
 /// pixel.
 const OFFSET: f64 = 1e-9;
 
+/// Inner radius of the disc, over the outer one: a compact disc has tracks from 46 to 116 mm (IEC 60908).
+pub const DISC_HOLE: f64 = 46.0 / 116.0;
+
 /// The shape of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyShape {
     /// The exact unit sphere; t points eastwards.
     Sphere,
+    /// The exact ring from [`DISC_HOLE`] to 1 in the plane of x and y, with its front up; t points outwards, across
+    /// circular tracks, and b along them.
+    Disc,
     /// A mesh of triangles.
     Mesh(TriangleMesh),
 }
@@ -38,6 +44,7 @@ pub struct Body<'a> {
 #[derive(Debug)]
 enum Intersector<'a> {
     Sphere,
+    Disc,
     Mesh(&'a TriangleMesh, Bvh<'a>),
 }
 
@@ -56,8 +63,10 @@ impl<'a> Body<'a> {
     /// # Errors
     /// A mesh without triangles, with too many of them or more than fit into memory, or one that is a single point.
     pub fn new(shape: &'a BodyShape, memory: &'a mut BvhMemory) -> Result<Self> {
+        let unit = |intersector| Ok(Self { intersector, bounds: (DVec3::ZERO, 1.0) });
         let mesh = match shape {
-            BodyShape::Sphere => return Ok(Self { intersector: Intersector::Sphere, bounds: (DVec3::ZERO, 1.0) }),
+            BodyShape::Sphere => return unit(Intersector::Sphere),
+            BodyShape::Disc => return unit(Intersector::Disc),
             BodyShape::Mesh(mesh) => mesh,
         };
         let count = mesh.triangles.len();
@@ -86,6 +95,7 @@ impl<'a> Body<'a> {
     pub fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
         match &self.intersector {
             Intersector::Sphere => intersect_sphere(origin, direction),
+            Intersector::Disc => intersect_disc(origin, direction),
             Intersector::Mesh(mesh, bvh) => {
                 let hit =
                     bvh.intersect_nearest(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }, |_| true)?;
@@ -113,6 +123,17 @@ fn intersect_sphere(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
     Some(SurfaceHit { point: normal, frame: ShadingFrame { tangent, normal, face: normal } })
 }
 
+fn intersect_disc(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
+    let t = -origin.z / direction.z;
+    let reached = t > 0.0 && t.is_finite();
+    let point = (origin + t * direction).with_z(0.0);
+    let radius = point.length();
+    (reached && (DISC_HOLE..=1.0).contains(&radius)).then(|| {
+        let frame = ShadingFrame { tangent: point / radius, normal: DVec3::Z, face: DVec3::Z };
+        SurfaceHit { point, frame }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,6 +152,25 @@ mod tests {
         }
         assert!(exact.intersect(origin, DVec3::Y).is_none() && mesh.intersect(origin, DVec3::Y).is_none());
         assert!(exact.intersect(DVec3::new(2.0, 0.0, 0.0), DVec3::X).is_none());
+    }
+
+    #[test]
+    fn the_disc_is_a_ring_whose_tangents_cross_its_tracks() {
+        let mut memory = BvhMemory::default();
+        let body = Body::new(&BodyShape::Disc, &mut memory).unwrap();
+        for [x, y, hit] in [[0.5, 0.0, 1.0], [-0.6, 0.6, 1.0], [0.3, 0.2, 0.0], [0.8, 0.8, 0.0]] {
+            for side in [1.0, -1.0] {
+                let origin = DVec3::new(3.0, 1.0, side);
+                let found = body.intersect(origin, (DVec3::new(x, y, 0.0) - origin).normalize());
+                assert_eq!(found.is_some(), hit > 0.0, "{x} {y}");
+                let Some(SurfaceHit { point, frame }) = found else { continue };
+                assert!(point.distance(DVec3::new(x, y, 0.0)) < 1e-12 && frame.normal == DVec3::Z);
+                assert!(frame.tangent.distance(point.normalize()) < 1e-12 && frame.binormal().dot(point).abs() < 1e-12);
+            }
+        }
+        assert!(body.intersect(DVec3::new(0.5, 0.0, 1.0), DVec3::X).is_none());
+        assert!(body.intersect(DVec3::new(0.5, 0.0, 1.0), DVec3::Z).is_none());
+        assert!(body.intersect(DVec3::new(0.5, 0.0, 0.0), DVec3::X).is_none());
     }
 
     #[test]

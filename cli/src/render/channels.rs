@@ -1,6 +1,6 @@
 //! The channels in which light is traced: R, G and B, or one for each wavelength.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Mat3};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
 
 use crate::colour::visible_weights;
@@ -73,6 +73,15 @@ impl Channels {
     #[must_use]
     pub fn count(&self) -> usize {
         self.basis.len()
+    }
+
+    /// The matrix of each channel from an environment's RGB to the RGB that a reflectance of 1 in this channel alone
+    /// makes of it.
+    pub(super) fn matrices(&self) -> impl Iterator<Item = Mat3> {
+        self.basis.iter().zip(&self.weights).map(|(basis, weight)| {
+            let column = |c: usize| (basis[c] * glam::Vec3::from(*weight)).to_array();
+            Mat3::from_cols_array_2d(&[column(0), column(1), column(2)])
+        })
     }
 
     /// Adds `scale` × throughput × the environment's light `rgb` to the radiance of each channel.

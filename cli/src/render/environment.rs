@@ -1,14 +1,21 @@
 //! The light around a body: linear RGB radiance from every direction, and directions drawn by how bright they are.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use super::distribution::Distribution;
+use super::lamp::Lamp;
 use super::latlong::{LatLong, direction, place};
-use super::studio::Studio;
+use super::studio::{SOFT_BOXES, Studio};
 use crate::colour::LUMINANCE_F32;
 
 /// Cells of the grid by which the studio is sampled: its edges are a few degrees wide.
 const STUDIO_CELLS: [usize; 2] = [256, 128];
+
+/// Part of a texel, of the narrowest edge of a soft box and of a lamp's radius that [`Environment::detail`] resolves.
+/// A sum of one-pixel lights in such steps is within 1 % of their integral, of lamps within 0.1 %.
+const DETAIL_OF: [f64; 3] = [0.5, 0.25, 0.125];
 
 /// The light around a body, before it is turned.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,8 +24,22 @@ pub enum EnvironmentLight {
     White,
     /// The built-in [`Studio`].
     Studio(Box<Studio>),
+    /// A small [`Lamp`].
+    Lamp(Lamp),
     /// A lat-long image.
     Image(LatLong),
+}
+
+impl EnvironmentLight {
+    /// Linear RGB radiance from a unit direction.
+    pub(super) fn radiance(&self, direction: DVec3) -> [f32; 3] {
+        match self {
+            Self::White => [1.0; 3],
+            Self::Studio(studio) => [studio.radiance(direction) as f32; 3],
+            Self::Lamp(lamp) => [lamp.radiance(direction) as f32; 3],
+            Self::Image(image) => image.radiance(direction),
+        }
+    }
 }
 
 /// Light around a body, turned about z, with a distribution by which directions are drawn.
@@ -28,6 +49,7 @@ pub struct Environment {
     /// Sine and cosine of the turn.
     turn: [f64; 2],
     distribution: Distribution,
+    detail: f64,
 }
 
 impl Environment {
@@ -37,7 +59,8 @@ impl Environment {
         // Products in single precision, their sum in double.
         let luminance = |rgb: [f32; 3]| -> f64 { rgb.iter().zip(LUMINANCE_F32).map(|(c, w)| f64::from(c * w)).sum() };
         let distribution = match &light {
-            EnvironmentLight::White => Distribution::new([1, 1], |_, _| 1.0),
+            // A lamp draws its own directions.
+            EnvironmentLight::White | EnvironmentLight::Lamp(_) => Distribution::new([1, 1], |_, _| 1.0),
             EnvironmentLight::Studio(studio) => {
                 let [width, height] = STUDIO_CELLS.map(|n| n as f64);
                 Distribution::new(STUDIO_CELLS, |x, y| {
@@ -49,7 +72,22 @@ impl Environment {
                 Distribution::new(size, |x, y| luminance(texels[y * size[0] + x]))
             }
         };
-        Self { light, turn: turn_deg.to_radians().sin_cos().into(), distribution }
+        let [texel, edge, radius] = DETAIL_OF;
+        let detail = match &light {
+            EnvironmentLight::White => f64::INFINITY,
+            EnvironmentLight::Studio(_) => {
+                2.0 * edge * SOFT_BOXES.iter().map(|lamp| lamp.softness).fold(f64::INFINITY, f64::min)
+            }
+            EnvironmentLight::Lamp(lamp) => radius * lamp.radius(),
+            EnvironmentLight::Image(image) => texel * PI / image.size()[1] as f64,
+        };
+        Self { light, turn: turn_deg.to_radians().sin_cos().into(), distribution, detail }
+    }
+
+    /// The environment with the light of each direction replaced, whose features are no smaller than an angle.
+    pub(super) fn replaced(&self, light: LatLong, feature: f64) -> Self {
+        let replaced = Self::new(EnvironmentLight::Image(light), 0.0);
+        Self { turn: self.turn, detail: replaced.detail.max(DETAIL_OF[0] * feature), ..replaced }
     }
 
     /// The light before it was turned.
@@ -64,28 +102,51 @@ impl Environment {
         matches!(self.light, EnvironmentLight::White)
     }
 
+    /// Angle between directions, in radians, in whose steps a sum over a row of them is close to its integral.
+    pub(super) fn detail(&self) -> f64 {
+        self.detail
+    }
+
+    /// Whether radiance is known to be even up to an angle around a unit direction of the world.
+    pub(super) fn is_even_around(&self, direction: DVec3, angle: f64) -> bool {
+        match &self.light {
+            EnvironmentLight::White => true,
+            // A chord is no longer than its arc.
+            EnvironmentLight::Lamp(lamp) => {
+                self.turned(direction, -1.0).distance(lamp.towards()) > lamp.reach() + angle
+            }
+            EnvironmentLight::Studio(_) | EnvironmentLight::Image(_) => false,
+        }
+    }
+
     /// Linear RGB radiance from a unit direction of the world.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> [f32; 3] {
-        match &self.light {
-            EnvironmentLight::White => [1.0; 3],
-            EnvironmentLight::Studio(studio) => [studio.radiance(self.turned(direction, -1.0)) as f32; 3],
-            EnvironmentLight::Image(image) => image.radiance(self.turned(direction, -1.0)),
-        }
+        self.light.radiance(self.turned(direction, -1.0))
     }
 
     /// Draws a unit direction of the world in proportion to the light's luminance around it; returns it with its
     /// probability density per solid angle. `u` is uniform in [0, 1)².
     #[must_use]
     pub fn sample(&self, u: [f64; 2]) -> (DVec3, f64) {
-        let drawn = direction(self.distribution.sample(u));
-        (self.turned(drawn, 1.0), self.distribution.pdf(place(drawn)))
+        let drawn = match &self.light {
+            EnvironmentLight::Lamp(lamp) => lamp.sample(u),
+            _ => direction(self.distribution.sample(u)),
+        };
+        (self.turned(drawn, 1.0), self.pdf_before_turn(drawn))
     }
 
     /// The probability density per solid angle with which [`Environment::sample`] draws a unit direction.
     #[must_use]
     pub fn pdf(&self, direction: DVec3) -> f64 {
-        self.distribution.pdf(place(self.turned(direction, -1.0)))
+        self.pdf_before_turn(self.turned(direction, -1.0))
+    }
+
+    fn pdf_before_turn(&self, direction: DVec3) -> f64 {
+        match &self.light {
+            EnvironmentLight::Lamp(lamp) => lamp.pdf(direction),
+            _ => self.distribution.pdf(place(direction)),
+        }
     }
 
     /// A direction turned about z with the light, or back with the sign −1.
@@ -107,8 +168,9 @@ mod tests {
 
     #[test]
     fn samples_integrate_the_light_and_densities_integrate_to_one() {
+        let lamp = EnvironmentLight::Lamp(Lamp::new(40.0, 10.0, 20.0).unwrap());
         for light in
-            [EnvironmentLight::White, EnvironmentLight::Studio(Box::default()), EnvironmentLight::Image(image())]
+            [EnvironmentLight::White, EnvironmentLight::Studio(Box::default()), lamp, EnvironmentLight::Image(image())]
         {
             let environment = Environment::new(light, 33.0);
             let count = 1 << 16;

@@ -19,8 +19,11 @@ mod radiance;
 pub mod latlong;
 pub mod decode;
 pub mod studio;
+pub mod lamp;
 mod distribution;
 pub mod environment;
+pub mod spread;
+mod orders;
 pub mod surface;
 pub mod camera;
 pub mod framebuffer;
@@ -68,8 +71,10 @@ pub struct Stage<'a> {
     pub body: &'a Body<'a>,
     /// The reflection of the body's surface.
     pub surface: &'a Surface,
-    /// The light around the body.
+    /// The light on the body.
     pub environment: &'a Environment,
+    /// The light that is seen past the body.
+    pub backdrop: &'a Environment,
     /// The camera.
     pub camera: &'a Camera,
     /// The background.
@@ -128,7 +133,7 @@ fn shade(
             continue;
         }
         let rgb = match stage.background {
-            Background::Environment => stage.environment.radiance(direction),
+            Background::Environment => stage.backdrop.radiance(direction),
             Background::Transparent => continue,
             Background::Colour(rgb) => rgb,
         };

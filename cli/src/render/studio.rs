@@ -87,7 +87,7 @@ impl Studio {
 }
 
 /// The smoothstep of x clamped to [0, 1].
-fn smoothstep(x: f64) -> f64 {
+pub(super) fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

@@ -3,6 +3,7 @@
 use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
 
 use super::channels::Channels;
+use super::orders::{OrderShading, OrderSurface};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
@@ -21,37 +22,41 @@ enum Reflectance {
     Mirror { theta_deg: Vec<f64>, values: Vec<f32> },
     /// f, `[incident][bin][channel]`.
     Scatter { layout: ScatterLayout, values: Vec<f32> },
+    /// Diffraction orders.
+    Orders(OrderSurface),
 }
 
 /// A [`Surface`] with the sampler of its directions.
-#[derive(Clone, Copy)]
 pub(super) enum Prepared<'a> {
     Mirror { theta_deg: &'a [f64], values: &'a [f32] },
     Scatter { table: ScatterTable<'a>, sampler: ScatterSampler<'a> },
+    Orders(OrderShading<'a>),
 }
 
 impl Surface {
     /// The surface of a table: by its RGB, converted to linear sRGB, or by its wavelengths with `spectral`.
     ///
-    /// Colours by the paper's matrix, which is a display of its own, are not converted.
+    /// Colours by the paper's matrix, which is a display of its own, are not converted. Diffraction orders are traced
+    /// in RGB, which their quadrature over the wavelengths makes.
     ///
     /// # Errors
     /// A damaged table, a table without colours, or wavelengths that cannot tell colours apart.
     pub fn new(table: &Table, spectral: bool) -> Result<Self> {
         table.check()?;
-        let metadata = table.metadata();
-        let channels = if spectral {
-            Channels::spectral(table.wavelength_nm(), metadata.illuminant(), metadata.screen_space())?
-        } else {
-            Channels::rgb()
-        };
-        let values = if spectral { table.spectra()? } else { metadata.screen_rgb(table.rgb()?).into_flattened() };
-        let reflectance = match table {
-            Table::Mirror(table) => Reflectance::Mirror { theta_deg: table.theta_deg.clone(), values },
-            Table::Scatter(table) => Reflectance::Scatter { layout: table.layout, values },
-            Table::Orders(_) => return Err(Error::failed("tables of diffraction orders are not rendered yet")),
-        };
-        Ok(Self { channels, reflectance })
+        match table {
+            Table::Mirror(mirror) => {
+                let (channels, values) = channels_and_values(table, spectral)?;
+                Ok(Self { channels, reflectance: Reflectance::Mirror { theta_deg: mirror.theta_deg.clone(), values } })
+            }
+            Table::Scatter(scatter) => {
+                let (channels, values) = channels_and_values(table, spectral)?;
+                Ok(Self { channels, reflectance: Reflectance::Scatter { layout: scatter.layout, values } })
+            }
+            Table::Orders(orders) => {
+                let reflectance = Reflectance::Orders(OrderSurface::new(orders, spectral)?);
+                Ok(Self { channels: Channels::rgb(), reflectance })
+            }
+        }
     }
 
     /// The channels in which light is traced.
@@ -65,8 +70,13 @@ impl Surface {
     /// # Errors
     /// A surface that is black in every channel.
     pub fn check_not_black(&self) -> Result<()> {
-        let (Reflectance::Mirror { values, .. } | Reflectance::Scatter { values, .. }) = &self.reflectance;
-        if values.iter().all(|&x| x == 0.0) {
+        let black = match &self.reflectance {
+            Reflectance::Mirror { values, .. } | Reflectance::Scatter { values, .. } => {
+                values.iter().all(|&x| x == 0.0)
+            }
+            Reflectance::Orders(orders) => orders.is_black(),
+        };
+        if black {
             return Err(Error::failed("the table reflects nothing, the picture would be black; estimate it anew"));
         }
         Ok(())
@@ -82,7 +92,19 @@ impl Surface {
                 let sampler = ScatterSampler::new(&table, memory).map_err(Error::failed)?;
                 Ok(Prepared::Scatter { table, sampler })
             }
+            Reflectance::Orders(orders) => Ok(Prepared::Orders(orders.shading()?)),
         }
+    }
+}
+
+/// The channels of a table, and its values in each of them.
+fn channels_and_values(table: &Table, spectral: bool) -> Result<(Channels, Vec<f32>)> {
+    let metadata = table.metadata();
+    if spectral {
+        let channels = Channels::spectral(table.wavelength_nm(), metadata.illuminant(), metadata.screen_space())?;
+        Ok((channels, table.spectra()?))
+    } else {
+        Ok((Channels::rgb(), metadata.screen_rgb(table.rgb()?).into_flattened()))
     }
 }
 

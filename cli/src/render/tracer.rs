@@ -3,7 +3,7 @@
 //! At each hit the surface frame is turned to the viewer: both sides of a sheet carry the same structure. A mirror-like
 //! table reflects the ray once, L = ρ(θ) E(mirror direction). For other tables, directions are sampled by the table
 //! and, where the light is not the same everywhere, by the environment; the balance heuristic (Veach 1997) combines the
-//! two.
+//! two. Diffraction orders come from directions of their own, which are all looked up.
 //!
 //! A reflected ray that hits the body again is reflected again, up to a number of reflections. From the last of them
 //! the environment is seen as if the body did not block it: with one reflection, the body does not see itself at all.
@@ -75,10 +75,15 @@ impl Tracer<'_> {
     pub fn trace(&self, eye: DVec3, direction: DVec3, stream: &mut SampleStream, scratch: &mut Scratch) -> bool {
         let Some(hit) = self.body.intersect(eye, direction) else { return false };
         scratch.throughput.fill(1.0);
-        match self.surface {
+        match &self.surface {
             Prepared::Mirror { theta_deg, values } => self.trace_mirror(theta_deg, values, hit, direction, scratch),
             Prepared::Scatter { table, sampler } => {
-                self.trace_scatter(&table, &sampler, hit, direction, stream, scratch);
+                self.trace_scatter(table, sampler, hit, direction, stream, scratch);
+            }
+            Prepared::Orders(orders) => {
+                let frame = hit.frame.facing(-direction);
+                let rgb = orders.radiance(&frame, above(frame.to_local(-direction)), self.environment);
+                scratch.radiance.iter_mut().zip(rgb).for_each(|(sum, c)| *sum += c);
             }
         }
         true

@@ -172,6 +172,12 @@ impl<'a> OrderTable<'a> {
         self.wavelength_nm.at(wavelength)
     }
 
+    /// Refractive index of the medium above at this wavelength; 0 beyond the last.
+    #[must_use]
+    pub fn index(&self, wavelength: usize) -> f32 {
+        self.index.at(wavelength)
+    }
+
     /// Linear RGB that a reflectance of 1 at this wavelength adds to a colour; 0 beyond the last wavelength.
     #[must_use]
     pub fn rgb_weight(&self, wavelength: usize) -> [f32; 3] {
@@ -253,22 +259,34 @@ impl<'a> OrderView<'a> {
         wavelength_in_medium_nm: f32,
         strength: impl FnOnce() -> f32,
     ) -> Option<DiffractedLight> {
-        let numbers @ [m, n] = self.table.numbers(order)?;
+        let numbers = self.table.numbers(order)?;
+        let direction = self.towards(order, wavelength_in_medium_nm)?;
+        let cosines = if numbers == [0.0; 2] { 1.0 } else { direction.z * self.wo.z };
+        Some(DiffractedLight { direction, efficiency: strength() * cosines })
+    }
+
+    /// Unit vector towards the light of an order, for any wavelength in the medium above. `None` where the order is
+    /// evanescent, or if the table has no such order.
+    #[must_use]
+    #[inline]
+    pub fn towards(&self, order: usize, wavelength_in_medium_nm: f32) -> Option<Vec3> {
+        let [m, n] = self.table.numbers(order)?;
         let [x, y] = self.table.layout.period_nm();
         let (x, y) = (m * wavelength_in_medium_nm / x - self.wo.x, n * wavelength_in_medium_nm / y - self.wo.y);
         let up_squared = 1.0 - x * x - y * y;
         // NaN travels nowhere.
         let travels = up_squared > 0.0;
-        travels.then(|| {
-            let direction = Vec3::new(x, y, libm::sqrtf(up_squared));
-            let cosines = if numbers == [0.0; 2] { 1.0 } else { direction.z * self.wo.z };
-            DiffractedLight { direction, efficiency: strength() * cosines }
-        })
+        travels.then(|| Vec3::new(x, y, libm::sqrtf(up_squared)))
     }
 
-    /// Strength of an order for light from the viewer's direction.
+    /// Strength of an order for light from the viewer's direction, evanescent or not; 0 if the table has no such order
+    /// or wavelength.
+    #[must_use]
     #[inline]
-    fn strength(&self, wavelength: usize, order: usize) -> f32 {
+    pub fn strength(&self, wavelength: usize, order: usize) -> f32 {
+        if wavelength >= self.table.wavelength_count() || order >= self.table.order_count() {
+            return 0.0;
+        }
         let first = wavelength * self.stride + order;
         self.nodes.iter().map(|node| node.weight * self.table.strength.at(first + node.index)).sum()
     }

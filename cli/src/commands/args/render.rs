@@ -20,14 +20,15 @@ pub struct RenderArgs {
     /// The picture: .exr (scene-linear R, G, B, A) or .png
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// The light: white (1 from everywhere), studio (built in, neutral), or a lat-long image (.exr or Radiance .hdr)
-    #[arg(long, value_name = "white|studio|FILE", default_value = "studio")]
+    /// The light: white (1 from everywhere), studio (built in, neutral), lamp (small and round; lamp:ELEVATION,AZIMUTH,
+    /// DIAMETER in degrees), or a lat-long image (.exr or Radiance .hdr)
+    #[arg(long, value_name = "white|studio|lamp|FILE", default_value = "studio")]
     pub env: String,
     /// Turn the light about the vertical, in degrees, counter-clockwise as seen from above
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub env_turn: f64,
-    /// The lit body: teapot, sphere (exact), plane, or an OBJ with z up
-    #[arg(long, value_name = "teapot|sphere|plane|FILE", default_value = "teapot")]
+    /// The lit body: teapot, sphere (exact), plane, disc (a ring with circular tracks), or an OBJ with z up
+    #[arg(long, value_name = "teapot|sphere|plane|disc|FILE", default_value = "teapot")]
     pub mesh: String,
     /// Which way is up in the OBJ
     #[arg(long, value_enum, default_value_t = Axes::ZUp)]
@@ -45,6 +46,9 @@ pub struct RenderArgs {
     /// is traced from part to part; the last part sees the environment as if nothing stood in between
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub reflections: u32,
+    /// Diffraction orders: the standard deviation of their width, in degrees; 0 is sharp
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
+    pub spread: f64,
     /// Shade each wavelength of the table and then integrate, with the environment's RGB turned into smooth spectra;
     /// without this option RGB is shaded
     #[arg(long)]
