@@ -40,13 +40,15 @@ impl Side {
 /// Half-space beside an interface, by its truncated modes.
 #[derive(Debug)]
 pub(super) struct HalfSpace {
-    side: Side,
+    pub side: Side,
     /// Vertical wavevector of each order.
-    k_z: Vec<Complex64>,
+    pub k_z: Vec<Complex64>,
     /// Matrix Y with q = Yψ for fields that leave.
     pub outgoing: Matrix,
+    /// Travelling orders that leave.
     leaving: PlaneWaves,
-    arriving: PlaneWaves,
+    /// Travelling modes that arrive.
+    arriving: Fields,
 }
 
 /// Plane waves of amplitude 1 within the truncation: the flux-orthogonal combinations of travelling modes that are
@@ -79,24 +81,24 @@ impl HalfSpace {
             let of = ranked.iter().filter(|(value, _)| rank.contains(&(direction * value)));
             select(&modes.fields, &of.map(|&(_, i)| i).collect::<Vec<_>>())
         };
-        let plane_waves = |orders: Vec<usize>, direction: f64| {
-            let waves = orders.into_iter().filter(|&i| k_z[i].im == 0.0).map(|i| (i, k_z[i].re)).collect();
-            let sign = direction * side.sign();
-            PlaneWaves::new(interface, &travelling(direction), waves, side.origin(interface), sign)
-        };
-        let leaving = plane_waves((0..n).collect(), 1.0)?;
-        let arriving = plane_waves(vec![n / 2], -1.0)?;
+        let orders = (0..n).filter(|&i| k_z[i].im == 0.0).map(|i| (i, k_z[i].re)).collect();
+        let leaving = PlaneWaves::new(interface, &travelling(1.0), orders, side.origin(interface), side.sign())?;
+        let arriving = travelling(-1.0);
         Ok(Self { side, k_z, outgoing, leaving, arriving })
     }
 
-    /// Plane wave of order 0 that arrives with amplitude 1, in Fourier coefficients.
-    pub fn arriving(&self, interface: &Interface) -> Fields {
-        if !self.arriving.orders.is_empty() {
-            return self.arriving.fields.clone();
+    /// Plane wave of one order that arrives with amplitude 1, in Fourier coefficients.
+    ///
+    /// # Errors
+    /// [`WaveError::Singular`] if a number is not finite.
+    pub fn arriving(&self, interface: &Interface, order: usize) -> Result<Fields, WaveError> {
+        let (origin, sign) = (self.side.origin(interface), -self.side.sign());
+        let waves = PlaneWaves::new(interface, &self.arriving, vec![(order, self.k_z[order].re)], origin, sign)?;
+        if !waves.orders.is_empty() {
+            return Ok(waves.fields);
         }
-        let order = interface.orders() / 2;
-        let wave = (interface.k_x[order], -self.side.sign() * self.k_z[order]);
-        interface.analyse(&interface.plane_waves(&[wave], self.side.origin(interface)))
+        let wave = (interface.k_x[order], sign * self.k_z[order]);
+        Ok(interface.analyse(&interface.plane_waves(&[wave], origin)))
     }
 
     /// Amplitudes of the orders, as rows, of fields that leave, given in Fourier coefficients as columns.

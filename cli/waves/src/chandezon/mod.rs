@@ -19,18 +19,57 @@ use interface::{Fields, Interface};
 use path::Path;
 
 /// Least |γ²| = |ε − k_y²| of a half-space, relative to |ε|. At γ² = 0 the components along y do not determine the
-/// field. At this distance, ε is wrong by as much, and the other components lose half of the digits.
+/// field. At this distance ε is wrong by as much, and the other components lose half of the digits.
 const MIN_GAMMA_SQUARED: f64 = 1e-8;
 
-/// Interface prepared for one wavelength, one k_x and a number of orders.
+/// Orders M for each oscillation of the fastest wave along the interface, and beyond these, of [`enough_orders`].
+const ORDERS_PER_OSCILLATION: f64 = 1.3;
+const MORE_ORDERS: f64 = 5.0;
+/// Largest M for which [`suits`] takes the method: its eigenproblems have 242 rows.
+const MAX_ORDER: usize = 60;
+/// Largest height of an interface, in periods, for which [`suits`] takes the method.
+const MAX_HEIGHT: f64 = 2.0;
+
+/// Estimate of the largest order M that efficiencies need to be right to about 1e-3.
 ///
-/// The eigenproblem of each half-space depends on k_x and on k_y², so each [`Self::response`] solves two eigenproblems
-/// of twice the number of orders.
+/// Of 299 random polygons of 2 to 7 corners, up to 10 wavelengths long and 1.5 periods high, efficiencies changed by less
+/// than 1e-3 for 90 % from this M to 1.5 times as many orders, by 1e-5 in the median, and by up to 0.05 for jagged metals
+/// with narrow grooves.
+///
+/// # Errors
+/// [`WaveError::Profile`] or [`WaveError::Light`] if an argument is out of its domain.
+pub fn enough_orders(graph: &Graph, wavelength_nm: f64) -> Result<usize, WaveError> {
+    Ok(orders_for(graph, &path(graph, wavelength_nm)?))
+}
+
+/// Whether the method is trusted for an interface: it is at most two periods high, and [`enough_orders`] is at most 60.
+/// Rounding errors grow with the height: 3e-9 at one period and 101 orders.
+#[must_use]
+pub fn suits(graph: &Graph, wavelength_nm: f64) -> bool {
+    let Ok(path) = path(graph, wavelength_nm) else { return false };
+    let [bottom, top] = path.heights;
+    top - bottom <= MAX_HEIGHT * path.period && orders_for(graph, &path) <= MAX_ORDER
+}
+
+/// Path of an interface.
+fn path(graph: &Graph, wavelength_nm: f64) -> Result<Path, WaveError> {
+    graph.check()?;
+    if !(wavelength_nm > 0.0 && wavelength_nm.is_finite()) {
+        return Err(WaveError::Light);
+    }
+    Ok(Path::new(graph, std::f64::consts::TAU / wavelength_nm))
+}
+
+fn orders_for(graph: &Graph, path: &Path) -> usize {
+    let oscillations = graph.above.max(graph.below.re) * path.stretched / std::f64::consts::TAU;
+    (ORDERS_PER_OSCILLATION * oscillations + MORE_ORDERS).ceil() as usize
+}
+
+/// Interface prepared for one wavelength, one k_x and a number of orders.
 #[derive(Clone, Debug)]
 pub struct GraphModes {
     interface: Interface,
-    above: f64,
-    below: Complex64,
+    half_spaces: [Complex64; 2],
     max_order: usize,
 }
 
@@ -41,16 +80,14 @@ impl GraphModes {
     /// [`WaveError::Profile`] or [`WaveError::Light`] if an argument is out of its domain, [`WaveError::Singular`] if the
     /// equations have no finite solution.
     pub fn new(graph: &Graph, wavelength_nm: f64, kx0: f64, max_order: usize) -> Result<Self, WaveError> {
-        graph.check()?;
-        if !(wavelength_nm > 0.0 && wavelength_nm.is_finite() && kx0.is_finite()) {
+        if !kx0.is_finite() {
             return Err(WaveError::Light);
         }
-        let path = Path::new(graph, std::f64::consts::TAU / wavelength_nm);
-        let interface = Interface::new(path, kx0, max_order)?;
-        Ok(Self { interface, above: graph.above, below: graph.below, max_order })
+        let interface = Interface::new(path(graph, wavelength_nm)?, kx0, max_order)?;
+        Ok(Self { interface, half_spaces: [Complex64::from(graph.above), graph.below], max_order })
     }
 
-    /// Orders for light of the tangential wavevector k_y in units of k₀.
+    /// Orders for light of tangential wavevector (k_x0, `ky`), in s and in p.
     ///
     /// Phases are 0 at x = y = 0, at the top of the interface for the light that arrives and for reflected orders, and at
     /// its bottom for transmitted orders.
@@ -59,58 +96,88 @@ impl GraphModes {
     /// [`WaveError::Light`] if the light does not travel in the half-space above, [`WaveError::Singular`] if the
     /// equations have no finite solution.
     pub fn response(&self, ky: f64) -> Result<Response, WaveError> {
-        let interface = &self.interface;
-        let n = interface.orders();
-        let q = [interface.k_x[self.max_order], ky];
-        let vertical = fields::vertical(self.above.into(), q).re;
-        // Infinities and NaN fail too.
-        if !(q[0].hypot(q[1]) < self.above && vertical > 0.0) {
+        self.check(0, ky)?;
+        self.waves(ky)?.response_at(0)
+    }
+
+    /// Waves of both half-spaces at one k_y: two eigenproblems of twice the number of orders. They serve light in any
+    /// order of the truncation.
+    ///
+    /// # Errors
+    /// [`WaveError::Light`] if `ky` is not finite, [`WaveError::Singular`] if the equations have no finite solution.
+    pub fn waves(&self, ky: f64) -> Result<GraphWaves<'_>, WaveError> {
+        if !ky.is_finite() {
             return Err(WaveError::Light);
         }
-        let epsilon = [Complex64::from(self.above), self.below].map(|eta| eta * eta);
-        let gamma2 = epsilon.map(|epsilon| {
+        let media = self.half_spaces.map(|eta| {
+            let epsilon = eta * eta;
             let gamma2 = epsilon - ky * ky;
             let least = MIN_GAMMA_SQUARED * epsilon.norm();
-            if gamma2.norm() >= least { gamma2 } else { Complex64::from(least.copysign(gamma2.re)) }
+            let gamma2 = if gamma2.norm() >= least { gamma2 } else { Complex64::from(least.copysign(gamma2.re)) };
+            Medium { eta, epsilon: gamma2 + ky * ky, gamma2 }
         });
-        let epsilon = gamma2.map(|gamma2| gamma2 + ky * ky);
-        let half_spaces = [Complex64::from(self.above), self.below];
-        let half_space = |medium: usize, side| {
-            let k_z = interface.k_x.iter().map(|&k_x| fields::vertical(half_spaces[medium], [k_x, ky])).collect();
-            HalfSpace::new(interface, gamma2[medium], k_z, side)
+        let half_space = |side| {
+            let Medium { eta, gamma2, .. } = media[usize::from(side == Side::Below)];
+            let k_z = self.interface.k_x.iter().map(|&k_x| fields::vertical(eta, [k_x, ky])).collect();
+            HalfSpace::new(&self.interface, gamma2, k_z, side)
         };
-        let [above, below] = [half_space(0, Side::Above)?, half_space(1, Side::Below)?];
+        Ok(GraphWaves { modes: self, ky, media, above: half_space(Side::Above)?, below: half_space(Side::Below)? })
+    }
 
-        let incident = fields::incident(self.above, q, vertical);
-        let light = above.arriving(interface);
+    /// Tangential wavevector of an order, |`shift`| ≤ M, that travels in the half-space above, and its k_z there.
+    fn check(&self, shift: i32, ky: f64) -> Result<(usize, [f64; 2], f64), WaveError> {
+        let order = i64::from(shift) + self.max_order as i64;
+        let order = usize::try_from(order).ok().filter(|&i| i < self.interface.orders()).ok_or(WaveError::Light)?;
+        let q = [self.interface.k_x[order], ky];
+        let vertical = fields::vertical(self.half_spaces[0], q).re;
+        // Infinities and NaN fail too.
+        let travels = q[0].hypot(q[1]) < self.half_spaces[0].re && vertical > 0.0;
+        if travels { Ok((order, q, vertical)) } else { Err(WaveError::Light) }
+    }
+}
+
+/// Medium of a half-space at one k_y, by its index, ε and γ² = ε − k_y².
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Medium {
+    eta: Complex64,
+    epsilon: Complex64,
+    gamma2: Complex64,
+}
+
+/// Waves of both half-spaces of an interface at one k_x0 and one k_y, see [`GraphModes::waves`].
+#[derive(Debug)]
+pub struct GraphWaves<'a> {
+    modes: &'a GraphModes,
+    ky: f64,
+    /// Above, and below.
+    media: [Medium; 2],
+    above: HalfSpace,
+    below: HalfSpace,
+}
+
+impl GraphWaves<'_> {
+    /// Orders for light of tangential wavevector (k_x0 + `shift` λ/Λ, k_y), |`shift`| ≤ M. Orders are counted from that
+    /// light: numbers −M − `shift`…M − `shift`.
+    ///
+    /// # Errors
+    /// [`WaveError::Light`] if there is no such order or it does not travel in the half-space above,
+    /// [`WaveError::Singular`] if the equations have no finite solution.
+    pub fn response_at(&self, shift: i32) -> Result<Response, WaveError> {
+        let interface = &self.modes.interface;
+        let n = interface.orders();
+        let (order, q, vertical) = self.modes.check(shift, self.ky)?;
+        let incident = fields::incident(self.modes.half_spaces[0].re, q, vertical);
+        let light = self.above.arriving(interface, order)?;
         // Yψ − q of the light: what the reflected field must add.
-        let excess = product(above.outgoing.as_ref(), light.psi.as_ref()) - &light.q;
+        let excess = product(self.above.outgoing.as_ref(), light.psi.as_ref()) - &light.q;
 
-        // Unknowns: E_y, then H_y, on the interface. Continuity of H_u gives the first n equations, of E_u the others:
-        //   γ² H_u = −k_y αH_y − εq(E_y)          γ² E_u = −k_y αE_y + q(H_y)
-        let weight = [gamma2[1], gamma2[0]];
-        let equations = Matrix::from_fn(2 * n, 2 * n, |row, column| {
-            let [i, j] = [row % n, column % n];
-            let [electric_row, electric_column] = [row < n, column < n];
-            if electric_row == electric_column {
-                let [a, b] = if electric_row { [0, 1].map(|k| weight[k] * epsilon[k]) } else { weight };
-                a * above.outgoing[(i, j)] - b * below.outgoing[(i, j)]
-            } else if i == j {
-                let coupling = (gamma2[1] - gamma2[0]) * ky * interface.alpha(i);
-                if electric_row { coupling } else { -coupling }
-            } else {
-                Complex64::ZERO
-            }
-        });
+        let weight = [self.media[1].gamma2, self.media[0].gamma2];
         let right = Matrix::from_fn(2 * n, 2, |row, column| {
             let Tangential { electric, magnetic } = incident[column];
-            if row < n {
-                weight[0] * epsilon[0] * electric[1] * excess[(row, 0)]
-            } else {
-                weight[0] * magnetic[1] * excess[(row - n, 0)]
-            }
+            let amplitude = if row < n { self.media[0].epsilon * electric[1] } else { magnetic[1] };
+            weight[0] * amplitude * excess[(row % n, 0)]
         });
-        let solution = solve(&equations, &right)?;
+        let solution = solve(&self.equations(weight), &right)?;
         // Columns: E_y for light in s, E_y in p, H_y in s, H_y in p.
         let transmitted = Matrix::from_fn(n, 4, |row, column| solution[(row + n * (column / 2), column % 2)]);
         let reflected = Matrix::from_fn(n, 4, |row, column| {
@@ -118,30 +185,58 @@ impl GraphModes {
             let amplitude = if column < 2 { electric[1] } else { magnetic[1] };
             transmitted[(row, column)] - amplitude * light.psi[(row, 0)]
         });
-        let orders = |medium: usize, side: Side, half_space: &HalfSpace, psi: Matrix| {
-            let q = product(half_space.outgoing.as_ref(), psi.as_ref());
-            let amplitudes = half_space.amplitudes(interface, &Fields { psi, q });
-            let of_order = |i: usize| {
-                let q = [interface.k_x[i], ky];
-                let k_z = side.sign() * fields::vertical(half_spaces[medium], q);
-                let fields = [0, 1].map(|polarisation| {
-                    let [electric, magnetic] = [0, 2].map(|field| amplitudes[(i, polarisation + field)]);
-                    let [e_x, h_x] = [k_z * magnetic, -k_z * epsilon[medium] * electric];
-                    let e_x = (e_x - q[0] * ky * electric) / gamma2[medium];
-                    let h_x = (h_x - q[0] * ky * magnetic) / gamma2[medium];
-                    Tangential { electric: [e_x, electric], magnetic: [h_x, magnetic] }
-                });
-                fields::order([i as i32 - self.max_order as i32, 0], half_spaces[medium], q, fields)
-            };
-            let orders: Vec<Order> = (0..n).map(of_order).collect();
-            let finite = |order: &Order| order.jones.as_flattened().iter().all(|amplitude| amplitude.is_finite());
-            if orders.iter().all(finite) { Ok(orders) } else { Err(WaveError::Singular) }
-        };
         Ok(Response {
             incident_vertical: vertical,
-            half_spaces,
-            reflected: orders(0, Side::Above, &above, reflected)?,
-            transmitted: orders(1, Side::Below, &below, transmitted)?,
+            half_spaces: self.modes.half_spaces,
+            reflected: self.orders(&self.above, reflected, shift)?,
+            transmitted: self.orders(&self.below, transmitted, shift)?,
         })
+    }
+
+    /// Matrix of the unknowns E_y, then H_y, on the interface. Continuity of H_u gives the first n rows, of E_u the
+    /// others, both times the γ² of both media, of which `weight` holds that of the other medium:
+    ///
+    /// ```text
+    /// γ² H_u = −k_y αH_y − εq(E_y)          γ² E_u = −k_y αE_y + q(H_y)
+    /// ```
+    fn equations(&self, weight: [Complex64; 2]) -> Matrix {
+        let interface = &self.modes.interface;
+        let n = interface.orders();
+        Matrix::from_fn(2 * n, 2 * n, |row, column| {
+            let [i, j] = [row % n, column % n];
+            if (row < n) == (column < n) {
+                let factor = |k: usize| if row < n { weight[k] * self.media[k].epsilon } else { weight[k] };
+                factor(0) * self.above.outgoing[(i, j)] - factor(1) * self.below.outgoing[(i, j)]
+            } else if i == j {
+                let coupling = (weight[0] - weight[1]) * self.ky * interface.alpha(i);
+                if row < n { coupling } else { -coupling }
+            } else {
+                Complex64::ZERO
+            }
+        })
+    }
+
+    /// Orders of the fields that leave into a half-space, columns as in [`Self::response_at`].
+    fn orders(&self, half_space: &HalfSpace, psi: Matrix, shift: i32) -> Result<Vec<Order>, WaveError> {
+        let interface = &self.modes.interface;
+        let Medium { eta, epsilon, gamma2 } = self.media[usize::from(half_space.side == Side::Below)];
+        let q = product(half_space.outgoing.as_ref(), psi.as_ref());
+        let amplitudes = half_space.amplitudes(interface, &Fields { psi, q });
+        let last = i32::try_from(self.modes.max_order).unwrap_or(i32::MAX);
+        let of_order = |(i, m): (usize, i32)| {
+            let q = [interface.k_x[i], self.ky];
+            let k_z = half_space.side.sign() * half_space.k_z[i];
+            let fields = [0, 1].map(|polarisation| {
+                let [electric, magnetic] = [0, 2].map(|field| amplitudes[(i, polarisation + field)]);
+                let cross = q[0] * q[1];
+                let e_x = (k_z * magnetic - cross * electric) / gamma2;
+                let h_x = (-k_z * epsilon * electric - cross * magnetic) / gamma2;
+                Tangential { electric: [e_x, electric], magnetic: [h_x, magnetic] }
+            });
+            fields::order([m - shift, 0], eta, q, fields)
+        };
+        let orders: Vec<Order> = (-last..=last).enumerate().map(of_order).collect();
+        let finite = |order: &Order| order.jones.as_flattened().iter().all(|amplitude| amplitude.is_finite());
+        if orders.iter().all(finite) { Ok(orders) } else { Err(WaveError::Singular) }
     }
 }

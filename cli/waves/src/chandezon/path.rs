@@ -26,6 +26,8 @@ pub(super) struct Path {
     pub period: f64,
     /// Lowest and highest z.
     pub heights: [f64; 2],
+    /// Length of the path at the highest speed between corners: what the Fourier series must resolve.
+    pub stretched: f64,
 }
 
 /// Straight piece of a path, with the parameter s from 0 to 1: u = `start` + `width` s, and the velocity by u is
@@ -101,7 +103,7 @@ impl Path {
         let heights = sides.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], side| {
             [low.min(side.from[1]), high.max(side.from[1])]
         });
-        Self { pieces, period, heights }
+        Self { pieces, period, heights, stretched: end }
     }
 
     /// Coefficients of exp(2πi n u) in the derivatives of x and z by u.
