@@ -59,7 +59,7 @@ where
         max_order = if next + next / 4 >= goal.limit { goal.limit } else { next };
         let finer = solve(max_order)?;
         let found = largest_change(&responses, &finer);
-        error_bar = if change.is_finite() {
+        error_bar = if change.is_finite() && change > 0.0 {
             remaining(found.max(MIN_CHANGE * change), found / change)
         } else {
             remaining(found, MAX_RATIO)
@@ -72,8 +72,7 @@ where
 
 /// Sum of all changes after `change`, each `ratio` times the one before.
 fn remaining(change: f64, ratio: f64) -> f64 {
-    // NaN where no change was followed by none.
-    let ratio = ratio.max(MIN_RATIO).min(MAX_RATIO);
+    let ratio = ratio.clamp(MIN_RATIO, MAX_RATIO);
     change * ratio / (1.0 - ratio)
 }
 

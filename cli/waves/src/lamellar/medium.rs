@@ -8,6 +8,8 @@
 //!
 //! None of φ, ψ, D, G and L contains k_y. In a uniform medium φ, ψ and D are the unit matrix, and G and L are 0.
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use crate::error::WaveError;
@@ -46,12 +48,13 @@ pub(super) struct Modal {
 }
 
 impl Modal {
-    /// Decomposes a pattern of several media, whose tangential wavevectors along x are `kx`. Follows Li (1996), "Use of
+    /// Decomposes a pattern of several media from the edges `edges`, in shares of the period; the tangential wavevectors of
+    /// the orders along x are `kx`. Follows Li (1996), "Use of
     /// Fourier series in the analysis of discontinuous periodic structures": E_x jumps at the edges, D_x does not.
     ///
     /// # Errors
     /// [`WaveError::Singular`] if a decomposition or an inverse is not finite.
-    pub fn new(period: f64, edges: &[f64], eta: &[Complex64], kx: &[f64]) -> Result<Self, WaveError> {
+    pub fn new(edges: &[f64], eta: &[Complex64], kx: &[f64]) -> Result<Self, WaveError> {
         let max_order = kx.len() / 2;
         let epsilon: Vec<Complex64> = eta.iter().map(|eta| eta * eta).collect();
         let reciprocal: Vec<Complex64> = epsilon.iter().map(|epsilon| epsilon.inv()).collect();
@@ -60,7 +63,7 @@ impl Modal {
         // Positive real ε makes both problems Hermitian: faster, and κ² is exactly real.
         let lossless = epsilon.iter().all(|epsilon| epsilon.im == 0.0 && epsilon.re > 0.0);
 
-        let e = toeplitz(period, edges, &epsilon, max_order);
+        let e = toeplitz(1.0, edges, &epsilon, max_order);
         let e_inverse_k = {
             let mut of = inverse(&e)?;
             scale_columns(&mut of, &k);
@@ -76,7 +79,7 @@ impl Modal {
         for (i, k) in k.iter().enumerate() {
             helmholtz[(i, i)] -= k * k;
         }
-        let b = toeplitz(period, edges, &reciprocal, max_order);
+        let b = toeplitz(1.0, edges, &reciprocal, max_order);
 
         let (second, psi_inverse);
         let (first, phi_inverse, d, d_inverse);
@@ -124,6 +127,35 @@ impl Modal {
             l,
         })
     }
+
+    /// Modes of the pattern moved along x by `shift` periods: each order of each mode gets a phase.
+    pub fn shifted(&self, shift: f64) -> Self {
+        let n = self.phi.nrows();
+        let phase = |i: usize| Complex64::cis(-TAU * shift * (i as f64 - (n / 2) as f64));
+        let phases: Vec<Complex64> = (0..n).map(phase).collect();
+        let conjugates: Vec<Complex64> = phases.iter().map(Complex64::conj).collect();
+        let rows = |matrix: &Matrix| {
+            let mut of = matrix.clone();
+            scale_rows(&mut of, &phases);
+            of
+        };
+        let columns = |matrix: &Matrix| {
+            let mut of = matrix.clone();
+            scale_columns(&mut of, &conjugates);
+            of
+        };
+        Self {
+            kappa_squared: self.kappa_squared.clone(),
+            phi: rows(&self.phi),
+            phi_inverse: columns(&self.phi_inverse),
+            psi: rows(&self.psi),
+            psi_inverse: columns(&self.psi_inverse),
+            d: rows(&self.d),
+            d_inverse: columns(&self.d_inverse),
+            g: rows(&self.g),
+            l: rows(&self.l),
+        }
+    }
 }
 
 /// Waves of a pattern at one k_y. The first N are the modes of the first kind, or E_x of uniform media; the others the
@@ -134,6 +166,8 @@ pub(super) struct Waves {
     pub vertical: Vec<Complex64>,
     /// e₂ per s of the second half; e₁ = s of the first.
     pub electric: Vec<Complex64>,
+    /// Inverse of `electric`.
+    pub from_electric: Vec<Complex64>,
     /// (h₁, h₂) of each row from δ of both halves.
     pub magnetic: Vec<[[Complex64; 2]; 2]>,
     /// Inverse of `magnetic`.
@@ -168,7 +202,8 @@ impl Waves {
             [[d * factor, -b * factor], [-c * factor, a * factor]]
         });
         let from_magnetic = from_magnetic.collect();
-        Self { vertical, electric, magnetic, from_magnetic }
+        let from_electric = electric.iter().map(|factor| factor.inv()).collect();
+        Self { vertical, electric, from_electric, magnetic, from_magnetic }
     }
 }
 

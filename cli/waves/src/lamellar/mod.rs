@@ -12,7 +12,7 @@ use num_complex::Complex64;
 
 use crate::error::WaveError;
 use crate::fields::{Tangential, admittance, incident, order, vertical};
-use crate::profile::Profile;
+use crate::profile::{Profile, Slice};
 use crate::response::{Order, Response};
 
 use medium::{Interface, Modal, Pattern, Waves};
@@ -22,6 +22,10 @@ use recursion::{Column, Layer, propagate, propagate_apart};
 /// proportional to k_y, so that amplitudes lose at most some of these.
 const MAX_APART: f64 = 1e-12;
 
+/// Distance of edges, as a share of the period, that is rounding of their positions and widths. Efficiencies change by no
+/// more than some of it.
+const MAX_EDGE_DIFFERENCE: f64 = 1e-12;
+
 /// Modes of all slices of a profile at one wavelength and one k_x. They serve every k_y.
 #[derive(Debug)]
 pub struct Modes {
@@ -30,6 +34,7 @@ pub struct Modes {
     max_order: usize,
     /// Tangential wavevectors along x of orders −M…M, in units of k₀.
     kx: Vec<f64>,
+    decompositions: usize,
     /// Different patterns; the first two are the half-spaces.
     patterns: Vec<Pattern>,
     /// Interfaces between different pairs of patterns, `None` between two uniform media.
@@ -42,7 +47,7 @@ pub struct Modes {
 
 impl Modes {
     /// Decomposes the slices of `profile` for light of tangential wavevector (`kx0`, any k_y) in units of k₀, in orders
-    /// −`max_order`…`max_order`. Slices of equal edges and indices share one decomposition.
+    /// −`max_order`…`max_order`. Slices that are equal, or differ by a shift along x, share one decomposition.
     ///
     /// # Errors
     /// [`WaveError::Profile`] or [`WaveError::Light`] if an argument is out of its domain, [`WaveError::Singular`] if a
@@ -56,21 +61,26 @@ impl Modes {
         let kx: Vec<f64> = indices(max_order).map(|m| f64::from(m).mul_add(step, kx0)).collect();
         let mut patterns = vec![Pattern::Uniform(Complex64::from(profile.above)), Pattern::Uniform(profile.below)];
         let mut layers: Vec<(usize, f64)> = Vec::new();
-        let mut sources: Vec<(&[f64], &[Complex64])> = Vec::new();
+        let mut shapes: Vec<Shape> = Vec::new();
+        let mut decompositions = 0;
         for slice in &profile.slices {
-            let one_medium = slice.eta.iter().all(|&eta| eta == slice.eta[0]);
-            let edges = if one_medium { &[] } else { slice.edges_nm.as_slice() };
-            let eta = if one_medium { &slice.eta[..1] } else { slice.eta.as_slice() };
-            let source = (edges, eta);
-            let index = if let Some(found) = sources.iter().position(|known| *known == source) {
+            let shape = Shape::new(slice, profile.period_nm);
+            let shifts = || shapes.iter().map(|known| shape.shift_from(known));
+            let index = if let Some(found) = shifts().position(|shift| shift == Some(0.0)) {
                 found + 2
             } else {
-                sources.push(source);
-                patterns.push(if one_medium {
-                    Pattern::Uniform(eta[0])
+                patterns.push(if shape.media.len() == 1 {
+                    Pattern::Uniform(shape.media[0].1)
+                } else if let Some((found, shift)) = shifts().enumerate().find_map(|(i, shift)| Some((i, shift?)))
+                    && let Pattern::Modal(known) = &patterns[found + 2]
+                {
+                    Pattern::Modal(Box::new(known.shifted(shift)))
                 } else {
-                    Pattern::Modal(Box::new(Modal::new(profile.period_nm, edges, eta, &kx)?))
+                    decompositions += 1;
+                    let (edges, eta): (Vec<f64>, Vec<Complex64>) = shape.media.iter().copied().unzip();
+                    Pattern::Modal(Box::new(Modal::new(&edges, &eta, &kx)?))
                 });
+                shapes.push(shape);
                 patterns.len() - 1
             };
             let thickness = slice.thickness_nm * TAU / wavelength_nm;
@@ -93,13 +103,24 @@ impl Modes {
             joints.push(joint);
             upper = lower;
         }
-        Ok(Self { above: profile.above, below: profile.below, max_order, kx, patterns, interfaces, layers, joints })
+        Ok(Self {
+            above: profile.above,
+            below: profile.below,
+            max_order,
+            kx,
+            decompositions,
+            patterns,
+            interfaces,
+            layers,
+            joints,
+        })
     }
 
-    /// Number of decompositions: one for each different slice of several media.
+    /// Number of decompositions: one for each slice of several media that differs from the others by more than a shift
+    /// along x.
     #[must_use]
     pub fn decompositions(&self) -> usize {
-        self.patterns.iter().filter(|pattern| matches!(pattern, Pattern::Modal(_))).count()
+        self.decompositions
     }
 
     /// Orders for light of tangential wavevector (k_x0, `ky`), in s and in p.
@@ -168,6 +189,49 @@ impl Modes {
             order([m - shift, 0], eta, q, fields)
         };
         indices(self.max_order).enumerate().map(of_order).collect()
+    }
+}
+
+/// Media of a slice along x, in shares of the period.
+#[derive(Debug)]
+struct Shape {
+    /// Where each medium begins, and its index; neighbours differ.
+    media: Vec<(f64, Complex64)>,
+}
+
+impl Shape {
+    fn new(slice: &Slice, period: f64) -> Self {
+        let n = slice.eta.len();
+        let mut media: Vec<(f64, Complex64)> = (0..slice.edges_nm.len())
+            .filter(|&i| slice.eta[i] != slice.eta[(i + n - 1) % n])
+            .map(|i| (slice.edges_nm[i] / period, slice.eta[i]))
+            .collect();
+        if media.is_empty() {
+            media.push((0.0, slice.eta[0]));
+        }
+        Self { media }
+    }
+
+    /// Shift along x from `other` to this shape, in shares of the period, 0 where they are equal. `None` if they differ
+    /// otherwise.
+    fn shift_from(&self, other: &Self) -> Option<f64> {
+        let n = self.media.len();
+        if n != other.media.len() {
+            return None;
+        }
+        if n == 1 {
+            return (self.media[0].1 == other.media[0].1).then_some(0.0);
+        }
+        let turned = |turn: usize| {
+            let shift = self.media[turn].0 - other.media[0].0;
+            let same = (0..n).all(|i| {
+                let ((x, eta), (y, other_eta)) = (self.media[(i + turn) % n], other.media[i]);
+                let away = x - y - shift;
+                eta == other_eta && (away - away.round()).abs() <= MAX_EDGE_DIFFERENCE
+            });
+            same.then_some(if shift.abs() <= MAX_EDGE_DIFFERENCE { 0.0 } else { shift })
+        };
+        (0..n).find_map(turned)
     }
 }
 

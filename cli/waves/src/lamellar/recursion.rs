@@ -1,14 +1,16 @@
 //! Reflection matrices of stacks of layers, from the substrate upwards.
 
+use std::ops::Range;
+
 use faer::Accum;
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use num_complex::Complex64;
 
 use super::medium::{Interface, Waves};
 use crate::error::WaveError;
-use crate::linear::{Matrix, multiply_into, scale_columns, scale_rows};
+use crate::linear::{Matrix, multiply_into, product, scale_rows};
 
-/// Amplitudes of the 2N waves of a pattern for one incident polarisation.
+/// Amplitudes of the waves of a pattern for one incident polarisation.
 pub(super) type Column = Vec<Complex64>;
 
 /// Waves that leave a stack, for light in s and in p.
@@ -32,40 +34,20 @@ pub(super) struct Layer<'a> {
 
 impl Layer<'_> {
     /// exp(i k_z d) of some of the layer's waves.
-    fn phases(&self, waves: std::ops::Range<usize>) -> Vec<Complex64> {
+    fn phases(&self, waves: Range<usize>) -> Vec<Complex64> {
         let turn = Complex64::new(0.0, self.thickness);
         self.waves.vertical[waves].iter().map(|kz| (turn * kz).exp()).collect()
     }
 }
 
-/// What light meets at the lower side of a layer: u = `up` t and d = `down` t with any t.
-struct Seen {
+/// Waves at the lower side of a layer per light d that goes down below it: 2u = `up` d goes up, 2d' = `down` d down.
+struct Meeting {
     up: Matrix,
-    down: PartialPivLu<Complex64>,
+    down: Matrix,
 }
 
-impl Seen {
-    /// From s = u + d and −δ = d − u.
-    fn new(s: &Matrix, minus_delta: &Matrix) -> Self {
-        let half = faer::Scale(Complex64::from(0.5));
-        Self { up: (s - minus_delta) * half, down: ((s + minus_delta) * half).partial_piv_lu() }
-    }
-
-    /// Reflection matrix at the upper side of the layer.
-    fn reflection(&self, phases: &[Complex64]) -> Result<Matrix, WaveError> {
-        let mut r = self.up.clone();
-        self.down.rsolve_in_place(r.as_mut());
-        if !r.is_all_finite() {
-            return Err(WaveError::Singular);
-        }
-        scale_rows(&mut r, phases);
-        scale_columns(&mut r, phases);
-        Ok(r)
-    }
-}
-
-/// Waves that leave the stack for the electric fields (x, y) that arrive in its first layer, in
-/// order `arriving`, counted from 0.
+/// Waves that leave the stack for the electric fields (x, y) that arrive in its first layer, in order `arriving`, counted
+/// from 0.
 ///
 /// # Errors
 /// [`WaveError::Singular`] if a reflection matrix is not finite.
@@ -77,97 +59,12 @@ pub(super) fn propagate(
     light: [[Complex64; 2]; 2],
 ) -> Result<Leaving, WaveError> {
     let n = substrate.electric.len();
-    let mut below = substrate;
-    let mut r = Matrix::zeros(2 * n, 2 * n);
-    let mut seen: Vec<(Seen, Vec<Complex64>)> = Vec::with_capacity(stack.len());
-    for (i, layer) in stack.iter().enumerate().rev() {
-        let found = join(layer, below, ky, &r);
-        let phases = layer.phases(0..2 * n);
-        if i > 0 {
-            r = found.reflection(&phases)?;
-        }
-        seen.push((found, phases));
-        below = layer.waves;
-    }
-    let light = light.map(|electric| single(&[(arriving, electric[0]), (n + arriving, electric[1])], 2 * n));
-    Ok(leave(&seen, &light))
-}
-
-fn single(elements: &[(usize, Complex64)], length: usize) -> Column {
-    let mut column = vec![Complex64::ZERO; length];
-    for &(row, value) in elements {
-        column[row] = value;
-    }
-    column
-}
-
-/// Follows waves down a stack whose layers were seen from the lowest upwards.
-fn leave(seen: &[(Seen, Vec<Complex64>)], light: &[Column; 2]) -> Leaving {
-    let rows = light[0].len();
-    let mut down = Matrix::from_fn(rows, 2, |row, column| light[column][row]);
-    let mut up = Matrix::zeros(rows, 2);
-    for (i, (found, phases)) in seen.iter().rev().enumerate() {
-        scale_rows(&mut down, phases);
-        down = found.down.solve(&down);
-        if i == 0 {
-            multiply_into(up.as_mut(), Accum::Replace, found.up.as_ref(), down.as_ref(), Complex64::ONE);
-        }
-    }
-    let columns = |matrix: &Matrix| [0, 1].map(|column| matrix.col_as_slice(column).to_vec());
-    Leaving { up: columns(&up), down: columns(&down) }
-}
-
-/// Takes the reflection matrix `r` at the top of `below` through the interface at the lower side of `layer`.
-fn join(layer: &Layer<'_>, below: &Waves, ky: f64, r: &Matrix) -> Seen {
-    let n = below.electric.len();
-    let unit = |row: usize, column: usize| if row == column { Complex64::ONE } else { Complex64::ZERO };
-    let s = Matrix::from_fn(2 * n, 2 * n, |i, j| r[(i, j)] + unit(i, j));
-    let minus_delta = Matrix::from_fn(2 * n, 2 * n, |i, j| unit(i, j) - r[(i, j)]);
-    // (e₁, e₂) and (−h₁, −h₂) below the interface.
-    let mut e = s;
-    let mut h = minus_delta;
-    for column in 0..2 * n {
-        for (element, factor) in e.col_as_slice_mut(column)[n..].iter_mut().zip(&below.electric) {
-            *element *= factor;
-        }
-    }
-    mix(&mut h, &below.magnetic);
-    if let Some(interface) = layer.floor {
-        let ky = Complex64::from(ky);
-        let one = Complex64::ONE;
-        let mut e_above = Matrix::zeros(2 * n, 2 * n);
-        let (e1, e2) = e.as_ref().split_at_row(n);
-        let (out1, mut out2) = e_above.as_mut().split_at_row_mut(n);
-        multiply_into(out1, Accum::Replace, interface.e1.as_ref(), e1, one);
-        multiply_into(out2.as_mut(), Accum::Replace, interface.second.as_ref(), e2, one);
-        multiply_into(out2, Accum::Add, interface.e_cross.as_ref(), e1, ky);
-        let mut h_above = Matrix::zeros(2 * n, 2 * n);
-        let (h1, h2) = h.as_ref().split_at_row(n);
-        let (out1, mut out2) = h_above.as_mut().split_at_row_mut(n);
-        multiply_into(out1, Accum::Replace, interface.second.as_ref(), h1, one);
-        multiply_into(out2.as_mut(), Accum::Replace, interface.h2.as_ref(), h2, one);
-        multiply_into(out2, Accum::Add, interface.h_cross.as_ref(), h1, ky);
-        e = e_above;
-        h = h_above;
-    }
-    for column in 0..2 * n {
-        for (element, factor) in e.col_as_slice_mut(column)[n..].iter_mut().zip(&layer.waves.electric) {
-            *element /= factor;
-        }
-    }
-    mix(&mut h, &layer.waves.from_magnetic);
-    Seen::new(&e, &h)
-}
-
-/// Applies a 2 × 2 matrix to each pair of rows i and N + i.
-fn mix(matrix: &mut Matrix, factors: &[[[Complex64; 2]; 2]]) {
-    let n = factors.len();
-    for column in 0..matrix.ncols() {
-        let (first, second) = matrix.col_as_slice_mut(column).split_at_mut(n);
-        for ((x, y), [[xx, xy], [yx, yy]]) in first.iter_mut().zip(second).zip(factors) {
-            (*x, *y) = (xx * *x + xy * *y, yx * *x + yy * *y);
-        }
-    }
+    let light = Matrix::from_fn(2 * n, 2, |row, polarisation| match row {
+        _ if row == arriving => light[polarisation][0],
+        _ if row == n + arriving => light[polarisation][1],
+        _ => Complex64::ZERO,
+    });
+    climb(stack, substrate, 0..2 * n, light, |layer, below, r| join(layer, below, ky, r))
 }
 
 /// Waves that leave the stack as in [`propagate`], at k_y = 0, where s and p do not mix.
@@ -181,51 +78,171 @@ pub(super) fn propagate_apart(
     light: [[Complex64; 2]; 2],
 ) -> Result<Leaving, WaveError> {
     let n = substrate.electric.len();
-    let mut leaving = Leaving {
-        up: [vec![Complex64::ZERO; 2 * n], vec![Complex64::ZERO; 2 * n]],
-        down: [vec![Complex64::ZERO; 2 * n], vec![Complex64::ZERO; 2 * n]],
+    let [p, s] = [0, 1].map(|half| {
+        let light = Matrix::from_fn(
+            n,
+            2,
+            |row, polarisation| {
+                if row == arriving { light[polarisation][half] } else { Complex64::ZERO }
+            },
+        );
+        climb(stack, substrate, half * n..(half + 1) * n, light, |layer, below, r| join_half(half, layer, below, r))
+    });
+    let (p, s) = (p?, s?);
+    let both = |p: [Column; 2], s: [Column; 2]| {
+        let ([p0, p1], [s0, s1]) = (p, s);
+        [[p0, s0].concat(), [p1, s1].concat()]
     };
-    for half in 0..2 {
-        // e₁ and h₂ in the first half, e₂ and h₁ in the second.
-        let factors = |waves: &Waves| -> [Vec<Complex64>; 2] {
-            if half == 0 {
-                [vec![Complex64::ONE; n], waves.magnetic.iter().map(|rows| rows[1][0]).collect()]
-            } else {
-                [waves.electric.clone(), waves.magnetic.iter().map(|rows| rows[0][1]).collect()]
+    Ok(Leaving { up: both(p.up, s.up), down: both(p.down, s.down) })
+}
+
+/// Follows the reflection matrix of all that lies below up the stack, then `light` down. `join` takes the matrix at the
+/// top of the waves below through the lower side of a layer; `waves` are those of each pattern that take part.
+fn climb(
+    stack: &[Layer<'_>],
+    substrate: &Waves,
+    waves: Range<usize>,
+    light: Matrix,
+    join: impl Fn(&Layer<'_>, &Waves, &Matrix) -> Meeting,
+) -> Result<Leaving, WaveError> {
+    let mut below = substrate;
+    let mut r = Matrix::zeros(waves.len(), waves.len());
+    let mut passed: Vec<(PartialPivLu<Complex64>, Vec<Complex64>)> = Vec::with_capacity(stack.len());
+    let mut top = None;
+    for (i, layer) in stack.iter().enumerate().rev() {
+        let Meeting { up, down } = join(layer, below, &r);
+        let down = down.partial_piv_lu();
+        let phases = layer.phases(waves.clone());
+        if i == 0 {
+            top = Some(up);
+        } else {
+            r = up;
+            down.rsolve_in_place(r.as_mut());
+            if !scale(&mut r, &phases).is_finite() {
+                return Err(WaveError::Singular);
             }
-        };
-        let range = half * n..(half + 1) * n;
-        let mut below = factors(substrate);
-        let mut r = Matrix::zeros(n, n);
-        let mut seen = Vec::with_capacity(stack.len());
-        for (i, layer) in stack.iter().enumerate().rev() {
-            let unit = |row: usize, column: usize| if row == column { Complex64::ONE } else { Complex64::ZERO };
-            let mut e = Matrix::from_fn(n, n, |i, j| r[(i, j)] + unit(i, j));
-            let mut h = Matrix::from_fn(n, n, |i, j| unit(i, j) - r[(i, j)]);
-            scale_rows(&mut e, &below[0]);
-            scale_rows(&mut h, &below[1]);
-            if let Some(interface) = layer.floor {
-                let (electric, magnetic) =
-                    if half == 0 { (&interface.e1, &interface.h2) } else { (&interface.second, &interface.second) };
-                e = electric * e;
-                h = magnetic * h;
-            }
-            below = factors(layer.waves);
-            let invert = |factors: &[Complex64]| factors.iter().map(|factor| factor.inv()).collect::<Vec<_>>();
-            scale_rows(&mut e, &invert(&below[0]));
-            scale_rows(&mut h, &invert(&below[1]));
-            let found = Seen::new(&e, &h);
-            let phases = layer.phases(range.clone());
-            if i > 0 {
-                r = found.reflection(&phases)?;
-            }
-            seen.push((found, phases));
         }
-        let columns = leave(&seen, &light.map(|electric| single(&[(arriving, electric[half])], n)));
-        for polarisation in 0..2 {
-            leaving.up[polarisation][range.clone()].copy_from_slice(&columns.up[polarisation]);
-            leaving.down[polarisation][range.clone()].copy_from_slice(&columns.down[polarisation]);
+        passed.push((down, phases));
+        below = layer.waves;
+    }
+    let mut down = light;
+    let mut up = None;
+    for (lu, phases) in passed.iter().rev() {
+        scale_rows(&mut down, phases);
+        lu.solve_in_place(down.as_mut());
+        up = up.or_else(|| top.take().map(|top| product(top.as_ref(), down.as_ref())));
+        // `down` is twice the light.
+        down *= faer::Scale(Complex64::from(2.0));
+    }
+    let columns = |matrix: &Matrix| [0, 1].map(|column| matrix.col_as_slice(column).to_vec());
+    Ok(Leaving { up: columns(&up.ok_or(WaveError::Singular)?), down: columns(&down) })
+}
+
+/// Multiplies the element (i, j) by the factors i and j. Returns the sum of all elements.
+fn scale(matrix: &mut Matrix, factors: &[Complex64]) -> Complex64 {
+    let mut sum = Complex64::ZERO;
+    for (column, right) in factors.iter().enumerate() {
+        for (element, left) in matrix.col_as_slice_mut(column).iter_mut().zip(factors) {
+            *element *= left * right;
+            sum += *element;
         }
     }
-    Ok(leaving)
+    sum
+}
+
+/// Takes the reflection matrix `r` at the top of `below` through the interface at the lower side of `layer`.
+fn join(layer: &Layer<'_>, below: &Waves, ky: f64, r: &Matrix) -> Meeting {
+    let n = below.electric.len();
+    // (e₁, e₂) from s = I + R, and (−h₁, −h₂) from −δ = I − R, below the interface.
+    let mut e = r.clone();
+    let mut h = Matrix::zeros(2 * n, 2 * n);
+    for column in 0..2 * n {
+        let (first, second) = e.col_as_slice_mut(column).split_at_mut(n);
+        let (h1, h2) = h.col_as_slice_mut(column).split_at_mut(n);
+        mix(&below.magnetic, [&*first, &*second], [h1, h2], -1.0);
+        for (element, factor) in second.iter_mut().zip(&below.electric) {
+            *element *= factor;
+        }
+        let row = column % n;
+        let [[xx, xy], [yx, yy]] = below.magnetic[row];
+        if column < n {
+            first[row] += 1.0;
+            h1[row] += xx;
+            h2[row] += yx;
+        } else {
+            second[row] += below.electric[row];
+            h1[row] += xy;
+            h2[row] += yy;
+        }
+    }
+    if let Some(interface) = layer.floor {
+        let (one, ky) = (Complex64::ONE, Complex64::from(ky));
+        let lift = |below: &Matrix, first: &Matrix, second: &Matrix, cross: &Matrix| {
+            let mut above = Matrix::zeros(2 * n, 2 * n);
+            let (b1, b2) = below.as_ref().split_at_row(n);
+            let (a1, mut a2) = above.as_mut().split_at_row_mut(n);
+            multiply_into(a1, Accum::Replace, first.as_ref(), b1, one);
+            multiply_into(a2.as_mut(), Accum::Replace, second.as_ref(), b2, one);
+            multiply_into(a2, Accum::Add, cross.as_ref(), b1, ky);
+            above
+        };
+        e = lift(&e, &interface.e1, &interface.second, &interface.e_cross);
+        h = lift(&h, &interface.second, &interface.h2, &interface.h_cross);
+    }
+    // Back to s and −δ, then to 2u and 2d.
+    let mut delta = vec![Complex64::ZERO; 2 * n];
+    for column in 0..2 * n {
+        let (first, second) = delta.split_at_mut(n);
+        let (h1, h2) = h.col_as_slice(column).split_at(n);
+        mix(&layer.waves.from_magnetic, [h1, h2], [first, second], 1.0);
+        for (element, factor) in e.col_as_slice_mut(column)[n..].iter_mut().zip(&layer.waves.from_electric) {
+            *element *= factor;
+        }
+        combine(e.col_as_slice_mut(column), h.col_as_slice_mut(column), &delta);
+    }
+    Meeting { up: e, down: h }
+}
+
+/// Writes s − (−δ) to `s` and s + (−δ) to `down`.
+fn combine(s: &mut [Complex64], down: &mut [Complex64], minus_delta: &[Complex64]) {
+    for ((s, down), delta) in s.iter_mut().zip(down).zip(minus_delta) {
+        (*s, *down) = (*s - delta, *s + delta);
+    }
+}
+
+/// Applies a 2 × 2 matrix times `sign` to each pair of elements.
+fn mix(factors: &[[[Complex64; 2]; 2]], from: [&[Complex64]; 2], to: [&mut [Complex64]; 2], sign: f64) {
+    let [to_x, to_y] = to;
+    for (((to_x, to_y), (x, y)), [[xx, xy], [yx, yy]]) in
+        to_x.iter_mut().zip(to_y).zip(from[0].iter().zip(from[1])).zip(factors)
+    {
+        *to_x = (xx * x + xy * y) * sign;
+        *to_y = (yx * x + yy * y) * sign;
+    }
+}
+
+/// [`join`] at k_y = 0 for one half of the waves: e₁ and h₂ of the first half, e₂ and h₁ of the second.
+fn join_half(half: usize, layer: &Layer<'_>, below: &Waves, r: &Matrix) -> Meeting {
+    let n = below.electric.len();
+    let factors = |waves: &Waves, i: usize| match half {
+        0 => [Complex64::ONE, waves.magnetic[i][1][0]],
+        _ => [waves.electric[i], waves.magnetic[i][0][1]],
+    };
+    let unit = |i: usize, j: usize| if i == j { Complex64::ONE } else { Complex64::ZERO };
+    let mut e = Matrix::from_fn(n, n, |i, j| (unit(i, j) + r[(i, j)]) * factors(below, i)[0]);
+    let mut h = Matrix::from_fn(n, n, |i, j| (unit(i, j) - r[(i, j)]) * factors(below, i)[1]);
+    if let Some(interface) = layer.floor {
+        let (electric, magnetic) =
+            if half == 0 { (&interface.e1, &interface.h2) } else { (&interface.second, &interface.second) };
+        e = product(electric.as_ref(), e.as_ref());
+        h = product(magnetic.as_ref(), h.as_ref());
+    }
+    let [from_e, from_h] = [0, 1].map(|part| (0..n).map(|i| factors(layer.waves, i)[part].inv()).collect::<Vec<_>>());
+    scale_rows(&mut e, &from_e);
+    scale_rows(&mut h, &from_h);
+    for column in 0..n {
+        let minus_delta = h.col_as_slice(column).to_vec();
+        combine(e.col_as_slice_mut(column), h.col_as_slice_mut(column), &minus_delta);
+    }
+    Meeting { up: e, down: h }
 }
