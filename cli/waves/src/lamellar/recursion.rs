@@ -40,10 +40,20 @@ impl Layer<'_> {
     }
 }
 
-/// Waves at the lower side of a layer per light d that goes down below it: 2u = `up` d goes up, 2d' = `down` d down.
+/// Waves at the lower side of a layer per light d that goes down below it: 2u = `up` d goes up, 2d' = `down` d down. Its
+/// matrices are used again from one interface to the next: allocation costs as much time as a product.
 struct Meeting {
     up: Matrix,
     down: Matrix,
+    /// Values of `up` and `down` on the other side of the interface.
+    across: [Matrix; 2],
+}
+
+impl Meeting {
+    fn new(waves: usize) -> Self {
+        let empty = || Matrix::zeros(waves, waves);
+        Self { up: empty(), down: empty(), across: [empty(), empty()] }
+    }
 }
 
 /// Waves that leave the stack for the electric fields (x, y) that arrive in its first layer, in order `arriving`, counted
@@ -64,7 +74,7 @@ pub(super) fn propagate(
         _ if row == n + arriving => light[polarisation][1],
         _ => Complex64::ZERO,
     });
-    climb(stack, substrate, 0..2 * n, light, |layer, below, r| join(layer, below, ky, r))
+    climb(stack, substrate, 0..2 * n, light, |layer, below, r, meeting| join(layer, below, ky, r, meeting))
 }
 
 /// Waves that leave the stack as in [`propagate`], at k_y = 0, where s and p do not mix.
@@ -86,7 +96,9 @@ pub(super) fn propagate_apart(
                 if row == arriving { light[polarisation][half] } else { Complex64::ZERO }
             },
         );
-        climb(stack, substrate, half * n..(half + 1) * n, light, |layer, below, r| join_half(half, layer, below, r))
+        climb(stack, substrate, half * n..(half + 1) * n, light, |layer, below, r, meeting| {
+            join_half(half, layer, below, r, meeting);
+        })
     });
     let (p, s) = (p?, s?);
     let both = |p: [Column; 2], s: [Column; 2]| {
@@ -103,20 +115,18 @@ fn climb(
     substrate: &Waves,
     waves: Range<usize>,
     light: Matrix,
-    join: impl Fn(&Layer<'_>, &Waves, &Matrix) -> Meeting,
+    join: impl Fn(&Layer<'_>, &Waves, &Matrix, &mut Meeting),
 ) -> Result<Leaving, WaveError> {
     let mut below = substrate;
     let mut r = Matrix::zeros(waves.len(), waves.len());
     let mut passed: Vec<(PartialPivLu<Complex64>, Vec<Complex64>)> = Vec::with_capacity(stack.len());
-    let mut top = None;
+    let mut meeting = Meeting::new(waves.len());
     for (i, layer) in stack.iter().enumerate().rev() {
-        let Meeting { up, down } = join(layer, below, &r);
-        let down = down.partial_piv_lu();
+        join(layer, below, &r, &mut meeting);
+        let down = meeting.down.partial_piv_lu();
         let phases = layer.phases(waves.clone());
-        if i == 0 {
-            top = Some(up);
-        } else {
-            r = up;
+        if i > 0 {
+            std::mem::swap(&mut r, &mut meeting.up);
             down.rsolve_in_place(r.as_mut());
             if !scale(&mut r, &phases).is_finite() {
                 return Err(WaveError::Singular);
@@ -130,7 +140,7 @@ fn climb(
     for (lu, phases) in passed.iter().rev() {
         scale_rows(&mut down, phases);
         lu.solve_in_place(down.as_mut());
-        up = up.or_else(|| top.take().map(|top| product(top.as_ref(), down.as_ref())));
+        up = up.or_else(|| Some(product(meeting.up.as_ref(), down.as_ref())));
         // `down` is twice the light.
         down *= faer::Scale(Complex64::from(2.0));
     }
@@ -151,43 +161,45 @@ fn scale(matrix: &mut Matrix, factors: &[Complex64]) -> Complex64 {
 }
 
 /// Takes the reflection matrix `r` at the top of `below` through the interface at the lower side of `layer`.
-fn join(layer: &Layer<'_>, below: &Waves, ky: f64, r: &Matrix) -> Meeting {
+fn join(layer: &Layer<'_>, below: &Waves, ky: f64, r: &Matrix, meeting: &mut Meeting) {
     let n = below.electric.len();
+    let Meeting { up: e, down: h, across } = meeting;
     // (e₁, e₂) from s = I + R, and (−h₁, −h₂) from −δ = I − R, below the interface.
-    let mut e = r.clone();
-    let mut h = Matrix::zeros(2 * n, 2 * n);
     for column in 0..2 * n {
-        let (first, second) = e.col_as_slice_mut(column).split_at_mut(n);
+        let (r1, r2) = r.col_as_slice(column).split_at(n);
+        let (e1, e2) = e.col_as_slice_mut(column).split_at_mut(n);
         let (h1, h2) = h.col_as_slice_mut(column).split_at_mut(n);
-        mix(&below.magnetic, [&*first, &*second], [h1, h2], -1.0);
-        for (element, factor) in second.iter_mut().zip(&below.electric) {
-            *element *= factor;
+        mix(&below.magnetic, [r1, r2], [h1, h2], -1.0);
+        e1.copy_from_slice(r1);
+        for ((to, from), factor) in e2.iter_mut().zip(r2).zip(&below.electric) {
+            *to = from * factor;
         }
         let row = column % n;
         let [[xx, xy], [yx, yy]] = below.magnetic[row];
         if column < n {
-            first[row] += 1.0;
+            e1[row] += 1.0;
             h1[row] += xx;
             h2[row] += yx;
         } else {
-            second[row] += below.electric[row];
+            e2[row] += below.electric[row];
             h1[row] += xy;
             h2[row] += yy;
         }
     }
     if let Some(interface) = layer.floor {
         let (one, ky) = (Complex64::ONE, Complex64::from(ky));
-        let lift = |below: &Matrix, first: &Matrix, second: &Matrix, cross: &Matrix| {
-            let mut above = Matrix::zeros(2 * n, 2 * n);
+        let lift = |below: &Matrix, above: &mut Matrix, first: &Matrix, second: &Matrix, cross: &Matrix| {
             let (b1, b2) = below.as_ref().split_at_row(n);
             let (a1, mut a2) = above.as_mut().split_at_row_mut(n);
             multiply_into(a1, Accum::Replace, first.as_ref(), b1, one);
             multiply_into(a2.as_mut(), Accum::Replace, second.as_ref(), b2, one);
             multiply_into(a2, Accum::Add, cross.as_ref(), b1, ky);
-            above
         };
-        e = lift(&e, &interface.e1, &interface.second, &interface.e_cross);
-        h = lift(&h, &interface.second, &interface.h2, &interface.h_cross);
+        let [e_above, h_above] = across;
+        lift(e, e_above, &interface.e1, &interface.second, &interface.e_cross);
+        lift(h, h_above, &interface.second, &interface.h2, &interface.h_cross);
+        std::mem::swap(e, e_above);
+        std::mem::swap(h, h_above);
     }
     // Back to s and −δ, then to 2u and 2d.
     let mut delta = vec![Complex64::ZERO; 2 * n];
@@ -200,7 +212,6 @@ fn join(layer: &Layer<'_>, below: &Waves, ky: f64, r: &Matrix) -> Meeting {
         }
         combine(e.col_as_slice_mut(column), h.col_as_slice_mut(column), &delta);
     }
-    Meeting { up: e, down: h }
 }
 
 /// Writes s − (−δ) to `s` and s + (−δ) to `down`.
@@ -222,27 +233,35 @@ fn mix(factors: &[[[Complex64; 2]; 2]], from: [&[Complex64]; 2], to: [&mut [Comp
 }
 
 /// [`join`] at k_y = 0 for one half of the waves: e₁ and h₂ of the first half, e₂ and h₁ of the second.
-fn join_half(half: usize, layer: &Layer<'_>, below: &Waves, r: &Matrix) -> Meeting {
+fn join_half(half: usize, layer: &Layer<'_>, below: &Waves, r: &Matrix, meeting: &mut Meeting) {
     let n = below.electric.len();
+    let Meeting { up: e, down: h, across } = meeting;
     let factors = |waves: &Waves, i: usize| match half {
         0 => [Complex64::ONE, waves.magnetic[i][1][0]],
         _ => [waves.electric[i], waves.magnetic[i][0][1]],
     };
-    let unit = |i: usize, j: usize| if i == j { Complex64::ONE } else { Complex64::ZERO };
-    let mut e = Matrix::from_fn(n, n, |i, j| (unit(i, j) + r[(i, j)]) * factors(below, i)[0]);
-    let mut h = Matrix::from_fn(n, n, |i, j| (unit(i, j) - r[(i, j)]) * factors(below, i)[1]);
+    for j in 0..n {
+        for i in 0..n {
+            let unit = if i == j { Complex64::ONE } else { Complex64::ZERO };
+            let [electric, magnetic] = factors(below, i);
+            e[(i, j)] = (unit + r[(i, j)]) * electric;
+            h[(i, j)] = (unit - r[(i, j)]) * magnetic;
+        }
+    }
     if let Some(interface) = layer.floor {
         let (electric, magnetic) =
             if half == 0 { (&interface.e1, &interface.h2) } else { (&interface.second, &interface.second) };
-        e = product(electric.as_ref(), e.as_ref());
-        h = product(magnetic.as_ref(), h.as_ref());
+        let [e_above, h_above] = across;
+        multiply_into(e_above.as_mut(), Accum::Replace, electric.as_ref(), e.as_ref(), Complex64::ONE);
+        multiply_into(h_above.as_mut(), Accum::Replace, magnetic.as_ref(), h.as_ref(), Complex64::ONE);
+        std::mem::swap(e, e_above);
+        std::mem::swap(h, h_above);
     }
-    let [from_e, from_h] = [0, 1].map(|part| (0..n).map(|i| factors(layer.waves, i)[part].inv()).collect::<Vec<_>>());
-    scale_rows(&mut e, &from_e);
-    scale_rows(&mut h, &from_h);
-    for column in 0..n {
-        let minus_delta = h.col_as_slice(column).to_vec();
-        combine(e.col_as_slice_mut(column), h.col_as_slice_mut(column), &minus_delta);
+    for i in 0..n {
+        let [electric, magnetic] = factors(layer.waves, i).map(|factor| factor.inv());
+        for j in 0..n {
+            let (s, minus_delta) = (e[(i, j)] * electric, h[(i, j)] * magnetic);
+            (e[(i, j)], h[(i, j)]) = (s - minus_delta, s + minus_delta);
+        }
     }
-    Meeting { up: e, down: h }
 }
