@@ -73,15 +73,17 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
         let nodes = [2 + u32::from(sides & 7), 2 + u32::from(sides >> 3 & 7)];
         let (orders, wavelengths) = (i32::from(1 + (shape & 7)), 1 + usize::from(shape >> 3 & 7));
         let sign = 1.0 - f32::from(shape >> 6 & 2);
-        // Numbers of a sawtooth, or of a line of orders.
+        // Orders in a row, along the axis of the period or along a diagonal.
         let number = |k: i32, repeats: bool| if repeats { sign * (k - orders / 2) as f32 } else { 0.0 };
         let number = |k| [number(k, periodicity != Periodicity::Y), number(k, periodicity != Periodicity::X)];
         let orders: Vec<_> = (0..orders).map(number).collect();
         let mut next = values.iter().copied().cycle();
         let layout = OrderLayout::new(nodes, periodicity, [next.next()?, next.next()?]).ok()?;
-        let mut nm = 0.0;
-        let wavelength_nm: Vec<f32> =
-            next.by_ref().take(wavelengths).map(|x| std::mem::replace(&mut nm, nm + x.abs())).collect();
+        let increasing = next.by_ref().take(wavelengths).scan(0.0, |nm, x| {
+            *nm += x.abs();
+            Some(*nm)
+        });
+        let wavelength_nm: Vec<f32> = increasing.collect();
         let mut positive: Vec<f32> = next.by_ref().take(layout.count() * wavelengths * orders.len()).collect();
         positive.iter_mut().for_each(|x| *x = x.abs());
         let arrays = OrderArrays {

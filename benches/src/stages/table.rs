@@ -3,7 +3,9 @@ use std::hint::black_box;
 
 use glam::Vec3;
 use goniochrome::measure::bins::DirectionBins;
-use goniochrome::table::{MirrorTable, ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::table::{
+    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
+};
 use goniochrome::trace::random::Random;
 use goniochrome_cli::export::gltf::iridescence::eval_iridescence;
 
@@ -17,7 +19,14 @@ fn work(name: &'static str) -> Work {
     Work { stage: "table", name, unit: "look-ups", amount: LOOKUPS as f64 }
 }
 
-/// Table look-ups: RGB of 2D and 4D tables in random directions, and glTF's formula for a film, which they replace.
+/// Orders, wavelengths and periods of a compact disc's table.
+const ORDERS: [[f32; 2]; 9] =
+    [[-4.0, 0.0], [-3.0, 0.0], [-2.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [4.0, 0.0]];
+const WAVELENGTHS: usize = 41;
+const PERIOD_NM: [f32; 2] = [1600.0; 2];
+
+/// Table look-ups: RGB of 2D and 4D tables in random directions, and glTF's formula for a film, which they replace; all
+/// orders and wavelengths of a table of orders from random directions.
 ///
 /// # Panics
 /// If a result is wrong.
@@ -69,6 +78,35 @@ pub fn table(visit: Visit<'_>) {
     visit(&work("4D, pdf"), &mut || {
         for &(wi, wo) in black_box(&pairs) {
             black_box(sampler.pdf(wi, wo));
+        }
+    });
+    orders(&pairs, visit);
+}
+
+fn orders(pairs: &[(Vec3, Vec3)], visit: Visit<'_>) {
+    const VIEWS: usize = 16;
+    let layout = OrderLayout::new([61, 16], Periodicity::X, PERIOD_NM).expect("a good layout");
+    let wavelength_nm: Vec<f32> = (0..WAVELENGTHS).map(|w| 380.0 + 8.0 * w as f32).collect();
+    let strength = vec![0.1; WAVELENGTHS * layout.count() * ORDERS.len()];
+    let arrays = OrderArrays {
+        orders: &ORDERS,
+        wavelength_nm: &wavelength_nm,
+        index: &[1.0; WAVELENGTHS],
+        rgb_weights: &[[1.0 / WAVELENGTHS as f32; 3]; WAVELENGTHS],
+        strength: &strength,
+    };
+    let table = OrderTable::new(layout, &arrays).expect("a good table");
+    let directions: Vec<Vec3> = pairs.iter().take(VIEWS).map(|(wi, _)| *wi).collect();
+    assert!((table.view(Vec3::Z).and_then(|view| view.light(0, 4)).map_or(0.0, |l| l.efficiency) - 0.1).abs() < 1e-6);
+    let amount = (VIEWS * WAVELENGTHS * ORDERS.len()) as f64;
+    visit(&Work { amount, ..work("orders, all of a view") }, &mut || {
+        for &wo in black_box(&directions) {
+            let Some(view) = table.view(wo) else { continue };
+            for wavelength in 0..WAVELENGTHS {
+                for order in 0..ORDERS.len() {
+                    black_box(view.light(wavelength, order));
+                }
+            }
         }
     });
 }

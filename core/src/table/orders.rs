@@ -119,18 +119,24 @@ impl<'a> OrderTable<'a> {
         if !fits {
             return Err(TableError::Length { required });
         }
-        let varies = [layout.periodicity() != Periodicity::Y, layout.periodicity() != Periodicity::X];
-        let whole = |(x, varies): (f32, bool)| x.abs() <= if varies { MAX_NUMBER } else { 0.0 } && libm::truncf(x) == x;
         let positive = |x: f32| x > 0.0 && x <= MAX_MAGNITUDE;
+        let [mut varies, mut other] = [Periodicity::Y, Periodicity::X].map(|across| layout.periodicity() != across);
         let mut last = 0.0;
-        let sound = orders.iter().zip(varies.into_iter().cycle()).all(whole)
-            && wavelength_nm.iter().all(|x| positive(x) && core::mem::replace(&mut last, x) < x)
-            && index.iter().all(positive)
-            && rgb_weights.iter().all(|x| x.abs() <= MAX_MAGNITUDE);
+        // Numbers m and n take turns.
+        let mut whole = |x: f32| {
+            let max = if varies { MAX_NUMBER } else { 0.0 };
+            core::mem::swap(&mut varies, &mut other);
+            x.abs() <= max && libm::truncf(x) == x
+        };
+        let mut increasing = |x: f32| positive(x) && core::mem::replace(&mut last, x) < x;
+        let sound = first_wrong(orders, &mut whole).is_none()
+            && first_wrong(wavelength_nm, &mut increasing).is_none()
+            && first_wrong(index, &mut |x| positive(x)).is_none()
+            && first_wrong(rgb_weights, &mut |x| x.abs() <= MAX_MAGNITUDE).is_none();
         if !sound {
             return Err(TableError::Orders);
         }
-        match strength.iter().position(|x| !(0.0..=MAX_MAGNITUDE).contains(&x)) {
+        match first_wrong(strength, &mut |x| (0.0..=MAX_MAGNITUDE).contains(&x)) {
             Some(index) => Err(TableError::Strength { index }),
             None => Ok(table),
         }
@@ -208,6 +214,13 @@ impl<'a> OrderTable<'a> {
     }
 }
 
+/// Index of the first value that fails a test. One loop serves every array of every precision, which keeps programs
+/// small.
+#[inline(never)]
+fn first_wrong(values: Values<'_>, test: &mut dyn FnMut(f32) -> bool) -> Option<usize> {
+    values.iter().position(|x| !test(x))
+}
+
 /// An [`OrderTable`] seen from one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderView<'a> {
@@ -231,38 +244,24 @@ impl<'a> OrderView<'a> {
     #[must_use]
     #[inline]
     pub fn light(&self, wavelength: usize, order: usize) -> Option<DiffractedLight> {
-        let wavelength_in_medium_nm = self.table.wavelength_nm.at(wavelength) / self.table.index.at(wavelength);
-        self.reflected(order, wavelength_in_medium_nm, || self.strength(wavelength, order))
+        self.light_between(wavelength, 0.0, order)
     }
 
-    /// Light that reaches the viewer by an order at the wavelength λ_w + t (λ_{w+1} − λ_w) for t in [0, 1]. Its
-    /// direction is exact, its strength linear between the two, and so is the refractive index. Beyond the last
-    /// wavelength all are constant. `None` as for [`OrderView::light`].
+    /// Light that reaches the viewer by an order at the wavelength λ_w + t (λ_{w+1} − λ_w). Its direction is exact, its
+    /// strength linear between the two, and so is the refractive index. `t` is clamped to [0, 1]; NaN counts as 0.
+    /// Beyond the last wavelength nothing changes. `None` as for [`OrderView::light`].
     #[must_use]
-    #[inline]
     pub fn light_between(&self, wavelength: usize, t: f32, order: usize) -> Option<DiffractedLight> {
         let last = self.table.wavelength_count() - 1;
         if wavelength > last {
             return None;
         }
         let between = Between { first: wavelength, next: (wavelength + 1).min(last), t: t.clamp(0.0, 1.0) };
-        let nm = between.mix(|wavelength| self.table.wavelength_nm.at(wavelength));
-        let index = between.mix(|wavelength| self.table.index.at(wavelength));
-        self.reflected(order, nm / index, || between.mix(|wavelength| self.strength(wavelength, order)))
-    }
-
-    /// Light of an order at this wavelength in the medium above; `None` where the order is evanescent or missing.
-    #[inline]
-    fn reflected(
-        &self,
-        order: usize,
-        wavelength_in_medium_nm: f32,
-        strength: impl FnOnce() -> f32,
-    ) -> Option<DiffractedLight> {
-        let numbers = self.table.numbers(order)?;
-        let direction = self.towards(order, wavelength_in_medium_nm)?;
-        let cosines = if numbers == [0.0; 2] { 1.0 } else { direction.z * self.wo.z };
-        Some(DiffractedLight { direction, efficiency: strength() * cosines })
+        let [nm, index] = [self.table.wavelength_nm, self.table.index].map(|values| between.mix(|w| values.at(w)));
+        let direction = self.towards(order, nm / index)?;
+        let cosines = if self.table.numbers(order)? == [0.0; 2] { 1.0 } else { direction.z * self.wo.z };
+        let strength = between.mix(|wavelength| self.strength(wavelength, order));
+        Some(DiffractedLight { direction, efficiency: strength * cosines })
     }
 
     /// Unit vector towards the light of an order, for any wavelength in the medium above. `None` where the order is
@@ -332,7 +331,7 @@ impl<'a> OrderView<'a> {
     }
 }
 
-/// Place between two wavelengths of a table, at the share `t` of the way.
+/// Place between two wavelengths of a table, at the share `t` of the way; at the first unless `t` is positive.
 #[derive(Clone, Copy)]
 struct Between {
     first: usize,
@@ -345,7 +344,7 @@ impl Between {
     #[inline]
     fn mix(self, at: impl Fn(usize) -> f32) -> f32 {
         let first = at(self.first);
-        first + self.t * (at(self.next) - first)
+        if self.t > 0.0 { first + self.t * (at(self.next) - first) } else { first }
     }
 }
 

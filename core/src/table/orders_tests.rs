@@ -261,7 +261,8 @@ fn no_input_gives_anything_but_none_or_finite_light() {
         assert_eq!(view.probability(wavelength, order), 0.0);
     }
     assert_eq!((view.albedo(3), view.sample(3, 0.5)), (0.0, None));
-    assert_eq!(view.light_between(0, f32::NAN, 24), None);
+    assert_eq!(view.light_between(0, f32::NAN, 24), view.light(0, 24));
+    assert_eq!(view.light_between(0, -1.0, 24), view.light(0, 24));
     assert_eq!((table.order(49), table.wavelength_nm(3), table.rgb_weight(3)), ([0; 2], 0.0, [0.0; 3]));
     assert_eq!((table.order(48), table.wavelength_nm(2), table.rgb_weight(2)), ([3; 2], 680.0, WEIGHTS[2]));
     for u in [0.0, 1.0f32.next_down(), 1.0, 2.0, -1.0, f32::NAN] {

@@ -5,6 +5,7 @@
 mod cells;
 mod films;
 mod media;
+mod orders;
 mod out;
 mod program;
 mod tables;
@@ -19,7 +20,7 @@ const MAX_CALLS: usize = 24;
 /// Checks any bytes as a program of letters, each with its arguments.
 pub fn check(bytes: &[u8]) {
     let mut program = Program(bytes);
-    let (mut films, mut colours, mut cell, mut table) = (None, None, None, None);
+    let (mut films, mut colours, mut cell, mut table, mut seen) = (None, None, None, None, None);
     for _ in 0..MAX_CALLS {
         let Some(operation) = program.next() else { return };
         let program = &mut program;
@@ -36,6 +37,10 @@ pub fn check(bytes: &[u8]) {
             b'f' => tables::rgb(program, table.as_ref()),
             b'p' => tables::pdf(program, table.as_ref()),
             b's' => tables::sample(program, table.as_ref()),
+            b'o' => orders::describe(program, table.as_ref()),
+            b'V' => orders::view(program, table.as_ref(), &mut seen),
+            b'l' => orders::light(program, seen.as_ref()),
+            b'q' => orders::sample(program, seen.as_ref()),
             b'x' => status_text(i32::from(program.byte() as i8)),
             _ => {}
         }

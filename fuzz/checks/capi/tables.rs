@@ -5,14 +5,15 @@ use super::program::{Faults, Program};
 use crate::table_blob;
 use goniochrome_capi::status::Status;
 use goniochrome_capi::table::{
-    GONIO_KIND_MIRROR, GONIO_KIND_SCATTER, Sample, Table, TableDescription, gonio_table_describe, gonio_table_pdf,
-    gonio_table_reflectance, gonio_table_rgb, gonio_table_sample, gonio_table_view,
+    GONIO_KIND_MIRROR, GONIO_KIND_ORDERS, GONIO_KIND_SCATTER, Sample, Table, TableDescription, gonio_table_describe,
+    gonio_table_pdf, gonio_table_reflectance, gonio_table_rgb, gonio_table_sample, gonio_table_view,
 };
+use std::rc::Rc;
 
 /// A view of a table, and the table's bytes.
 pub struct View {
-    object: Out<Table>,
-    _bytes: Vec<u8>,
+    pub object: Out<Table>,
+    pub bytes: Rc<[u8]>,
 }
 
 pub fn view(program: &mut Program<'_>, table: &mut Option<View>) {
@@ -29,6 +30,7 @@ pub fn view(program: &mut Program<'_>, table: &mut Option<View>) {
     let shift = usize::from(how >> 6);
     let mut memory = vec![0; shift];
     memory.extend(bytes.as_deref().unwrap_or(given));
+    let memory: Rc<[u8]> = memory.into();
     let mut object = Out::new(1);
     // SAFETY: pointers are NULL, misaligned, to memory for an object, or to as many bytes as stated. The bytes are kept
     // with the object.
@@ -37,29 +39,29 @@ pub fn view(program: &mut Program<'_>, table: &mut Option<View>) {
     };
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
     if object.succeeded(status) {
-        *table = Some(View { object, _bytes: memory });
+        *table = Some(View { object, bytes: memory });
     }
 }
 
-/// Calls `call` with the table, or with memory that holds none, and with memory for `count` results. Returns the
+/// Calls `call` with an object, or with memory that holds none, and with memory for `count` results. Returns the
 /// results if it succeeded.
-fn ask<T>(
-    table: Option<&View>,
+pub fn ask<O, T>(
+    made: Option<&Out<O>>,
     faults: &mut Faults,
     count: usize,
-    call: impl FnOnce(&mut Faults, *const Table, *mut T) -> Status,
+    call: impl FnOnce(&mut Faults, *const O, *mut T) -> Status,
 ) -> Option<Out<T>> {
     let (nothing, mut results) = (Out::new(1), Out::new(count));
-    let object = faults.pass(table.map_or(&nothing, |table| &table.object).object());
+    let object = faults.pass(made.unwrap_or(&nothing).object());
     let place = faults.pass_mut(results.pointer());
     let status = call(faults, object, place);
     assert!(!(faults.hit() && status == Status::Ok), "a bad pointer was taken");
-    assert!(table.is_some() || status != Status::Ok, "nothing was made, and answered");
+    assert!(made.is_some() || status != Status::Ok, "nothing was made, and answered");
     results.succeeded(status).then_some(results)
 }
 
 /// A direction, of unit length or of any other.
-fn direction(program: &mut Program<'_>) -> [f32; 3] {
+pub fn direction(program: &mut Program<'_>) -> [f32; 3] {
     let unit = program.byte() & 1 == 0;
     let v = [-1.0, -1.0, -0.2].map(|low| program.number(low, 1.0));
     let length = if unit { v.iter().map(|x| x * x).sum::<f64>().sqrt() } else { 1.0 };
@@ -69,17 +71,22 @@ fn direction(program: &mut Program<'_>) -> [f32; 3] {
 pub fn describe(program: &mut Program<'_>, table: Option<&View>) {
     let mut faults = program.faults();
     // SAFETY: pointers are NULL, misaligned, or to what they should be.
-    let found = ask(table, &mut faults, 1, |_, table, place| unsafe { gonio_table_describe(table, place) });
+    let found = ask(table.map(|table| &table.object), &mut faults, 1, |_, table, place| unsafe {
+        gonio_table_describe(table, place)
+    });
     let Some(found) = found else { return };
     let TableDescription { kind, channels, space } = found.results()[0];
-    assert!([GONIO_KIND_MIRROR, GONIO_KIND_SCATTER].contains(&kind) && channels > 0 && space <= 4);
+    let kinds = [GONIO_KIND_MIRROR, GONIO_KIND_SCATTER, GONIO_KIND_ORDERS];
+    assert!(kinds.contains(&kind) && channels > 0 && space <= 4);
 }
 
 pub fn reflectance(program: &mut Program<'_>, table: Option<&View>) {
     let mut faults = program.faults();
     let cos_theta = program.number(0.0, 1.0) as f32;
     // SAFETY: as above.
-    let rgb = ask(table, &mut faults, 3, |_, table, place| unsafe { gonio_table_reflectance(table, cos_theta, place) });
+    let rgb = ask(table.map(|table| &table.object), &mut faults, 3, |_, table, place| unsafe {
+        gonio_table_reflectance(table, cos_theta, place)
+    });
     assert!(
         rgb.is_none_or(|rgb| (0.0..=1.0).contains(&cos_theta) && rgb.results().iter().all(|x: &f32| x.is_finite()))
     );
@@ -88,7 +95,7 @@ pub fn reflectance(program: &mut Program<'_>, table: Option<&View>) {
 pub fn rgb(program: &mut Program<'_>, table: Option<&View>) {
     let mut faults = program.faults();
     let (wi, wo) = (direction(program), direction(program));
-    let rgb = ask(table, &mut faults, 3, |faults, table, place| {
+    let rgb = ask(table.map(|table| &table.object), &mut faults, 3, |faults, table, place| {
         let (wi, wo) = (faults.pass(wi.as_ptr()), faults.pass(wo.as_ptr()));
         // SAFETY: as above.
         unsafe { gonio_table_rgb(table, wi, wo, place) }
@@ -101,7 +108,7 @@ pub fn rgb(program: &mut Program<'_>, table: Option<&View>) {
 pub fn pdf(program: &mut Program<'_>, table: Option<&View>) {
     let mut faults = program.faults();
     let (wi, wo) = (direction(program), direction(program));
-    let pdf = ask(table, &mut faults, 1, |faults, table, place| {
+    let pdf = ask(table.map(|table| &table.object), &mut faults, 1, |faults, table, place| {
         let (wi, wo) = (faults.pass(wi.as_ptr()), faults.pass(wo.as_ptr()));
         // SAFETY: as above.
         unsafe { gonio_table_pdf(table, wi, wo, place) }
@@ -113,7 +120,7 @@ pub fn sample(program: &mut Program<'_>, table: Option<&View>) {
     let mut faults = program.faults();
     let wi = direction(program);
     let u = [program.number(0.0, 1.0), program.number(0.0, 1.0)].map(|u| u as f32);
-    let sample = ask(table, &mut faults, 1, |faults, table, place| {
+    let sample = ask(table.map(|table| &table.object), &mut faults, 1, |faults, table, place| {
         let (wi, u) = (faults.pass(wi.as_ptr()), faults.pass(u.as_ptr()));
         // SAFETY: as above.
         unsafe { gonio_table_sample(table, wi, u, place) }
