@@ -7,6 +7,7 @@
 mod permittivity;
 mod modes;
 mod layers;
+mod truncation;
 
 use num_complex::Complex64;
 
@@ -19,6 +20,8 @@ use crate::response::{Order, Response};
 use layers::{Layer, Stack};
 use modes::{Modes, PlaneWaves, Wavevector};
 use permittivity::{Cells, Permittivity, indices};
+
+pub use truncation::{Converged, converge, first_level, truncation};
 
 /// Modes of all layers of a surface with two periods, for one plane wave.
 #[derive(Debug)]
