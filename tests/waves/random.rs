@@ -42,7 +42,8 @@ pub enum Media {
 }
 
 impl Media {
-    fn index(self, random: &mut Random) -> Complex64 {
+    /// Index of a medium of this kind.
+    pub fn index(self, random: &mut Random) -> Complex64 {
         match self {
             Self::Lossless => Complex64::from(random.within(1.3, 2.5)),
             Self::Absorbing => Complex64::new(random.within(1.3, 4.0), random.within(0.001, 0.5)),

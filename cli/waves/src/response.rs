@@ -47,41 +47,10 @@ impl Response {
         self.efficiency(order, self.half_spaces[1])
     }
 
-    /// Largest difference of an efficiency, in s or in p, from that of another response to this light. An order that one
-    /// of them lacks counts as 0 there.
-    #[must_use]
-    pub fn largest_change(&self, other: &Self) -> f64 {
-        let up = change(
-            (&self.reflected, &|order| self.reflected_efficiency(order)),
-            (&other.reflected, &|order| other.reflected_efficiency(order)),
-        );
-        let down = change(
-            (&self.transmitted, &|order| self.transmitted_efficiency(order)),
-            (&other.transmitted, &|order| other.transmitted_efficiency(order)),
-        );
-        up.max(down)
-    }
-
     fn efficiency(&self, order: &Order, eta: Complex64) -> [f64; 2] {
         // Power of s ∝ Re k_z |E_s|²; of p ∝ Re(k_z/η²) |H_s|², and |H_s|² = |η|² |p|².
         let s = order.vertical.re;
         let p = (order.vertical / (eta * eta)).re * eta.norm_sqr();
         order.jones.map(|[to_s, to_p]| (s * to_s.norm_sqr() + p * to_p.norm_sqr()) / self.incident_vertical)
     }
-}
-
-/// Orders, and their efficiencies in s and in p.
-type Efficiencies<'a> = (&'a [Order], &'a dyn Fn(&Order) -> [f64; 2]);
-
-/// Largest difference of the efficiencies of one side.
-fn change(a: Efficiencies<'_>, b: Efficiencies<'_>) -> f64 {
-    let one_way = |(orders, efficiency): Efficiencies<'_>, (others, other_efficiency): Efficiencies<'_>| {
-        orders.iter().fold(0.0_f64, |largest, order| {
-            let other = others.binary_search_by_key(&order.index, |other| other.index);
-            let [other_s, other_p] = other.map_or([0.0; 2], |at| other_efficiency(&others[at]));
-            let [s, p] = efficiency(order);
-            largest.max((s - other_s).abs()).max((p - other_p).abs())
-        })
-    };
-    one_way(a, b).max(one_way(b, a))
 }

@@ -21,7 +21,7 @@ use layers::{Layer, Stack};
 use modes::{Modes, PlaneWaves, Wavevector};
 use permittivity::{Cells, Permittivity, indices};
 
-pub use truncation::{Converged, converge, first_level, truncation};
+pub use truncation::{first_level, truncation};
 
 /// Modes of all layers of a surface with two periods, for one plane wave.
 #[derive(Debug)]

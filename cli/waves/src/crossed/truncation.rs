@@ -1,10 +1,10 @@
-//! How many orders: a ladder of truncations, and the error bar that it gives.
+//! Truncations that grow along both axes together.
 
-use crate::crossed::CrossedModes;
-use crate::error::WaveError;
 use crate::light::Light;
 use crate::profile::CrossedProfile;
-use crate::response::Response;
+
+/// Least first level. The change from level 2 to 3 says little: an error bar from it is wrong for 1 of 8 random surfaces.
+const MIN_LEVEL: usize = 3;
 
 /// Largest orders [M_x, M_y] of a level: in proportion to the periods, so that details along both axes are as fine, and
 /// about (2 · level + 1)² orders in all. At equal periods both are the level.
@@ -13,7 +13,42 @@ pub fn truncation(period_nm: [f64; 2], level: usize) -> [usize; 2] {
     shares(period_nm).map(|share| ((level as f64 * share).round() as usize).max(1))
 }
 
-/// Least level that keeps all orders that travel above or below the surface.
+/// Level to begin with: at least 3, and enough to keep all orders that travel above or below the surface.
+///
+/// With it, [`converge`](crate::convergence::converge) chooses the truncation of a surface with two periods:
+///
+/// ```
+/// use goniochrome_waves::Complex64;
+/// use goniochrome_waves::convergence::{Goal, converge};
+/// use goniochrome_waves::crossed::{CrossedModes, first_level, truncation};
+/// use goniochrome_waves::light::Light;
+/// use goniochrome_waves::profile::{CrossedProfile, CrossedSlice, Strip};
+///
+/// // Pillars of glass, 150 nm square and 100 nm high, on glass.
+/// let glass = Complex64::from(1.5);
+/// let profile = CrossedProfile {
+///     period_nm: [300.0, 300.0],
+///     above: 1.0,
+///     below: glass,
+///     slices: vec![CrossedSlice {
+///         thickness_nm: 100.0,
+///         strip_edges_nm: vec![0.0, 150.0],
+///         strips: vec![
+///             Strip { edges_nm: vec![0.0, 150.0], eta: vec![glass, 1.0.into()] },
+///             Strip { edges_nm: vec![], eta: vec![1.0.into()] },
+///         ],
+///     }],
+/// };
+/// let light = Light { wavelength_nm: 550.0, tangential: [-0.5, 0.0] };
+///
+/// let goal = Goal { target: 5e-3, first: first_level(&profile, &light), limit: 8 };
+/// let found = converge(goal, |level| {
+///     let max_order = truncation(profile.period_nm, level);
+///     Ok(vec![CrossedModes::new(&profile, &light, max_order)?.response()?])
+/// })?;
+/// assert!(found.met);
+/// # Ok::<(), goniochrome_waves::WaveError>(())
+/// ```
 #[must_use]
 pub fn first_level(profile: &CrossedProfile, light: &Light) -> usize {
     let index = profile.above.max(profile.below.re);
@@ -23,67 +58,11 @@ pub fn first_level(profile: &CrossedProfile, light: &Light) -> usize {
         let order = (index + light.tangential[axis].abs()) * profile.period_nm[axis] / light.wavelength_nm;
         (order.floor() / shares[axis]).ceil() as usize
     });
-    levels[0].max(levels[1])
+    levels[0].max(levels[1]).max(MIN_LEVEL)
 }
 
 /// Largest orders along both axes for each level.
 fn shares([x, y]: [f64; 2]) -> [f64; 2] {
     let ratio = (x / y).sqrt();
     [ratio, ratio.recip()]
-}
-
-/// Response that has converged, or has come as near to that as was allowed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Converged {
-    /// Orders, at the finer of two truncations.
-    pub response: Response,
-    /// Largest orders of that truncation.
-    pub max_order: [usize; 2],
-    /// Error bar of each efficiency: the largest change of any from half of the level.
-    pub error: f64,
-}
-
-/// Solves at levels 4, 6, 8, 12, 16, 24 and so on until the error bar is at most `target`, or until the next level would
-/// be above `max_level`. Level 4 is solved in any case, and so is the first one that reaches [`first_level`].
-///
-/// The error bar is the change from half of the level. That is the error where it falls as 1/level, and it falls faster:
-/// the bar was true for 98 of 100 random surfaces. A level costs 64 times its half, so the bar is nearly free.
-///
-/// # Errors
-/// Those of [`CrossedModes::new`] and [`CrossedModes::response`].
-pub fn converge(
-    profile: &CrossedProfile,
-    light: &Light,
-    target: f64,
-    max_level: usize,
-) -> Result<Converged, WaveError> {
-    let solve = |level: usize| {
-        let max_order = truncation(profile.period_nm, level);
-        Ok((max_order, CrossedModes::new(profile, light, max_order)?.response()?))
-    };
-    let first = first_level(profile, light);
-    let mut solved: Vec<(usize, Response)> = Vec::new();
-    let mut half = 2;
-    while 2 * half < first {
-        half = next(half);
-    }
-    loop {
-        let coarse = match solved.iter().position(|(level, _)| *level == half) {
-            Some(known) => solved.swap_remove(known).1,
-            None => solve(half)?.1,
-        };
-        let (max_order, response) = solve(2 * half)?;
-        let error = response.largest_change(&coarse);
-        let following = next(half);
-        if error <= target || 2 * following > max_level {
-            return Ok(Converged { response, max_order, error });
-        }
-        solved.push((2 * half, response));
-        half = following;
-    }
-}
-
-/// Following number of 2, 3, 4, 6, 8, 12…, of which each but the first two is the double of another.
-fn next(level: usize) -> usize {
-    if level.is_power_of_two() { level / 2 * 3 } else { level / 3 * 4 }
 }
