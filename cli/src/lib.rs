@@ -5,13 +5,13 @@
 pub mod support;
 pub(crate) mod obj;
 pub mod scene;
-pub(crate) mod colour;
+pub mod colour;
 pub mod table;
 pub mod solve;
 pub mod plot;
 pub mod export;
 pub mod render;
-pub mod view;
+pub(crate) mod view;
 pub(crate) mod paper;
 pub mod commands;
 

@@ -7,6 +7,7 @@ mod bounds;
 mod cells;
 mod colours;
 mod destinations;
+mod discs;
 mod disk_full;
 mod drawn_scenes;
 mod exports;
@@ -19,6 +20,7 @@ mod presets;
 #[path = "../random.rs"]
 mod random;
 mod render;
+mod render_orders;
 mod scenes;
 mod tables;
 mod tilted;

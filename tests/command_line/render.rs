@@ -18,12 +18,12 @@ const PIXEL: f32 = 1e-3;
 /// Tolerance of an albedo; the noise of some ten thousand samples of a smooth lobe is a third of it.
 const ALBEDO: f64 = 0.01;
 
-struct Picture {
-    width: usize,
-    rgba: Vec<[f32; 4]>,
+pub struct Picture {
+    pub width: usize,
+    pub rgba: Vec<[f32; 4]>,
 }
 
-fn picture(user: &User, name: &str) -> Picture {
+pub fn picture(user: &User, name: &str) -> Picture {
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -41,7 +41,7 @@ fn picture(user: &User, name: &str) -> Picture {
     Picture { width, rgba }
 }
 
-fn environment(user: &User, name: &str, [width, height]: [usize; 2], of: impl Fn(usize, usize) -> [f32; 3] + Sync) {
+pub fn environment(user: &User, name: &str, [width, height]: [usize; 2], of: impl Fn(usize, usize) -> [f32; 3] + Sync) {
     let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
         let [r, g, b] = of(at.0, at.1);
         (r, g, b)
@@ -52,7 +52,7 @@ fn environment(user: &User, name: &str, [width, height]: [usize; 2], of: impl Fn
 }
 
 /// Writes the table of a perfect mirror: ρ = 1 at every angle and wavelength.
-fn white(user: &User) {
+pub fn white(user: &User) {
     let wavelength_nm: Vec<f64> = (0..=40).map(|i| 380.0 + 10.0 * f64::from(i)).collect();
     let table = MirrorTable {
         theta_deg: vec![0.0, 45.0, 89.0],
@@ -66,7 +66,7 @@ fn white(user: &User) {
 }
 
 /// The eye, and the directions from it to the middles of the pixels, for the default field of view of 30 degrees.
-fn rays(azimuth_deg: f64, elevation_deg: f64, size: usize) -> (DVec3, Vec<DVec3>) {
+pub fn rays(azimuth_deg: f64, elevation_deg: f64, size: usize) -> (DVec3, Vec<DVec3>) {
     let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
     let back = DVec3::new(elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin());
     let right = DVec3::Z.cross(back).normalize();
