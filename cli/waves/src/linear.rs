@@ -1,7 +1,12 @@
 //! Dense complex linear algebra, by faer on one thread.
 
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::lu::partial_pivoting::solve::{
+    solve_in_place, solve_in_place_scratch, solve_transpose_in_place, solve_transpose_in_place_scratch,
+};
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
+use faer::perm::PermRef;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 use num_complex::Complex64;
 
@@ -32,14 +37,48 @@ pub(crate) fn eigen(matrix: &Matrix) -> Result<Eigen, WaveError> {
     if finite { Ok(Eigen { values, vectors }) } else { Err(WaveError::Singular) }
 }
 
-/// Triangular factors of a square matrix, for several right sides.
+/// Triangular factors of a square matrix, for several right sides. They stay in one matrix: faer's own type copies each
+/// factor, which takes as long as finding them where N is about 40.
 #[derive(Clone, Debug)]
-pub(crate) struct Factors(PartialPivLu<Complex64>);
+pub(crate) struct Factors {
+    both: Matrix,
+    /// Permutation of the rows and its inverse.
+    rows: [Vec<usize>; 2],
+}
 
 impl Factors {
-    /// Factors of `matrix`.
-    pub(crate) fn new(matrix: &Matrix) -> Self {
-        Self(matrix.partial_piv_lu())
+    /// Factors of `matrix`, written over it.
+    pub(crate) fn new(mut matrix: Matrix) -> Self {
+        let n = matrix.nrows();
+        let mut rows = [vec![0; n], vec![0; n]];
+        let [forward, backward] = &mut rows;
+        let scratch = lu_in_place_scratch::<usize, Complex64>(n, n, Par::Seq, Default::default());
+        let mut memory = MemBuffer::new(scratch);
+        let stack = MemStack::new(&mut memory);
+        lu_in_place(matrix.as_mut(), forward, backward, Par::Seq, stack, Default::default());
+        Self { both: matrix, rows }
+    }
+
+    fn permutation(&self) -> PermRef<'_, usize> {
+        PermRef::new_checked(&self.rows[0], &self.rows[1], self.both.nrows())
+    }
+
+    /// Replaces b in `right` by the x of `matrix · x = b`.
+    pub(crate) fn solve_in_place(&self, right: MatMut<'_, Complex64>) {
+        let n = self.both.nrows();
+        let mut memory = MemBuffer::new(solve_in_place_scratch::<usize, Complex64>(n, right.ncols(), Par::Seq));
+        let stack = MemStack::new(&mut memory);
+        solve_in_place(self.both.as_ref(), self.both.as_ref(), self.permutation(), right, Par::Seq, stack);
+    }
+
+    /// Replaces b in `left` by the x of `x · matrix = b`.
+    pub(crate) fn solve_left_in_place(&self, left: MatMut<'_, Complex64>) {
+        let n = self.both.nrows();
+        let mut memory =
+            MemBuffer::new(solve_transpose_in_place_scratch::<usize, Complex64>(n, left.nrows(), Par::Seq));
+        let stack = MemStack::new(&mut memory);
+        let right = left.transpose_mut();
+        solve_transpose_in_place(self.both.as_ref(), self.both.as_ref(), self.permutation(), right, Par::Seq, stack);
     }
 
     /// Solves `matrix · x = right` for x.
@@ -47,7 +86,9 @@ impl Factors {
     /// # Errors
     /// [`WaveError::Singular`] if x is not finite.
     pub(crate) fn solve(&self, right: &Matrix) -> Result<Matrix, WaveError> {
-        finite(self.0.solve(right))
+        let mut out = right.clone();
+        self.solve_in_place(out.as_mut());
+        finite(out)
     }
 
     /// Solves `x · matrix = left` for x.
@@ -55,7 +96,9 @@ impl Factors {
     /// # Errors
     /// [`WaveError::Singular`] if x is not finite.
     pub(crate) fn solve_left(&self, left: &Matrix) -> Result<Matrix, WaveError> {
-        finite(self.0.rsolve(left))
+        let mut out = left.clone();
+        self.solve_left_in_place(out.as_mut());
+        finite(out)
     }
 }
 
@@ -68,7 +111,7 @@ fn finite(found: Matrix) -> Result<Matrix, WaveError> {
 /// # Errors
 /// [`WaveError::Singular`] if x is not finite.
 pub(crate) fn solve(matrix: &Matrix, right: &Matrix) -> Result<Matrix, WaveError> {
-    Factors::new(matrix).solve(right)
+    Factors::new(matrix.clone()).solve(right)
 }
 
 /// Eigenvalues and eigenvectors of a Hermitian matrix, of which the lower half is read: the values are real, and the
@@ -88,8 +131,7 @@ pub(crate) fn hermitian_eigen(matrix: &Matrix) -> Result<Eigen, WaveError> {
 /// # Errors
 /// [`WaveError::Singular`] if it is not finite.
 pub(crate) fn inverse(matrix: &Matrix) -> Result<Matrix, WaveError> {
-    let found = matrix.partial_piv_lu().inverse();
-    if found.is_all_finite() { Ok(found) } else { Err(WaveError::Singular) }
+    solve(matrix, &Matrix::identity(matrix.nrows(), matrix.ncols()))
 }
 
 /// Matrix with orthonormal rows or columns that is nearest to `matrix`: U V† of its singular value decomposition.

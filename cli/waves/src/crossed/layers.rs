@@ -149,7 +149,7 @@ impl<'a> Stack<'a> {
                 let identity = Matrix::identity(reflection.nrows(), reflection.ncols());
                 let [u, t] = below.fields(&(&identity + reflection), &(&identity - reflection));
                 let [p, q] = layer.amplitudes(&u, &t)?;
-                let factors = Factors::new(&(&p + &q));
+                let factors = Factors::new(&p + &q);
                 let reflection = passed(factors.solve_left(&(p - q))?, &passage);
                 (Top::Patterned { layer, reflection }, Transfer::Inverse(factors))
             }

@@ -99,12 +99,13 @@ impl Modal {
         } else {
             second = eigen(&helmholtz)?;
             psi_inverse = inverse(&second.vectors)?;
-            // Eigenvectors D of (⟦1/ε⟧)⁻¹ (I − K E⁻¹ K), and φ = ⟦1/ε⟧ D.
-            let found = eigen(&solve(&b, &curl)?)?;
+            // Eigenvectors D of A (I − K E⁻¹ K) with A = ⟦1/ε⟧⁻¹, φ = A⁻¹ D, φ⁻¹ = D⁻¹ A.
+            let a = inverse(&b)?;
+            let found = eigen(&product(a.as_ref(), curl.as_ref()))?;
             d = found.vectors;
             d_inverse = inverse(&d)?;
             let phi = product(b.as_ref(), d.as_ref());
-            phi_inverse = inverse(&phi)?;
+            phi_inverse = product(d_inverse.as_ref(), a.as_ref());
             first = Eigen { values: found.values, vectors: phi };
         }
         let off = |values: &[Complex64]| values.iter().map(|&value| off_anomaly(value, largest)).collect::<Vec<_>>();

@@ -3,12 +3,11 @@
 use std::ops::Range;
 
 use faer::Accum;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 use num_complex::Complex64;
 
 use super::medium::{Interface, Waves};
 use crate::error::WaveError;
-use crate::linear::{Matrix, multiply_into, product, scale_rows};
+use crate::linear::{Factors, Matrix, multiply_into, product, scale_rows};
 
 /// Amplitudes of the waves of a pattern for one incident polarisation.
 pub(super) type Column = Vec<Complex64>;
@@ -119,15 +118,15 @@ fn climb(
 ) -> Result<Leaving, WaveError> {
     let mut below = substrate;
     let mut r = Matrix::zeros(waves.len(), waves.len());
-    let mut passed: Vec<(PartialPivLu<Complex64>, Vec<Complex64>)> = Vec::with_capacity(stack.len());
+    let mut passed: Vec<(Factors, Vec<Complex64>)> = Vec::with_capacity(stack.len());
     let mut meeting = Meeting::new(waves.len());
     for (i, layer) in stack.iter().enumerate().rev() {
         join(layer, below, &r, &mut meeting);
-        let down = meeting.down.partial_piv_lu();
+        let down = Factors::new(std::mem::replace(&mut meeting.down, Matrix::zeros(waves.len(), waves.len())));
         let phases = layer.phases(waves.clone());
         if i > 0 {
             std::mem::swap(&mut r, &mut meeting.up);
-            down.rsolve_in_place(r.as_mut());
+            down.solve_left_in_place(r.as_mut());
             if !scale(&mut r, &phases).is_finite() {
                 return Err(WaveError::Singular);
             }
@@ -137,9 +136,9 @@ fn climb(
     }
     let mut down = light;
     let mut up = None;
-    for (lu, phases) in passed.iter().rev() {
+    for (factors, phases) in passed.iter().rev() {
         scale_rows(&mut down, phases);
-        lu.solve_in_place(down.as_mut());
+        factors.solve_in_place(down.as_mut());
         up = up.or_else(|| Some(product(meeting.up.as_ref(), down.as_ref())));
         // `down` is twice the light.
         down *= faer::Scale(Complex64::from(2.0));
