@@ -37,48 +37,56 @@ pub(crate) fn eigen(matrix: &Matrix) -> Result<Eigen, WaveError> {
     if finite { Ok(Eigen { values, vectors }) } else { Err(WaveError::Singular) }
 }
 
-/// Triangular factors of a square matrix, for several right sides. They stay in one matrix: faer's own type copies each
-/// factor, which takes as long as finding them where N is about 40.
+/// Triangular factors of a square matrix, for several right sides.
 #[derive(Clone, Debug)]
 pub(crate) struct Factors {
     both: Matrix,
-    /// Permutation of the rows and its inverse.
-    rows: [Vec<usize>; 2],
+    rows: Rows,
 }
 
-impl Factors {
-    /// Factors of `matrix`, written over it.
-    pub(crate) fn new(mut matrix: Matrix) -> Self {
+/// Sequence of the rows of a matrix whose triangular factors were written over it. faer's own type copies each factor, which
+/// takes as long as finding them where N is about 40.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows([Vec<usize>; 2]);
+
+impl Rows {
+    /// Writes the factors of `matrix` over it.
+    pub(crate) fn factor(matrix: MatMut<'_, Complex64>) -> Self {
         let n = matrix.nrows();
         let mut rows = [vec![0; n], vec![0; n]];
         let [forward, backward] = &mut rows;
         let scratch = lu_in_place_scratch::<usize, Complex64>(n, n, Par::Seq, Default::default());
         let mut memory = MemBuffer::new(scratch);
-        let stack = MemStack::new(&mut memory);
-        lu_in_place(matrix.as_mut(), forward, backward, Par::Seq, stack, Default::default());
-        Self { both: matrix, rows }
+        lu_in_place(matrix, forward, backward, Par::Seq, MemStack::new(&mut memory), Default::default());
+        Self(rows)
     }
 
     fn permutation(&self) -> PermRef<'_, usize> {
-        PermRef::new_checked(&self.rows[0], &self.rows[1], self.both.nrows())
+        PermRef::new_checked(&self.0[0], &self.0[1], self.0[0].len())
     }
 
-    /// Replaces b in `right` by the x of `matrix · x = b`.
-    pub(crate) fn solve_in_place(&self, right: MatMut<'_, Complex64>) {
-        let n = self.both.nrows();
-        let mut memory = MemBuffer::new(solve_in_place_scratch::<usize, Complex64>(n, right.ncols(), Par::Seq));
+    /// Replaces b in `right` by the x of `matrix · x = b`, where `factors` were written over `matrix`.
+    pub(crate) fn solve_in_place(&self, factors: MatRef<'_, Complex64>, right: MatMut<'_, Complex64>) {
+        let scratch = solve_in_place_scratch::<usize, Complex64>(factors.nrows(), right.ncols(), Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
         let stack = MemStack::new(&mut memory);
-        solve_in_place(self.both.as_ref(), self.both.as_ref(), self.permutation(), right, Par::Seq, stack);
+        solve_in_place(factors, factors, self.permutation(), right, Par::Seq, stack);
     }
 
-    /// Replaces b in `left` by the x of `x · matrix = b`.
-    pub(crate) fn solve_left_in_place(&self, left: MatMut<'_, Complex64>) {
-        let n = self.both.nrows();
-        let mut memory =
-            MemBuffer::new(solve_transpose_in_place_scratch::<usize, Complex64>(n, left.nrows(), Par::Seq));
+    /// Replaces b in `left` by the x of `x · matrix = b`, where `factors` were written over `matrix`.
+    pub(crate) fn solve_left_in_place(&self, factors: MatRef<'_, Complex64>, left: MatMut<'_, Complex64>) {
+        let scratch = solve_transpose_in_place_scratch::<usize, Complex64>(factors.nrows(), left.nrows(), Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
         let stack = MemStack::new(&mut memory);
-        let right = left.transpose_mut();
-        solve_transpose_in_place(self.both.as_ref(), self.both.as_ref(), self.permutation(), right, Par::Seq, stack);
+        solve_transpose_in_place(factors, factors, self.permutation(), left.transpose_mut(), Par::Seq, stack);
+    }
+}
+
+impl Factors {
+    /// Factors of `matrix`, written over it.
+    pub(crate) fn new(mut matrix: Matrix) -> Self {
+        let rows = Rows::factor(matrix.as_mut());
+        Self { both: matrix, rows }
     }
 
     /// Solves `matrix · x = right` for x.
@@ -87,7 +95,7 @@ impl Factors {
     /// [`WaveError::Singular`] if x is not finite.
     pub(crate) fn solve(&self, right: &Matrix) -> Result<Matrix, WaveError> {
         let mut out = right.clone();
-        self.solve_in_place(out.as_mut());
+        self.rows.solve_in_place(self.both.as_ref(), out.as_mut());
         finite(out)
     }
 
@@ -97,7 +105,7 @@ impl Factors {
     /// [`WaveError::Singular`] if x is not finite.
     pub(crate) fn solve_left(&self, left: &Matrix) -> Result<Matrix, WaveError> {
         let mut out = left.clone();
-        self.solve_left_in_place(out.as_mut());
+        self.rows.solve_left_in_place(self.both.as_ref(), out.as_mut());
         finite(out)
     }
 }

@@ -26,6 +26,24 @@ pub(super) enum Pattern {
     Modal(Box<Modal>),
 }
 
+/// What k_z of a pattern depends on, beside k_y.
+#[derive(Debug)]
+pub(super) enum Spectrum {
+    /// Index of one medium.
+    Uniform(Complex64),
+    /// [`Modal::kappa_squared`].
+    Modal([Vec<Complex64>; 2]),
+}
+
+impl From<Pattern> for Spectrum {
+    fn from(pattern: Pattern) -> Self {
+        match pattern {
+            Pattern::Uniform(eta) => Self::Uniform(eta),
+            Pattern::Modal(modal) => Self::Modal(modal.kappa_squared),
+        }
+    }
+}
+
 /// Modes of a pattern of several media: fields that keep their form from one height to another.
 ///
 /// Modes of the first kind have E_x = φ and H_x = 0, those of the second H_x = ψ and E_x = 0 (Li 1993, "A modal
@@ -176,20 +194,19 @@ pub(super) struct Waves {
 }
 
 impl Waves {
-    pub fn new(pattern: &Pattern, kx: &[f64], ky: f64) -> Self {
+    pub fn new(spectrum: &Spectrum, kx: &[f64], ky: f64) -> Self {
         let n = kx.len();
-        let (vertical, electric, magnetic): (Vec<_>, Vec<_>, Vec<_>) = match pattern {
-            Pattern::Uniform(eta) => {
+        let (vertical, electric, magnetic): (Vec<_>, Vec<_>, Vec<_>) = match spectrum {
+            Spectrum::Uniform(eta) => {
                 let half: Vec<Complex64> = kx.iter().map(|&kx| vertical(*eta, [kx, ky])).collect();
                 let magnetic = kx.iter().zip(&half).map(|(&kx, &kz)| admittance([kx, ky], kz)).collect();
                 (half.repeat(2), vec![-Complex64::ONE; n], magnetic)
             }
-            Pattern::Modal(modal) => {
+            Spectrum::Modal(kappa_squared) => {
                 let root = |&kappa: &Complex64| forward_root(off_anomaly(kappa - ky * ky, kappa));
-                let [first, second] =
-                    modal.kappa_squared.each_ref().map(|kappa| kappa.iter().map(root).collect::<Vec<_>>());
+                let [first, second] = kappa_squared.each_ref().map(|kappa| kappa.iter().map(root).collect::<Vec<_>>());
                 let over = |i: usize, kz: &[Complex64]| {
-                    kz.iter().zip(&modal.kappa_squared[i]).map(|(kz, k)| kz / k).collect::<Vec<_>>()
+                    kz.iter().zip(&kappa_squared[i]).map(|(kz, k)| kz / k).collect::<Vec<_>>()
                 };
                 let magnetic =
                     over(0, &first).into_iter().map(|h| [[Complex64::ZERO, Complex64::ONE], [h, Complex64::ZERO]]);

@@ -15,7 +15,7 @@ use crate::fields::{Tangential, admittance, incident, order, vertical};
 use crate::profile::{Profile, Slice};
 use crate::response::{Order, Response};
 
-use medium::{Interface, Modal, Pattern, Waves};
+use medium::{Interface, Modal, Pattern, Spectrum, Waves};
 use recursion::{Column, Layer, propagate, propagate_apart};
 
 /// |k_y| in units of k₀ up to which s and p are solved apart, as at k_y = 0. The fields of one in the other are
@@ -35,8 +35,8 @@ pub struct Modes {
     /// Tangential wavevectors along x of orders −M…M, in units of k₀.
     kx: Vec<f64>,
     decompositions: usize,
-    /// Different patterns; the first two are the half-spaces.
-    patterns: Vec<Pattern>,
+    /// Spectra of the different patterns; the first two are of the half-spaces.
+    spectra: Vec<Spectrum>,
     /// Interfaces between different pairs of patterns, `None` between two uniform media.
     interfaces: Vec<Option<Interface>>,
     /// Layers from the top between the half-spaces: pattern, and thickness in units of 1/k₀.
@@ -109,7 +109,7 @@ impl Modes {
             max_order,
             kx,
             decompositions,
-            patterns,
+            spectra: patterns.into_iter().map(Spectrum::from).collect(),
             interfaces,
             layers,
             joints,
@@ -145,7 +145,7 @@ impl Modes {
         if !(q0[0].hypot(q0[1]) < self.above && incident_vertical > 0.0) {
             return Err(WaveError::Light);
         }
-        let waves: Vec<Waves> = self.patterns.iter().map(|pattern| Waves::new(pattern, &self.kx, ky)).collect();
+        let waves: Vec<Waves> = self.spectra.iter().map(|spectrum| Waves::new(spectrum, &self.kx, ky)).collect();
         let tops = [(0, 0.0)].into_iter().chain(self.layers.iter().copied());
         let stack: Vec<Layer<'_>> = tops
             .zip(&self.joints)

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 
 use super::medium::{Interface, Waves};
 use crate::error::WaveError;
-use crate::linear::{Factors, Matrix, multiply_into, product, scale_rows};
+use crate::linear::{Matrix, Rows, multiply_into, product, scale_rows};
 
 /// Amplitudes of the waves of a pattern for one incident polarisation.
 pub(super) type Column = Vec<Complex64>;
@@ -40,7 +40,7 @@ impl Layer<'_> {
 }
 
 /// Waves at the lower side of a layer per light d that goes down below it: 2u = `up` d goes up, 2d' = `down` d down. Its
-/// matrices are used again from one interface to the next: allocation costs as much time as a product.
+/// matrices serve one interface after another.
 struct Meeting {
     up: Matrix,
     down: Matrix,
@@ -116,29 +116,34 @@ fn climb(
     light: Matrix,
     join: impl Fn(&Layer<'_>, &Waves, &Matrix, &mut Meeting),
 ) -> Result<Leaving, WaveError> {
+    let n = waves.len();
     let mut below = substrate;
-    let mut r = Matrix::zeros(waves.len(), waves.len());
-    let mut passed: Vec<(Factors, Vec<Complex64>)> = Vec::with_capacity(stack.len());
-    let mut meeting = Meeting::new(waves.len());
-    for (i, layer) in stack.iter().enumerate().rev() {
+    let mut r = Matrix::zeros(n, n);
+    let mut meeting = Meeting::new(n);
+    // Triangular factors of all `down`, side by side from the substrate upwards, in one allocation.
+    let mut factors = Matrix::zeros(n, n * stack.len());
+    let mut passed: Vec<(Rows, Vec<Complex64>)> = Vec::with_capacity(stack.len());
+    for (i, layer) in stack.iter().rev().enumerate() {
         join(layer, below, &r, &mut meeting);
-        let down = Factors::new(std::mem::replace(&mut meeting.down, Matrix::zeros(waves.len(), waves.len())));
+        let mut down = factors.subcols_mut(i * n, n);
+        down.copy_from(&meeting.down);
+        let rows = Rows::factor(down.as_mut());
         let phases = layer.phases(waves.clone());
-        if i > 0 {
+        if i + 1 < stack.len() {
             std::mem::swap(&mut r, &mut meeting.up);
-            down.solve_left_in_place(r.as_mut());
+            rows.solve_left_in_place(down.as_ref(), r.as_mut());
             if !scale(&mut r, &phases).is_finite() {
                 return Err(WaveError::Singular);
             }
         }
-        passed.push((down, phases));
+        passed.push((rows, phases));
         below = layer.waves;
     }
     let mut down = light;
     let mut up = None;
-    for (factors, phases) in passed.iter().rev() {
+    for (i, (rows, phases)) in passed.iter().enumerate().rev() {
         scale_rows(&mut down, phases);
-        factors.solve_in_place(down.as_mut());
+        rows.solve_in_place(factors.subcols(i * n, n), down.as_mut());
         up = up.or_else(|| Some(product(meeting.up.as_ref(), down.as_ref())));
         // `down` is twice the light.
         down *= faer::Scale(Complex64::from(2.0));
