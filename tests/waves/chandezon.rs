@@ -1,6 +1,7 @@
 //! The coordinate-transformation method against other programs, closed forms and laws of physics.
 
 use goniochrome_waves::chandezon::{GraphModes, enough_orders, suits};
+use goniochrome_waves::convergence::{Goal, converge};
 use goniochrome_waves::lamellar::Modes;
 use goniochrome_waves::profile::{Graph, Profile, Slice};
 use goniochrome_waves::response::{Order, Response};
@@ -64,8 +65,8 @@ fn grating_difference(name: &str, max_order: usize) -> f64 {
     largest
 }
 
-/// The limits of the cases of `gratings.json` are the largest differences that the file states between the programs that
-/// made them, or between their truncations.
+/// The limits of the cases of `gratings.json` are the largest differences that the file states between the programs
+/// that made them, or between their truncations.
 #[test]
 fn lamellar_silver() {
     assert!(grating_difference("b_lamellar_silver", 50) <= 3e-4);
@@ -144,14 +145,73 @@ fn sinusoidal_foil() {
     }
 }
 
+/// Steep smooth metal, half as high as its period: 31 orders reach 1e-4.
+#[test]
+fn steep_sinusoid() {
+    let silver = Complex64::new(0.06, 3.6);
+    let surface = sinusoid(1000.0, 500.0, 400, 1.0, silver);
+    for q in [[0.3, 0.0], [0.3, 0.25]] {
+        let change = largest_change(&solve(&surface, 550.0, q, 15), &solve(&surface, 550.0, q, 25));
+        assert!(change <= 1e-4, "{q:?}: {change:.1e}");
+    }
+}
+
+/// Random polygons, jagged and with vertical walls: efficiencies are finite, none is negative, and no power is made.
+/// Rounding of the deepest, 1.5 periods high, is below 1e-8.
+#[test]
+fn random_polygons() {
+    let mut state = 1_u64;
+    let mut random = move || {
+        // Knuth's MMIX generator.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for case in 0..60 {
+        let period = 300.0 + 1500.0 * random();
+        let mut x: Vec<f64> = (0..2 + case % 5).map(|_| period * random()).collect();
+        x.sort_by(f64::total_cmp);
+        x[1] = if random() < 0.3 { x[0] } else { x[1] };
+        let height = 1.5 * period * random() * random();
+        let points: Vec<[f64; 2]> = x.iter().map(|&x| [x, height * random()]).collect();
+        let lossless = case % 2 == 0;
+        let below = Complex64::new(0.1 + 2.0 * random(), if lossless { 0.0 } else { 7.0 * random() });
+        let surface = graph(period, 1.0 + 0.6 * random(), below, &points);
+        let sine = surface.above * random();
+        let (y, x) = (std::f64::consts::TAU * random()).sin_cos();
+        let max_order = enough_orders(&surface, 550.0).expect("orders");
+        let response = solve(&surface, 550.0, [sine * x, sine * y], max_order);
+        let found = efficiencies(&response);
+        assert!(found.iter().flatten().all(|e| e.is_finite() && *e >= -1e-12), "{surface:?}");
+        for p in 0..2 {
+            let reflected: f64 = found[..2 * max_order + 1].iter().map(|e| e[p]).sum();
+            let whole: f64 = found.iter().map(|e| e[p]).sum();
+            let error = if lossless { (whole - 1.0).abs() } else { reflected - 1.0 };
+            assert!(error <= 1e-8, "{surface:?} {max_order}: {error:.1e}");
+        }
+    }
+}
+
+/// The error bar of a disc's efficiencies from [`enough_orders`] upwards is true.
+#[test]
+fn error_bar() {
+    let points = [[0.0, 105.0], [182.0, 105.0], [210.0, 0.0], [530.0, 0.0], [558.0, 105.0]];
+    let disc = graph(740.0, 1.58, ALUMINIUM, &points);
+    let q = [0.4, 0.3];
+    let goal = Goal { target: 1e-3, first: enough_orders(&disc, 550.0).expect("orders"), limit: 60 };
+    let found = converge(goal, |max_order| Ok(vec![solve(&disc, 550.0, q, max_order)])).expect("response");
+    let error = largest_change(&found.responses[0], &solve(&disc, 550.0, q, 50));
+    assert!(found.met && found.max_order <= 25, "{} {}", found.error_bar, found.max_order);
+    assert!(error <= found.error_bar, "{error:.1e} {:.1e}", found.error_bar);
+}
+
 /// Corners of a trapezoidal ridge of glass: period 800 nm, walls of 75°.
 const RIDGE: [[f64; 2]; 5] = [[0.0, 0.0], [200.0, 0.0], [260.0, 220.0], [500.0, 220.0], [560.0, 0.0]];
 
 /// Lossless surfaces keep all power at any truncation that has the travelling orders.
 #[test]
 fn energy() {
-    let wall = [[0.0, 800.0], [300.0, 800.0], [300.0, 0.0]];
-    for points in [RIDGE.as_slice(), wall.as_slice()] {
+    let walls = [[0.0, 800.0], [300.0, 800.0], [300.0, 0.0], [800.0, 0.0]];
+    for points in [RIDGE.as_slice(), walls.as_slice()] {
         for (above, below) in [(1.0, 1.5), (1.5, 1.0)] {
             let surface = graph(800.0, above, Complex64::from(below), points);
             for q in [[0.0, 0.0], [0.3, 0.0], [0.25, 0.6]] {
@@ -171,8 +231,8 @@ fn energy_error(surface: &Graph, q: [f64; 2], max_order: usize) -> f64 {
     sums.iter().fold(0.0, |largest: f64, sum| largest.max((sum - 1.0).abs()))
 }
 
-/// At k_y = 1 below glass, components along y do not determine the field in air. The method shifts ε of air by 1e-8 there
-/// and loses half of the digits.
+/// At k_y = 1 below glass, components along y do not determine the field in air. The method shifts ε of air by 1e-8
+/// there and loses half of the digits.
 #[test]
 fn light_along_the_grooves_at_the_limit_of_total_reflection() {
     let surface = graph(800.0, 1.5, Complex64::from(1.0), &RIDGE);
@@ -293,8 +353,8 @@ fn reciprocity_error(surface: &Graph, q: [f64; 2], max_order: usize) -> f64 {
     largest
 }
 
-/// Reciprocity holds as well as the fields have converged: to rounding for a smooth surface, to the change from 20 to 30
-/// orders for one with corners.
+/// Reciprocity holds as well as the fields have converged: to rounding for a smooth surface, to the change from 20 to
+/// 30 orders for one with corners.
 #[test]
 fn reciprocity() {
     let q = [0.35, 0.5];

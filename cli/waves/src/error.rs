@@ -5,8 +5,8 @@
 pub enum WaveError {
     /// An eigenvalue decomposition did not converge, or a matrix had no finite inverse.
     Singular,
-    /// A period or thickness that is not positive, edges or corners that do not ascend within a period, or another number
-    /// of media than of edges.
+    /// A period or thickness that is not positive, edges or corners that do not ascend within a period, or another
+    /// number of media than of edges.
     Profile,
     /// Light that does not travel in the half-space above, or a wavelength that is not positive.
     Light,

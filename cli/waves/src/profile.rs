@@ -11,8 +11,8 @@ pub struct Slice {
     pub thickness_nm: f64,
     /// Positions along x where the medium changes, ascending, in [0, period). Empty where the slice has one medium.
     pub edges_nm: Vec<f64>,
-    /// Index of each medium: `eta[i]` lies from edge i to edge i + 1, the last from the last edge over the period's end to
-    /// the first. One for each edge, and one where there is no edge.
+    /// Index of each medium: `eta[i]` lies from edge i to edge i + 1, the last from the last edge over the period's end
+    /// to the first. One for each edge, and one where there is no edge.
     pub eta: Vec<Complex64>,
 }
 

@@ -31,7 +31,8 @@ impl Side {
         }
     }
 
-    /// z at which the phases of plane waves are 0: the top of the interface for those above, its bottom for those below.
+    /// z at which the phases of plane waves are 0: the top of the interface for those above, its bottom for those
+    /// below.
     pub fn origin(self, interface: &Interface) -> f64 {
         interface.heights()[usize::from(self == Self::Above)]
     }
@@ -104,7 +105,8 @@ impl HalfSpace {
     /// Amplitudes of the orders, as rows, of fields that leave, given in Fourier coefficients as columns.
     ///
     /// Travelling orders are the products of flux with [`PlaneWaves`]. Others follow from Green's second identity with
-    /// the plane wave of opposite wavevector, which does not grow between the interface and the plane where phases are 0.
+    /// the plane wave of opposite wavevector, which does not grow between the interface and the plane where phases are
+    /// 0.
     pub fn amplitudes(&self, interface: &Interface, fields: &Fields) -> Matrix {
         let (n, sign) = (interface.orders(), self.side.sign());
         let travelling = self.leaving.fields.flux(fields);

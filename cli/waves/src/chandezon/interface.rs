@@ -9,9 +9,9 @@
 //! ```
 //!
 //! of the Toeplitz matrices F = ⟦f⟧ and G = ⟦g⟧ and α = −i∂_u. It is Chandezon's eigenproblem with the factorisation of
-//! Li & Chandezon (1996) at corners, written by ∂_x ± i∂_z: no inverse of f remains, so vertical walls, where f = 0, are
-//! no exception. Eliminating χ gives a quadratic pencil in ρ of Hermitian matrices where γ² is real, so that the flux
-//! Re φ†q of the truncated modes, with q = −i (f∂_z − g∂_x) ψ = iαφ − (G + iF) χ, is conserved exactly.
+//! Li & Chandezon (1996) at corners, written by ∂_x ± i∂_z: no inverse of f remains, so vertical walls, where f = 0,
+//! are no exception. Eliminating χ gives a quadratic pencil in ρ of Hermitian matrices where γ² is real, so that the
+//! flux Re φ†q of the truncated modes, with q = −i (f∂_z − g∂_x) ψ = iαφ − (G + iF) χ, is conserved exactly.
 
 use num_complex::Complex64;
 
@@ -19,8 +19,9 @@ use super::path::{Node, Path};
 use crate::error::WaveError;
 use crate::linear::{Matrix, eigen, product, solve};
 
-/// Nodes of the quadratures for each order: six for each oscillation of the fastest harmonic.
-const NODES_PER_ORDER: f64 = 6.0;
+/// Nodes of the quadratures for each order. Products of a field and a plane wave make up to one oscillation for each
+/// order, and Gauss-Legendre quadratures converge from π nodes for each.
+const NODES_PER_ORDER: f64 = 4.0;
 
 /// Interface in Fourier space, for one k_x.
 #[derive(Clone, Debug)]

@@ -1,6 +1,22 @@
 //! Coordinate-transformation method of Chandezon for one interface between two media, invariant along y.
 //!
-//! The interface itself is a coordinate line, so slanted and curved walls need no staircase. See [`GraphModes`].
+//! The interface itself is a coordinate line, so that slanted and curved walls need no staircase. The coordinate along
+//! it is its length, and slows down at corners, so that vertical walls and edges of metal converge too. Lossless
+//! surfaces keep all power at any truncation that has the travelling orders; what a truncation leaves out shows as a
+//! change from one truncation to another.
+//!
+//! Largest order M that every efficiency needs at 550 nm, k_x = 0.3, k_y = 0.25 (`tests/waves/chandezon.rs` checks
+//! some):
+//!
+//! | interface | 1e-3 | 1e-4 |
+//! |---|---|---|
+//! | tracks of a compact disc, of a DVD, aluminium | 13, 11 | 17, 14 |
+//! | sinusoid in aluminium, period 1000 nm, 100 nm high | 4 | 4 |
+//! | sinusoid in silver, period 1000 nm, 250, 500, 1000 nm high | 4, 7, 15 | 5, 9, 22 |
+//! | sawtooth in silver, 5°, period 6000 nm | 17 | 24 |
+//! | rectangular grooves in silver, period 8000 nm, 150 nm deep | 34 | 42 |
+//! | trapezoids of glass, period 800 nm, 220 nm high | 10 | 13 |
+//! | rectangular ridges of glass, period 800 nm, 800 nm high | 17 | 22 |
 
 use num_complex::Complex64;
 
@@ -32,9 +48,9 @@ const MAX_HEIGHT: f64 = 2.0;
 
 /// Estimate of the largest order M that efficiencies need to be right to about 1e-3.
 ///
-/// Of 299 random polygons of 2 to 7 corners, up to 10 wavelengths long and 1.5 periods high, efficiencies changed by less
-/// than 1e-3 for 90 % from this M to 1.5 times as many orders, by 1e-5 in the median, and by up to 0.05 for jagged metals
-/// with narrow grooves.
+/// Measured on 299 random polygons of 2 to 7 corners, up to 8 wavelengths long and 1.5 periods high: from this M to 1.5
+/// times as many orders, efficiencies changed by less than 1e-3 for 90 % of them, by 1e-5 in the median, and by up to
+/// 0.05 for jagged metals with narrow grooves.
 ///
 /// # Errors
 /// [`WaveError::Profile`] or [`WaveError::Light`] if an argument is out of its domain.
@@ -77,8 +93,8 @@ impl GraphModes {
     /// Prepares the orders −M…M, with M = `max_order`, around the tangential wavevector `kx0` in units of k₀.
     ///
     /// # Errors
-    /// [`WaveError::Profile`] or [`WaveError::Light`] if an argument is out of its domain, [`WaveError::Singular`] if the
-    /// equations have no finite solution.
+    /// [`WaveError::Profile`] or [`WaveError::Light`] if an argument is out of its domain, [`WaveError::Singular`] if
+    /// the equations have no finite solution.
     pub fn new(graph: &Graph, wavelength_nm: f64, kx0: f64, max_order: usize) -> Result<Self, WaveError> {
         if !kx0.is_finite() {
             return Err(WaveError::Light);
@@ -89,8 +105,8 @@ impl GraphModes {
 
     /// Orders for light of tangential wavevector (k_x0, `ky`), in s and in p.
     ///
-    /// Phases are 0 at x = y = 0, at the top of the interface for the light that arrives and for reflected orders, and at
-    /// its bottom for transmitted orders.
+    /// Phases are 0 at x = y = 0, at the top of the interface for the light that arrives and for reflected orders, and
+    /// at its bottom for transmitted orders.
     ///
     /// # Errors
     /// [`WaveError::Light`] if the light does not travel in the half-space above, [`WaveError::Singular`] if the

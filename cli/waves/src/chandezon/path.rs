@@ -126,9 +126,9 @@ impl Path {
         sum
     }
 
-    /// Nodes of Gauss-Legendre quadratures of all pieces, `density` over the whole period and 6 more for each piece.
+    /// Nodes of Gauss-Legendre quadratures of all pieces, `density` over the whole period and 8 more for each piece.
     pub fn nodes(&self, density: f64) -> Vec<Node> {
-        self.pieces.iter().flat_map(|piece| piece.nodes((density * piece.width).ceil() as usize + 6)).collect()
+        self.pieces.iter().flat_map(|piece| piece.nodes((density * piece.width).ceil() as usize + 8)).collect()
     }
 }
 
@@ -245,7 +245,11 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
                 [last, value] = [value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * last) / k];
             }
             slope = n * (x * value - last) / (x * x - 1.0);
-            x -= value / slope;
+            let step = value / slope;
+            x -= step;
+            if step.abs() < f64::EPSILON {
+                break;
+            }
         }
         (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
     };
