@@ -136,6 +136,33 @@ fn mirror_order_is_reciprocal() {
 }
 
 #[test]
+fn all_reflected_orders_are_reciprocal() {
+    const TOLERANCE: f64 = 1e-9;
+    let profile = bodies(1.0, SILVER, [SILVER, RESIN, 1.33.into()]);
+    let there = light(400.0, 1.0, 25.0, 120.0);
+    let response = solve(&profile, &there, [2, 2]);
+    let opposite = Light { tangential: there.tangential.map(|k| -k), ..there };
+    let backwards = CrossedModes::new(&profile, &opposite, [2, 2]).expect("modes");
+    let mut count = 0;
+    for order in response.reflected.iter().filter(|order| order.vertical.re > 0.0) {
+        // Light against the order leaves against the light: their truncations hold the same waves.
+        let back = backwards.response_at(order.index.map(|number| -number)).expect("response");
+        let other = at(&back.reflected, order.index);
+        let power = |response: &Response, order: &Order, from: usize, to: usize| {
+            order.vertical.re / response.incident_vertical * order.jones[from][to].norm_sqr()
+        };
+        for (from, to) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let (a, b) = (power(&response, order, from, to), power(&back, other, to, from));
+            assert!((a - b).abs() <= TOLERANCE, "{:?} {from}{to}: {a} {b}", order.index);
+        }
+        count += 1;
+    }
+    assert!(count >= 4, "{count}");
+    assert_eq!(backwards.response_at([3, 0]), Err(WaveError::Light));
+    assert_eq!(backwards.response_at([2, 2]), Err(WaveError::Light));
+}
+
+#[test]
 fn straight_passage_is_reciprocal() {
     const TOLERANCE: f64 = 1e-9;
     let over = bodies(1.0, 1.5.into(), [SILVER, RESIN, 1.33.into()]);

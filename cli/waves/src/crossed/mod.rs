@@ -114,6 +114,20 @@ impl CrossedModes {
     /// # Errors
     /// [`WaveError::Singular`] if the fields have no finite solution.
     pub fn response(&self) -> Result<Response, WaveError> {
+        self.response_at([0, 0])
+    }
+
+    /// Orders for light of the tangential wavevector (k_x + m λ/Λ_x, k_y + n λ/Λ_y), `shift` = [m, n], from the same
+    /// decompositions. They are counted from that light, and are those of the truncation around (k_x, k_y).
+    ///
+    /// # Errors
+    /// As [`CrossedModes::response`]; [`WaveError::Light`] if the truncation has no such order, or if it does not travel
+    /// in the half-space above.
+    pub fn response_at(&self, shift: [i32; 2]) -> Result<Response, WaveError> {
+        let arriving = self.indices.iter().position(|&index| index == shift).ok_or(WaveError::Light)?;
+        if self.orders[arriving].length >= self.above {
+            return Err(WaveError::Light);
+        }
         let (above, below) = (Complex64::from(self.above), self.below);
         let top = PlaneWaves::new(above * above, &self.orders);
         let bottom = PlaneWaves::new(below * below, &self.orders);
@@ -129,20 +143,20 @@ impl CrossedModes {
         // part s of H.
         let n = self.indices.len();
         let mut light = Matrix::zeros(2 * n, 2);
-        light[(n + n / 2, 0)] = Complex64::ONE;
-        light[(n / 2, 1)] = -above;
+        light[(n + arriving, 0)] = Complex64::ONE;
+        light[(arriving, 1)] = -above;
         let [up, down] = stack.illuminate(&top, &light)?;
         let orders = |amplitudes: &Matrix, eta: Complex64, sign: f64| {
             (0..n)
                 .map(|i| Order {
-                    index: self.indices[i],
+                    index: [0, 1].map(|axis| self.indices[i][axis] - shift[axis]),
                     vertical: vertical(eta, self.orders[i].q),
                     jones: [0, 1].map(|j| [amplitudes[(n + i, j)], amplitudes[(i, j)] * sign / eta]),
                 })
                 .collect()
         };
         Ok(Response {
-            incident_vertical: vertical(above, self.orders[self.indices.len() / 2].q).re,
+            incident_vertical: vertical(above, self.orders[arriving].q).re,
             half_spaces: [above, below],
             reflected: orders(&up, above, 1.0),
             transmitted: orders(&down, below, -1.0),
