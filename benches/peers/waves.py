@@ -1,9 +1,10 @@
 """Times one solve of a Morpho ridge (33 slices, 17 different) by goniochrome, grcwa and meent: s and p, one thread.
 
-`waves.py PROGRAM [--orders N]`. One direction (conical) and one wavelength. The peers get the same Fourier matrices with
-the same factorisation rule, computed outside of the timed part, so that all three solve the same truncated equations.
-The programs take turns; milliseconds are of processor time, ratios of medians within this run. Fails if efficiencies
-differ by more than rounding.
+`waves.py PROGRAM [--orders N]`. One direction (conical) and one wavelength. The peers get the same Fourier matrices
+with the same factorisation rule, computed outside of the timed part: all three solve the same truncated equations. The
+peers decompose each slice; goniochrome shares decompositions between slices that differ by a shift. The programs take
+turns; milliseconds are of processor time, ratios of medians within this run. Fails if efficiencies differ by more than
+rounding.
 """
 import importlib.metadata
 import json

@@ -132,8 +132,7 @@ fn closed_form(films: &[(Complex64, f64)], below: Complex64, wavelength: f64, si
     let substrate = Below::Medium(medium(films.len() + 1));
     let stack = Stack::new(0, layers, substrate, arrays.memory()).expect("the stack fits");
     let mut memory = Box::new(PreparedStackArrays::<F64, 8>::new());
-    let prepared =
-        PreparedStack::new(stack, &lanes, Incidence::from_sine(sine.into()), Model::Physical, memory.memory());
+    let prepared = PreparedStack::new(stack, &lanes, Incidence::from_sine(sine), Model::Physical, memory.memory());
     let response = prepared.response();
     let (r, t) = (prepared.reflectance(response.reflection), prepared.transmittance(response.transmission));
     [[r.s.lane(0), r.p.lane(0)], [t.s.lane(0), t.p.lane(0)]]

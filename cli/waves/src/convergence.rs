@@ -1,14 +1,16 @@
 //! Truncation of the orders: answers with an error bar.
 //!
 //! An answer is found at growing numbers of orders, M = first, 3/2 first, … Where the error falls as a power M^−p, each
-//! change is q = (2/3)^p of the change before, and what remains after a change c is c (q + q² + …) = c q/(1 − q). Changes
-//! are irregular, above all where fields are singular at edges of metal, so that the error bar takes q from a narrow range
-//! and does not trust a change that happens to be small. `tests/waves/error_bars.rs` measures how often it is true.
+//! change is q = (2/3)^p of the change before, and what remains after a change c is c (q + q² + …) = c q/(1 − q).
+//! Changes are irregular, above all where fields are singular at edges of metal, so that the error bar takes q from a
+//! narrow range and does not trust a change that happens to be small. `tests/waves/error_bars.rs` measures how often it
+//! is true.
 
 use crate::error::WaveError;
 use crate::response::{Order, Response};
 
-/// Least ratio q of two changes: p = 1, as at edges for the p polarisation. Dielectrics converge faster, and are true too.
+/// Least ratio q of two changes: p = 1, as at edges for the p polarisation. Dielectrics converge faster, and are true
+/// too.
 const MIN_RATIO: f64 = 2.0 / 3.0;
 /// Largest ratio q, p = 0.7: beyond it the sum of the series depends on the noise of the ratio.
 const MAX_RATIO: f64 = 0.75;
@@ -41,8 +43,8 @@ pub struct Converged {
     pub met: bool,
 }
 
-/// Calls `solve` with growing truncations until the error bar of every efficiency is at most the target, or the limit is
-/// reached. `solve` returns the responses for any number of plane waves, as many each time.
+/// Calls `solve` with growing truncations until the error bar of every efficiency is at most the target, or the limit
+/// is reached. `solve` returns the responses for any number of plane waves, as many each time.
 ///
 /// # Errors
 /// What `solve` returns.

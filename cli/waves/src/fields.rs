@@ -1,15 +1,15 @@
 //! Fields of plane waves in a half-space, by their components along the surface.
 //!
-//! Maxwell's equations with lengths in units of 1/k₀ and the magnetic field times the impedance of vacuum: H = k × E and
-//! εE = −k × H. The frame is (x, y, z) with z up: the vertical component of k is positive for waves that go up.
+//! Maxwell's equations with lengths in units of 1/k₀ and the magnetic field times the impedance of vacuum: H = k × E
+//! and εE = −k × H. The frame is (x, y, z) with z up: the vertical component of k is positive for waves that go up.
 
 use num_complex::Complex64;
 
 use crate::response::Order;
 
-/// Smallest |k_z²|, relative to |ε|, that the solvers use. At a Rayleigh anomaly k_z is 0 and the fields of an order per
-/// unit of H have no limit. At this distance k_z/n is 1e-6, and so is at most the efficiency of an order that should
-/// have none; divisions by k_z² keep four digits. Energy and reciprocity hold for any k_z.
+/// Smallest |k_z²|, relative to |ε|, that the solvers use. At a Rayleigh anomaly k_z is 0 and the fields of an order
+/// per unit of H have no limit. At this distance k_z/n is 1e-6, and so is at most the efficiency of an order that
+/// should have none; divisions by k_z² keep four digits. Energy and reciprocity hold for any k_z.
 const MIN_VERTICAL_SQUARED: f64 = 1e-12;
 
 /// Components (x, y) of a field along the surface.
@@ -49,8 +49,8 @@ pub(crate) fn s_direction([x, y]: [f64; 2]) -> [f64; 2] {
     if length > 0.0 { [-y / length, x / length] } else { [0.0, 1.0] }
 }
 
-/// Fields of the light that arrives in s and in p with an electric amplitude of 1, in a medium of real index `above`, at
-/// the tangential wavevector `q` and vertical wavevector `vertical` > 0 (taken downwards).
+/// Fields of the light that arrives in s and in p with an electric amplitude of 1, in a medium of real index `above`,
+/// at the tangential wavevector `q` and vertical wavevector `vertical` > 0 (taken downwards).
 pub(crate) fn incident(above: f64, q: [f64; 2], vertical: f64) -> [Tangential; 2] {
     let [s_x, s_y] = s_direction(q);
     let along_s = |amplitude: f64| [s_x * amplitude, s_y * amplitude].map(Complex64::from);
@@ -62,8 +62,8 @@ pub(crate) fn incident(above: f64, q: [f64; 2], vertical: f64) -> [Tangential; 2
     ]
 }
 
-/// Magnetic from electric field along the surface, `[[xx, xy], [yx, yy]]`, of a wave that goes up; minus that for a wave
-/// that goes down.
+/// Magnetic from electric field along the surface, `[[xx, xy], [yx, yy]]`, of a wave that goes up; minus that for a
+/// wave that goes down.
 pub(crate) fn admittance(q: [f64; 2], vertical: Complex64) -> [Components; 2] {
     let cross = q[0] * q[1] / vertical;
     [[-cross, -(vertical + q[1] * q[1] / vertical)], [vertical + q[0] * q[0] / vertical, cross]]

@@ -1,9 +1,9 @@
 //! Diffraction of plane waves by periodic surfaces, by rigorous methods.
 //!
-//! Conventions: time dependence exp(−iωt), index η = n + ik. The surface is periodic along x, or along x and y; z points
-//! up, and light arrives from above. Lengths are in nanometres, wavevectors in units of k₀ = 2π/λ. The wave that arrives
-//! has the tangential wavevector (k_x, k_y) = −n (wi_x, wi_y) for light from the unit vector `wi`; order (m, n) has the
-//! tangential wavevector (k_x + mλ/Λ_x, k_y + nλ/Λ_y).
+//! Conventions: time dependence exp(−iωt), index η = n + ik. The surface is periodic along x, or along x and y; z
+//! points up, and light arrives from above. Lengths are in nanometres, wavevectors in units of k₀ = 2π/λ. The wave that
+//! arrives has the tangential wavevector (k_x, k_y) = −n (wi_x, wi_y) for light from the unit vector `wi`; order (m, n)
+//! has the tangential wavevector (k_x + mλ/Λ_x, k_y + nλ/Λ_y).
 //!
 //! Each module uses only those declared above it.
 

@@ -44,8 +44,8 @@ pub(crate) struct Factors {
     rows: Rows,
 }
 
-/// Sequence of the rows of a matrix whose triangular factors were written over it. faer's own type copies each factor, which
-/// takes as long as finding them where N is about 40.
+/// Sequence of the rows of a matrix whose triangular factors were written over it. faer's own type copies each factor,
+/// which takes as long as finding them where N is about 40.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows([Vec<usize>; 2]);
 

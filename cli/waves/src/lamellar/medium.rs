@@ -10,12 +10,15 @@
 
 use std::f64::consts::TAU;
 
+use faer::Accum;
 use num_complex::Complex64;
 
 use crate::error::WaveError;
 use crate::fields::{admittance, forward_root, off_anomaly, vertical};
 use crate::fourier::toeplitz;
-use crate::linear::{Eigen, Matrix, eigen, hermitian_eigen, inverse, product, scale_columns, scale_rows, solve};
+use crate::linear::{
+    Eigen, Matrix, eigen, hermitian_eigen, inverse, multiply_into, product, scale_columns, scale_rows, solve,
+};
 
 /// Pattern of media along x that does not change with height, at one k_x0.
 #[derive(Debug)]
@@ -66,9 +69,9 @@ pub(super) struct Modal {
 }
 
 impl Modal {
-    /// Decomposes a pattern of several media from the edges `edges`, in shares of the period; the tangential wavevectors of
-    /// the orders along x are `kx`. Follows Li (1996), "Use of
-    /// Fourier series in the analysis of discontinuous periodic structures": E_x jumps at the edges, D_x does not.
+    /// Decomposes a pattern of several media from the edges `edges`, in shares of the period; the tangential
+    /// wavevectors of the orders along x are `kx`. Follows Li (1996), "Use of Fourier series in the analysis of
+    /// discontinuous periodic structures": E_x jumps at the edges, D_x does not.
     ///
     /// # Errors
     /// [`WaveError::Singular`] if a decomposition or an inverse is not finite.
@@ -259,11 +262,16 @@ impl Interface {
                 h_cross: times(&above.d_inverse, &times(&above.l, &above.psi_inverse)),
             }),
             (Pattern::Modal(above), Pattern::Modal(below)) => {
+                let less = |left: &Matrix, from: &Matrix, right: &Matrix| {
+                    let mut of = left.clone();
+                    multiply_into(of.as_mut(), Accum::Add, from.as_ref(), right.as_ref(), -Complex64::ONE);
+                    of
+                };
                 let e1 = times(&above.phi_inverse, &below.phi);
                 let second = times(&above.psi_inverse, &below.psi);
-                let e_cross = times(&above.psi_inverse, &(&below.g - times(&above.g, &e1)));
+                let e_cross = times(&above.psi_inverse, &less(&below.g, &above.g, &e1));
                 let h2 = times(&above.d_inverse, &below.d);
-                let h_cross = times(&above.d_inverse, &(times(&above.l, &second) - &below.l));
+                let h_cross = -times(&above.d_inverse, &less(&below.l, &above.l, &second));
                 Some(Self { e1, second, e_cross, h2, h_cross })
             }
         }

@@ -22,8 +22,8 @@ use recursion::{Column, Layer, propagate, propagate_apart};
 /// proportional to k_y, so that amplitudes lose at most some of these.
 const MAX_APART: f64 = 1e-12;
 
-/// Distance of edges, as a share of the period, that is rounding of their positions and widths. Efficiencies change by no
-/// more than some of it.
+/// Distance of edges, as a share of the period, that is rounding of their positions and widths. Efficiencies change by
+/// no more than some of it.
 const MAX_EDGE_DIFFERENCE: f64 = 1e-12;
 
 /// Modes of all slices of a profile at one wavelength and one k_x. They serve every k_y.
@@ -132,8 +132,8 @@ impl Modes {
         self.response_at(0, ky)
     }
 
-    /// Orders for light of tangential wavevector (k_x0 + `shift` λ/Λ, `ky`), |`shift`| ≤ M, from the same decompositions.
-    /// Orders are counted from that light: numbers −M − `shift`…M − `shift`.
+    /// Orders for light of tangential wavevector (k_x0 + `shift` λ/Λ, `ky`), |`shift`| ≤ M, from the same
+    /// decompositions. Orders are counted from that light: numbers −M − `shift`…M − `shift`.
     ///
     /// # Errors
     /// As [`Modes::response`]; [`WaveError::Light`] too if there is no such order.

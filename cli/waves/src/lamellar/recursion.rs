@@ -39,8 +39,8 @@ impl Layer<'_> {
     }
 }
 
-/// Waves at the lower side of a layer per light d that goes down below it: 2u = `up` d goes up, 2d' = `down` d down. Its
-/// matrices serve one interface after another.
+/// Waves at the lower side of a layer per light d that goes down below it: 2u = `up` d goes up, 2d' = `down` d down.
+/// Its matrices serve one interface after another.
 struct Meeting {
     up: Matrix,
     down: Matrix,
@@ -55,8 +55,8 @@ impl Meeting {
     }
 }
 
-/// Waves that leave the stack for the electric fields (x, y) that arrive in its first layer, in order `arriving`, counted
-/// from 0.
+/// Waves that leave the stack for the electric fields (x, y) that arrive in its first layer, in order `arriving`,
+/// counted from 0.
 ///
 /// # Errors
 /// [`WaveError::Singular`] if a reflection matrix is not finite.
