@@ -41,8 +41,8 @@ impl<'asset> StructuralColour<'asset> {
 impl Material for StructuralColour<'_> {
     fn evaluate(&self, eye: Vec3, light: Vec3) -> Vec3 {
         match &self.table {
-            // A mirror reflects no light of a point lamp. `bounce` serves reflection probes.
-            Contents::Mirror(_) => Vec3::ZERO,
+            // Mirrors and gratings reflect no light of a point lamp. `bounce` serves reflection probes.
+            Contents::Mirror(_) | Contents::Orders(_) => Vec3::ZERO,
             Contents::Scatter(table, _) => Vec3::from(table.rgb(eye, light)) * light.z.max(0.0),
         }
     }
@@ -57,6 +57,14 @@ impl Material for StructuralColour<'_> {
                 let (direction, density) = sampler.sample(eye, random.to_array())?;
                 let value = Vec3::from(table.rgb(eye, direction)) * direction.z;
                 (density > 0.0).then(|| Bounce { direction, throughput: value / density })
+            }
+            Contents::Orders(table) => {
+                // One of the wavelengths, then one of its orders.
+                let count = table.wavelength_count();
+                let wavelength = ((random.x * count as f32) as usize).min(count - 1);
+                let drawn = table.view(eye)?.sample(wavelength, random.y)?;
+                let value = Vec3::from(table.rgb_weight(wavelength)) * drawn.efficiency;
+                Some(Bounce { direction: drawn.direction, throughput: value * count as f32 / drawn.probability })
             }
         }
     }

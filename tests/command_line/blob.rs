@@ -1,7 +1,11 @@
 //! Tests of `export --to blob`: the library loads what the table holds.
 
 use goniochrome::colour::RgbSpace;
+use goniochrome::simd::complex::Polarised;
 use goniochrome::table::blob::{Blob, Contents};
+use goniochrome::table::{OrderLayout, Periodicity};
+use goniochrome_cli::table::metadata::{Metadata, MetadataKey};
+use goniochrome_cli::table::orders::OrderTable;
 use goniochrome_cli::table::{Table, file};
 
 use crate::user::User;
@@ -48,6 +52,57 @@ fn a_table_of_a_cell_loads_with_its_sampler() {
         assert!(pdf > 0.0 && sampler.pdf(wi, wo) == pdf);
         assert!(read.rgb(wi, wo).iter().any(|f| *f > 0.0), "drawn where it reflects");
     }
+}
+
+/// A table of three orders of lines 1600 nm apart, at four wavelengths.
+fn lines() -> OrderTable {
+    let layout = OrderLayout::new([5, 3], Periodicity::X, [1600.0, 1600.0]).unwrap();
+    let wavelength_nm = vec![420.0, 500.0, 580.0, 660.0];
+    let strengths = |seed: usize| (0..4 * 15 * 3).map(|i| ((i + seed) * 37 % 101) as f32 / 101.0).collect::<Vec<_>>();
+    OrderTable {
+        layout,
+        orders: vec![[-1, 0], [0, 0], [1, 0]],
+        index_above: vec![1.0; 4],
+        index_below: vec![0.0; 4],
+        reflected: Polarised { s: strengths(0), p: strengths(1) },
+        transmitted: Polarised { s: vec![0.0; 180], p: vec![0.0; 180] },
+        error: vec![1e-4; 4 * 15],
+        metadata: [(MetadataKey::ColourSpace, "acescg"), (MetadataKey::Scene, "lines")]
+            .into_iter()
+            .collect::<Metadata>(),
+        wavelength_nm,
+    }
+}
+
+#[test]
+fn a_table_of_orders_loads_with_its_wavelengths() {
+    let user = User::new();
+    let table = lines();
+    file::write(&user.at("t.exr"), &table.clone().into(), 2).unwrap();
+    user.ok("export t.exr --to blob -o t.gonio --quiet");
+    user.ok("export t.exr --to blob --half -o h.gonio --quiet");
+    let (single, half) = (user.read("t.gonio"), user.read("h.gonio"));
+    let axes = 4 * (2 * 3 + 5 * 4);
+    assert_eq!((single.len(), half.len()), (64 + 4 * 180 + axes, 64 + 2 * 180 + axes));
+    let blob = Blob::read(&single).unwrap();
+    assert_eq!(blob.space, Some(RgbSpace::AcesCg));
+    let Contents::Orders(read) = blob.contents else { panic!("a table of orders") };
+    let Contents::Orders(rounded) = Blob::read(&half).unwrap().contents else { panic!("a table of orders") };
+    for node in 0..table.layout.count() {
+        let wo = table.layout.direction(node).as_vec3();
+        let (view, rounded) = (read.view(wo).unwrap(), rounded.view(wo).unwrap());
+        for (w, order) in (0..4).flat_map(|w| (0..3).map(move |order| (w, order))) {
+            let Some(light) = view.light(w, order) else { continue };
+            let cosines = if order == 1 { 1.0 } else { wo.z * light.direction.z };
+            let expected = table.unpolarised()[table.first(w, node) + order] * cosines;
+            // The angles themselves are rounded.
+            assert!((light.efficiency - expected).abs() < 1e-5, "{light:?} for {expected}");
+            assert!((rounded.light(w, order).unwrap().efficiency - expected).abs() < 1e-5 + HALF);
+        }
+    }
+    // White light makes white.
+    let white: [f32; 3] = std::array::from_fn(|c| (0..4).map(|w| read.rgb_weight(w)[c]).sum());
+    assert!(white.iter().all(|c| (c - 1.0).abs() < 0.1), "{white:?}");
 }
 
 #[test]

@@ -60,5 +60,21 @@ def scatter():
     print(f"4D table: {f.size} bins as `scatter` finds them")
 
 
+def orders():
+    """A table of orders holds the numbers that the tests of the file put there: lines of 700 nm, in each place
+    another strength."""
+    strength, numbers, beta_deg, alpha_deg, wavelength_nm = read("fuzz/seeds/exr_table/orders.exr")
+    assert numbers.tolist() == [[m, n] for m in (-1, 0, 1) for n in (-1, 0, 1)] and list(beta_deg) == [-89, 0, 89]
+    assert np.allclose(alpha_deg, 89 * np.array([-3, -1, 1, 3]) / 3, atol=1e-12, rtol=0)
+    assert np.allclose(wavelength_nm, [435.833333, 550, 700], atol=1e-12, rtol=0)
+    # In memory wavelengths, nodes (beta, then alpha) and orders run from the slowest to the fastest.
+    place = np.arange(strength.size).reshape(3, 3, 4, 9).transpose(3, 1, 2, 0)
+    s, p = ((place * 37 % 101 + seed) / 97 for seed in (0, 1))
+    worst = abs(strength - (s + p) / 2).max()
+    assert worst < 1e-6, worst
+    print(f"orders: {strength.size} strengths within {worst:.1e}")
+
+
 mirror()
 scatter()
+orders()

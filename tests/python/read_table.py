@@ -5,7 +5,8 @@
 
 A 2D table of a mirror-like surface gives rho[angle, wavelength], the angles and the wavelengths. A 4D table of a cell
 gives f[theta_i, phi_i, cos_o, phi_o, wavelength] in 1/sr, the angles of incidence, the edges of the outgoing bins
-(phi_o relative to phi_i) and the wavelengths.
+(phi_o relative to phi_i) and the wavelengths. A table of orders gives the unpolarised strengths of the reflected
+orders, strength[order, beta, alpha, wavelength], the numbers m and n of the orders, the angles and the wavelengths.
 """
 
 import sys
@@ -21,6 +22,9 @@ def read(path):
     spectra = np.stack([channels["T." + f"{nm:.6f}nm".replace(".", ",")].pixels for nm in wavelength_nm], axis=-1)
     if header["goniochrome.kind"] == "mirror":
         return spectra[0], numbers("theta_deg"), wavelength_nm
+    if header["goniochrome.kind"] == "orders":
+        orders, angles = numbers("orders").reshape(-1, 2), [numbers("beta_deg"), numbers("alpha_deg")]
+        return spectra.reshape(len(orders), *map(len, angles), -1), orders, *angles, wavelength_nm
     (t, p), (n, m) = numbers("incident").astype(int), numbers("bins").astype(int)
     f = spectra.reshape(t, n, p, m, -1).transpose(0, 2, 1, 3, 4)
     axes = ["incident_theta_deg", "incident_phi_deg", "bin_cos_edges", "bin_phi_edges_deg"]

@@ -281,7 +281,7 @@ fn extreme_strengths_stay_finite() {
             assert!(view.albedo(0).is_finite());
             match view.sample(0, 0.9) {
                 Some(sample) => {
-                    assert!(sample.probability > 0.0 && (sample.efficiency / sample.probability).is_finite())
+                    assert!(sample.probability > 0.0 && (sample.efficiency / sample.probability).is_finite());
                 }
                 None => assert!(!draws || view.albedo(0) == 0.0),
             }
