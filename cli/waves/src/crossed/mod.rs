@@ -1,8 +1,12 @@
-//! Fourier modal method for surfaces with two periods.
+//! Fourier modal method for surfaces with two periods, at any incidence.
 //!
 //! Li (1997), "New formulation of the Fourier modal method for crossed surface-relief gratings", J. Opt. Soc. Am. A 14,
 //! 2758. A layer of N orders has 2N modes; reflection matrices go up from the substrate, and nothing in them grows with
 //! the thickness.
+//!
+//! Walls are parallel to x and y. Other columns are approximated by strips: those of equal area of a disc of glass are
+//! right to 5e-4 with 16 strips and 2e-4 with 32. Metal converges slowly, to some 0.03 at M = 5 and 0.015 at M = 8 in the
+//! median of random rectangles; resonances of round metal columns are not found at all at M = 9.
 
 mod permittivity;
 mod modes;
