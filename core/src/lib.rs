@@ -43,9 +43,9 @@
 //! | | [`coherent_mesh`](trace::coherent_mesh) | waves in mesh cells: fields along ŝ and p̂ | J_t = J_i cos θ_t/cos θ_i |
 //! | | [`incoherent_mesh`](trace::incoherent_mesh) | paths in mesh cells: the coherency matrix | ⟨E_s E_p*⟩ |
 //! | [`measure`] | [`bins`](measure::bins) | directions in which rays leave | |
-//! | | [`orders`](measure::orders) | diffraction by a periodic cell | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
+//! | | [`orders`](measure::orders) | diffraction by a periodic cell, by rays | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
 //! | [`colour`] | | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
-//! | [`table`] | | BRDF tables | f = ρ(θ) δ(wo − mirror(wi))/cos θ |
+//! | [`table`] | | BRDF tables, tables of diffraction orders | f = ρ(θ) δ(wo − mirror(wi))/cos θ, L = Σ e L(wi) |
 //! | | [`blob`](table::blob) | tables in bytes | |
 //!
 //! # Requirements

@@ -9,7 +9,8 @@
 //! This is physical optics, which holds for features much wider than λ. Compared with rigorous solvers, efficiencies of
 //! s and p differ by up to 0.02 in glass and 0.2 in metals at periods of 10 to 20 λ. For features as small as λ
 //! (compact discs) they differ by up to 0.6, and only the directions are right. At normal incidence horizontal facets
-//! reflect s and p equally, which real gratings do not.
+//! reflect s and p equally, which real gratings do not. The package `goniochrome-waves` solves such gratings
+//! rigorously; a [table of orders](crate::table::OrderTable) holds what it finds.
 
 use crate::geometry::side::Side;
 use crate::optics::medium::MediaLanes;
