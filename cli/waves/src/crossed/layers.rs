@@ -1,4 +1,5 @@
-//! Recursion through the layers: reflection from the half-space below up, then the fields of the light from the top down.
+//! Recursion through the layers: reflection from the half-space below up, then the fields of the light from the top
+//! down.
 
 use num_complex::Complex64;
 

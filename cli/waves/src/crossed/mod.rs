@@ -5,8 +5,8 @@
 //! the thickness.
 //!
 //! Walls are parallel to x and y. Other columns are approximated by strips: those of equal area of a disc of glass are
-//! right to 5e-4 with 16 strips and 2e-4 with 32. Metal converges slowly, to some 0.03 at M = 5 and 0.015 at M = 8 in the
-//! median of random rectangles; resonances of round metal columns are not found at all at M = 9.
+//! right to 5e-4 with 16 strips and 2e-4 with 32. Metal converges slowly, to some 0.03 at M = 5 and 0.015 at M = 8 in
+//! the median of random rectangles; resonances of round metal columns are not found at all at M = 9.
 
 mod permittivity;
 mod modes;
@@ -52,8 +52,8 @@ enum Filling {
 impl CrossedModes {
     /// Decomposes the layers for orders |m| ≤ `max_order[0]` along x and |n| ≤ `max_order[1]` along y.
     ///
-    /// Layers with equal patterns share one decomposition, and layers of one medium need none. A decomposition takes the
-    /// time of the eigenvectors of a matrix of 2(2M_x + 1)(2M_y + 1) rows.
+    /// Layers with equal patterns share one decomposition, and layers of one medium need none. A decomposition takes
+    /// the time of the eigenvectors of a matrix of 2(2M_x + 1)(2M_y + 1) rows.
     ///
     /// # Errors
     /// [`WaveError::Profile`] if the profile fails its check, [`WaveError::Light`] if the light does not travel in the
@@ -125,8 +125,8 @@ impl CrossedModes {
     /// decompositions. They are counted from that light, and are those of the truncation around (k_x, k_y).
     ///
     /// # Errors
-    /// As [`CrossedModes::response`]; [`WaveError::Light`] if the truncation has no such order, or if it does not travel
-    /// in the half-space above.
+    /// As [`CrossedModes::response`]; [`WaveError::Light`] if the truncation has no such order, or if it does not
+    /// travel in the half-space above.
     pub fn response_at(&self, shift: [i32; 2]) -> Result<Response, WaveError> {
         let arriving = self.indices.iter().position(|&index| index == shift).ok_or(WaveError::Light)?;
         if self.orders[arriving].length >= self.above {

@@ -1,8 +1,9 @@
 //! Waves that travel up and down through one layer unchanged, by their fields along the layer.
 //!
-//! Fields of an order are taken along its tangential wavevector q (part p) and along s = ẑ × q/|q|: vectors of 2N numbers
-//! have N parts p, then N parts s. The electric field is E; the magnetic field is ẑ × H, which makes the power of a wave
-//! that goes down positive. Waves that go up have the electric field of those that go down and minus their magnetic field.
+//! Fields of an order are taken along its tangential wavevector q (part p) and along s = ẑ × q/|q|: vectors of 2N
+//! numbers have N parts p, then N parts s. The electric field is E; the magnetic field is ẑ × H, which makes the power
+//! of a wave that goes down positive. Waves that go up have the electric field of those that go down and minus their
+//! magnetic field.
 
 use num_complex::Complex64;
 
@@ -76,9 +77,9 @@ pub(super) struct Modes {
 impl Modes {
     /// Modes of a layer.
     ///
-    /// With the parts p and s of the fields, Maxwell's equations (Li 1997) read dE/dz' = iFH, dH/dz' = iGE, z' = −z, with
-    /// F = diag(1 − q ε_z⁻¹ q, 1) and G = ε_t − diag(0, q²), where ε_t is ε_x and ε_y turned into the parts p and s.
-    /// Eigenvalues of FG are k_z².
+    /// With the parts p and s of the fields, Maxwell's equations (Li 1997) read dE/dz' = iFH, dH/dz' = iGE, z' = −z,
+    /// with F = diag(1 − q ε_z⁻¹ q, 1) and G = ε_t − diag(0, q²), where ε_t is ε_x and ε_y turned into the parts p and
+    /// s. Eigenvalues of FG are k_z².
     ///
     /// # Errors
     /// [`WaveError::Singular`] if the eigenproblem has no finite solution.

@@ -17,7 +17,8 @@ pub(super) struct Cells {
     x: Vec<f64>,
     /// Grid lines along y.
     y: Vec<f64>,
-    /// Permittivity `rows[j][i]` from line i along x and line j along y to the next ones, the last over the period's end.
+    /// Permittivity `rows[j][i]` from line i along x and line j along y to the next ones, the last over the period's
+    /// end.
     rows: Vec<Vec<Complex64>>,
 }
 

@@ -3,7 +3,8 @@
 use crate::light::Light;
 use crate::profile::CrossedProfile;
 
-/// Least first level. The change from level 2 to 3 says little: an error bar from it is wrong for 1 of 8 random surfaces.
+/// Least first level. The change from level 2 to 3 says little: an error bar from it is wrong for 1 of 8 random
+/// surfaces.
 const MIN_LEVEL: usize = 3;
 
 /// Largest orders [M_x, M_y] of a level: in proportion to the periods, so that details along both axes are as fine, and
