@@ -1,4 +1,4 @@
-//! The error bound of diffraction orders computed by rays, which is physical optics. Waves have an error bar of their own.
+//! The error bound of diffraction orders computed by rays, which is physical optics. Waves have an error bar instead.
 //!
 //! [`crate::solve::diffraction::orders`] lets every point of a facet reflect as an infinite plane would, once. A real
 //! surface differs at the bends between facets, whose influence reaches about a wavelength, and by light that hits a
