@@ -4,6 +4,8 @@ use crate::reference::{Layered, planar};
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use goniochrome::optics::interface::Model;
 use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::table::blob::{Blob, Contents, Precision};
+use goniochrome::table::{OrderArrays, OrderLayout, OrderTable, Periodicity};
 use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use goniochrome::trace::waves::Limits;
 use std::hint::black_box;
@@ -42,4 +44,27 @@ fn tracing_and_colour_do_not_allocate() {
         black_box(RgbSpace::Srgb.from_xyz(xyz(&weights, grid.map(|nm| nm / 800.0))));
     });
     assert_eq!(colour.count_total, 0);
+}
+
+#[test]
+fn tables_of_orders_do_not_allocate() {
+    let mut bytes = [0; 1024];
+    let counted = allocation_counter::measure(|| {
+        let layout = OrderLayout::new([3, 2], Periodicity::X, [1600.0; 2]).expect("a good grid");
+        let arrays = OrderArrays {
+            orders: &[[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0]],
+            wavelength_nm: &[450.0, 650.0],
+            index: &[1.0; 2],
+            rgb_weights: &[[0.5; 3]; 2],
+            strength: &[0.1; 36],
+        };
+        let table = OrderTable::new(layout, &arrays).expect("a good table");
+        let blob = Blob { space: None, contents: Contents::Orders(table) };
+        let length = blob.required_len(Precision::Half).expect("a small blob");
+        blob.write(Precision::Half, &mut bytes[..length]).expect("enough room");
+        let Ok(Blob { contents: Contents::Orders(table), .. }) = Blob::read(&bytes[..length]) else { panic!("orders") };
+        let view = table.view(glam::Vec3::Z).expect("above the horizon");
+        black_box((view.light(0, 0), view.light_between(0, 0.5, 2), view.sample(1, 0.5), view.probability(1, 0)));
+    });
+    assert_eq!(counted.count_total, 0);
 }
