@@ -14,7 +14,7 @@ pub enum Coherence {
     None,
     /// All exits in a bin interfere, whatever starting ray they come from: the paper's section 2.2, literally.
     Bin,
-    /// The period is one coherent field, which leaves in diffraction orders; reflection alone.
+    /// The period is one coherent field, which leaves in diffraction orders; by rays, in reflection alone.
     Cell,
 }
 
