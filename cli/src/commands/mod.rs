@@ -5,6 +5,7 @@ mod csv_file;
 mod pictures;
 mod cell_options;
 mod notes;
+mod wave_choice;
 mod planar_spectra;
 mod make_table;
 mod table_source;

@@ -1,6 +1,9 @@
 //! Notes on standard error about the data and the convergence of a computation.
 
 use crate::scene::{NamedMedium, Scene};
+use crate::solve::waves::one_direction::WaveDiffraction;
+use crate::solve::waves::{Accuracy, WaveCell};
+use crate::support::error::Result;
 use crate::support::progress::note;
 
 /// Notes how many samples were computed with closed loops although `--method hits` was asked for.
@@ -23,4 +26,30 @@ pub(super) fn note_on_media(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
             note(quiet, format_args!("{}: material {name}: {said}", scene.name));
         }
     }
+}
+
+/// Notes how orders were computed by waves, and how well.
+pub(super) fn note_on_waves(
+    cell: &WaveCell<'_>,
+    found: &[WaveDiffraction],
+    accuracy: Accuracy,
+    quiet: bool,
+) -> Result<()> {
+    let Some(worst) = found.iter().max_by(|a, b| a.error.total_cmp(&b.error)) else { return Ok(()) };
+    let name = &cell.scene().name;
+    let (method, error) = (cell.method(worst.wavelength_nm)?, worst.error);
+    let orders = found.iter().map(|found| found.max_order).max().unwrap_or_default();
+    note(quiet, format_args!("{name}: by waves ({method}, orders to ±{orders}), error bar {error:.1e}"));
+    if let Some(missed) = found.iter().find(|found| !found.met) {
+        let target = accuracy.target;
+        note(
+            quiet,
+            format_args!(
+                "{name}: {} nm: the error bar is {:.1e} with orders to ±{}, more than {target:.0e}; a larger \
+                 --max-harmonic may lower it",
+                missed.wavelength_nm, missed.error, missed.max_order
+            ),
+        );
+    }
+    Ok(())
 }

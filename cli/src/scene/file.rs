@@ -18,6 +18,8 @@
 //! unit_nm = 1000.0                    # optional, the unit of the mesh; here micrometres
 //! # surface = { kind = "pits", … }    # instead of a mesh: made here, see `surface/mod.rs`
 //! period_nm = [20000.0, 20000.0]      # what the mesh spans in x and y, wherever it starts; it repeats
+//! periods = "coherent"                # optional: periods are exact copies, whose light leaves in diffraction orders;
+//!                                     # "random": they differ in height at random, and their light does not interfere
 //! [interface.glass]                   # one for each `usemtl` name
 //! above = 1.0                         # the medium on the side of the facet's normal
 //! below = 1.5                         # a medium or "mirror"
@@ -47,7 +49,7 @@ use super::media::{self, Media};
 use super::medium::OwnedMedium;
 use super::mesh::Mesh;
 use super::mesh_frame::MeshFrame;
-use super::model::{Scene, Shape};
+use super::model::{Periods, Scene, Shape};
 use super::parts::{Layer, MAX_LENGTH_NM, NamedInterface};
 use super::toml_value::{TomlItem, TomlTable};
 use super::{placement, refractive_index_info, surface};
@@ -77,7 +79,7 @@ struct SceneReader<'a> {
 /// Geometry of a scene as written.
 enum Geometry {
     Stack(Shape),
-    Cell { mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface> },
+    Cell { mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface>, periods: Option<Periods> },
 }
 
 /// Source of a cell's facets.
@@ -121,11 +123,13 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     };
     let SceneReader { media, files, .. } = reader;
     let media = media.finish();
-    let shape = match described {
-        Geometry::Stack(shape) => shape,
-        Geometry::Cell { mesh, period_nm, interfaces } => Shape::of_mesh(mesh, period_nm, interfaces, &media)?,
+    let (shape, periods) = match described {
+        Geometry::Stack(shape) => (shape, None),
+        Geometry::Cell { mesh, period_nm, interfaces, periods } => {
+            (Shape::of_mesh(mesh, period_nm, interfaces, &media)?, periods)
+        }
     };
-    Ok(Scene { name, toml: text.to_owned(), media, shape, files })
+    Ok(Scene { name, toml: text.to_owned(), media, shape, periods, files })
 }
 
 fn extrapolate(table: &TomlTable<'_>, default: Extrapolate) -> Result<Extrapolate> {
@@ -149,6 +153,15 @@ fn is_yaml(path: &Path, content: &str) -> bool {
 fn unit(item: &TomlItem<'_>) -> Result<Unit> {
     let named = item.text()?;
     Unit::parse(named).ok_or_else(|| item.refuse(format_args!("{named:?} is unknown; write \"nm\" or \"um\"")))
+}
+
+/// Value of `periods`.
+fn periods(item: &TomlItem<'_>) -> Result<Periods> {
+    match item.text()? {
+        "coherent" => Ok(Periods::Coherent),
+        "random" => Ok(Periods::Random),
+        other => Err(item.refuse(format_args!("{other:?} is unknown; write \"coherent\" or \"random\""))),
+    }
 }
 
 /// Value as a length from 0 nm to a metre.
@@ -267,7 +280,7 @@ impl SceneReader<'_> {
     }
 
     fn cell(&mut self, table: &TomlTable<'_>, interfaces: Option<TomlItem<'_>>) -> Result<Geometry> {
-        table.allow(&["mesh", "surface", "period_nm", "axes", "unit_nm"])?;
+        table.allow(&["mesh", "surface", "period_nm", "periods", "axes", "unit_nm"])?;
         let facets = match (table.get("mesh"), table.get("surface")) {
             (Some(mesh), None) => Facets::Mesh(mesh),
             (None, Some(surface)) => Facets::Surface(surface),
@@ -287,6 +300,7 @@ impl SceneReader<'_> {
         if period_nm.contains(&0.0) {
             return Err(period.refuse("a period must be more than 0 nm"));
         }
+        let periods = table.get("periods").map(|item| periods(&item)).transpose()?;
         let missing = "a [cell] needs one [interface.NAME] for each usemtl name of its mesh; add them";
         let entries = interfaces.ok_or_else(|| table.refuse(missing))?.table("[interface]")?.entries();
         let interfaces = entries.map(|item| self.interface(&item)).collect::<Result<Vec<_>>>()?;
@@ -301,7 +315,7 @@ impl SceneReader<'_> {
         };
         mesh.drop_unused();
         placement::fit(&mut mesh, period_nm, frame)?;
-        Ok(Geometry::Cell { mesh, period_nm, interfaces })
+        Ok(Geometry::Cell { mesh, period_nm, interfaces, periods })
     }
 
     fn interface(&mut self, item: &TomlItem<'_>) -> Result<NamedInterface> {

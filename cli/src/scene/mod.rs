@@ -27,7 +27,7 @@ pub use dispersion::OwnedDispersion;
 pub use load::{load, parse, parse_columns, parse_mesh, parse_nk};
 pub use medium::OwnedMedium;
 pub use mesh::{Mesh, Triangle};
-pub use model::{Scene, Shape};
+pub use model::{Periods, Scene, Shape};
 pub use parts::{Layer, NamedInterface, NamedMedium};
 pub use planes::{FlatCell, Plane};
 pub use watertight::ClosedCell;

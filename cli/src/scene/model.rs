@@ -22,6 +22,8 @@ pub struct Scene {
     pub media: Vec<NamedMedium>,
     /// Geometry: a stack of layers, or a cell.
     pub shape: Shape,
+    /// Coherence between the periods of a cell, if the scene names it.
+    pub periods: Option<Periods>,
     /// Every file that was read, canonical, so that writing over an input can be refused.
     pub files: Vec<PathBuf>,
 }
@@ -37,6 +39,16 @@ impl Scene {
             _ => Error::failed(line),
         }
     }
+}
+
+/// Coherence between the periods of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Periods {
+    /// Periods are exact copies of one another: light leaves in sharp diffraction orders.
+    Coherent,
+    /// Periods differ at random, in height for example: light from different periods does not interfere, and each order
+    /// spreads over the directions between its neighbours.
+    Random,
 }
 
 /// Geometry of a scene. [`Shape::of_mesh`] alone decides which kind a mesh is, and makes the check of that kind.

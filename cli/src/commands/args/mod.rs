@@ -30,7 +30,7 @@ pub use plot::{OrderArg, PlotArgs, PlotKind};
 pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
 pub use sampling::SamplingArgs;
 pub use scatter::ScatterArgs;
-pub use shared::{Colouring, Computing, Running};
+pub use shared::{Colouring, Computing, Diffracting, Running};
 pub use spectrum::SpectrumArgs;
 pub use values::{Bins, IlluminantArg, ModelArg, SpaceArg, spelled};
 pub use view::PageArgs;
@@ -73,7 +73,7 @@ pub enum Command {
     Estimate(EstimateArgs),
     /// Compute where a cell of polygons scatters light from one direction, as JSON
     Scatter(ScatterArgs),
-    /// Compute diffraction orders of a cell of polygons by physical optics, as CSV, and bound their error
+    /// Compute diffraction orders of a cell of polygons, by waves or by rays, as CSV
     Orders(OrdersArgs),
     /// Compare ray tracing with the closed form (the paper's figure 7)
     Compare(CompareArgs),

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::commands::args::shared::Running;
+use crate::commands::args::shared::{Diffracting, Running};
+use crate::commands::args::values::positive;
 use crate::solve::grid::Wavelengths;
 use crate::solve::precision::Precision;
 
@@ -23,22 +24,28 @@ pub struct OrdersArgs {
     /// Wavelengths in nm: a list 450,550 or a range 380:780:5 (start:end:step)
     #[arg(long, allow_hyphen_values = true, default_value = "550")]
     pub wavelengths: Wavelengths,
-    /// Number of starting rays, spread over the period
-    #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
-    pub rays: u32,
+    /// Waves or rays
+    #[command(flatten)]
+    pub diffracting: Diffracting,
+    /// Waves: take more orders along until the error bar of every efficiency is at most this [default: 0.001]
+    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    pub target_error: Option<f64>,
+    /// Rays: number of starting rays, spread over the period [default: 65536]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
+    pub rays: Option<u32>,
     /// Largest |m| and |n| of the orders [default: all orders that propagate]
     #[arg(long, alias = "most-order", value_parser = clap::value_parser!(i32).range(0..))]
     pub max_order: Option<i32>,
-    /// Hits after which a ray is dropped [default: 1 for one surface, which is single scattering; 64 for several
+    /// Rays: hits after which a ray is dropped [default: 1 for one surface, which is single scattering; 64 for several
     /// interfaces]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub hits: Option<u32>,
-    /// Single or double precision
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
-    pub precision: Precision,
-    /// Seed of the random sequence of starting rays
-    #[arg(long, default_value_t = 0)]
-    pub seed: u32,
+    /// Rays: single or double precision [default: f32]
+    #[arg(long, value_enum)]
+    pub precision: Option<Precision>,
+    /// Rays: seed of the random sequence of starting rays [default: 0]
+    #[arg(long)]
+    pub seed: Option<u32>,
     /// The CSV file to write; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub csv: PathBuf,

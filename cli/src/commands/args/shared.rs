@@ -6,6 +6,7 @@ use goniochrome::colour::RgbSpace;
 use crate::commands::args::values::{IlluminantArg, ModelArg, SpaceArg};
 use crate::solve::precision::Precision;
 use crate::solve::spectra::{Method, SpectraRequest};
+use crate::solve::waves::{Accuracy, OrderMethod};
 use crate::support::parallel;
 
 /// Options of every command that computes: how it runs.
@@ -53,6 +54,29 @@ impl Computing {
             method: self.method,
             precision: self.precision,
             threads: self.running.threads(),
+        }
+    }
+}
+
+/// Options of commands that compute diffraction orders of one direction of the light.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Diffracting {
+    /// How diffraction orders are computed [default: waves where the cell allows it]
+    #[arg(long, value_enum)]
+    pub method: Option<OrderMethod>,
+    /// Waves: the largest number |m| of an order that is taken along before the error bar is accepted as it is
+    /// [default: 120 for lines, 7 for cells with two periods]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u16).range(1..=500))]
+    pub max_harmonic: Option<u16>,
+}
+
+impl Diffracting {
+    /// When waves are good enough.
+    #[must_use]
+    pub fn accuracy(&self, target_error: Option<f64>) -> Accuracy {
+        Accuracy {
+            target: target_error.unwrap_or(Accuracy::DEFAULT.target),
+            max_order: self.max_harmonic.map(usize::from),
         }
     }
 }

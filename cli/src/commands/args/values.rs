@@ -13,6 +13,7 @@ use crate::render::tone::ToneMap;
 use crate::solve::precision::Precision;
 use crate::solve::scatter::Coherence;
 use crate::solve::spectra::Method;
+use crate::solve::waves::OrderMethod;
 
 /// The values of `--model`.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
@@ -105,6 +106,11 @@ value_enum! { Method:
     Hits => "hits", "Ray splitting hit by hit; samples that do not converge in time fall back to closed loops, and are counted";
 }
 
+value_enum! { OrderMethod:
+    Waves => "waves", "Maxwell's equations, for s and p, reflected and transmitted orders, with an error bar";
+    Rays => "rays", "Rays that interfere: physical optics, for features much larger than the wavelength; reflection only";
+}
+
 value_enum! { Precision:
     F32 => "f32", "Single precision: R and T of planar scenes to 1e-5; samples that need more digits are computed with more";
     F64 => "f64", "Double precision: R and T of planar scenes to 1e-11; samples that need more digits are computed with more";
@@ -114,7 +120,7 @@ value_enum! { Coherence:
     Ray => Coherence::Ray.name(), "Paths of one starting ray that leave in one bin interfere; starting rays add as powers";
     None => Coherence::None.name(), "Nothing interferes: all paths add as powers, as in geometric optics";
     Bin => Coherence::Bin.name(), "All paths that leave in one bin interfere, whatever their starting ray: the paper's section 2.2, literally";
-    Cell => Coherence::Cell.name(), "All light interferes: the period is one field, which leaves in diffraction orders; reflection only";
+    Cell => Coherence::Cell.name(), "All light interferes: the period is one field, which leaves in diffraction orders";
 }
 
 value_enum! { Axes:

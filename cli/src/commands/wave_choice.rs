@@ -1,0 +1,38 @@
+//! The choice between waves and rays for diffraction orders.
+
+use crate::scene::Scene;
+use crate::solve::waves::{Accuracy, OrderMethod, WaveCell};
+use crate::support::error::{Error, Result};
+use crate::support::progress::note;
+
+/// The cell for waves, if they are to be used: as `--method` says, else where the cell allows it and no option of rays
+/// is given. `ray_option` is the first option of rays that the user gave, if any.
+pub(super) fn wave_cell<'s>(
+    scene: &'s Scene,
+    method: Option<OrderMethod>,
+    ray_option: Option<&str>,
+    wavelength_nm: &[f64],
+    accuracy: Accuracy,
+    quiet: bool,
+) -> Result<Option<WaveCell<'s>>> {
+    match (method, ray_option) {
+        (Some(OrderMethod::Waves), Some(option)) => {
+            return Err(Error::usage(format_args!("{option}: is of rays, and waves have none; leave it out")));
+        }
+        (Some(OrderMethod::Rays), _) => return Ok(None),
+        (None, Some(option)) => {
+            note(quiet, format_args!("{}: by rays, since {option} is given; waves are the default", scene.name));
+            return Ok(None);
+        }
+        (_, None) => {}
+    }
+    let usable = WaveCell::new(scene).and_then(|cell| cell.check_size(wavelength_nm, accuracy).map(|()| cell));
+    match usable {
+        Ok(cell) => Ok(Some(cell)),
+        Err(error) if method.is_some() => Err(error),
+        Err(error) => {
+            note(quiet, format_args!("by rays, not waves: {error}"));
+            Ok(None)
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Diffraction orders of waves for light from one direction.
+
+use glam::DVec3;
+use goniochrome::simd::complex::Polarised;
+use goniochrome_waves::response::{Order, Response};
+
+use crate::solve::waves::cell::{Accuracy, WaveCell};
+use crate::support::error::Result;
+use crate::support::parallel;
+
+/// Travelling order at one wavelength, on one side of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveOrder {
+    /// The order (m, n).
+    pub index: [i32; 2],
+    /// Unit vector in which the order leaves; downwards if it is transmitted.
+    pub direction: DVec3,
+    /// Efficiency for light in s and in p.
+    pub efficiency: Polarised<f64>,
+}
+
+/// Travelling orders of one wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaveDiffraction {
+    /// Vacuum wavelength.
+    pub wavelength_nm: f64,
+    /// Reflected orders, sorted by index.
+    pub reflected: Vec<WaveOrder>,
+    /// Transmitted orders, sorted by index; none into an opaque medium.
+    pub transmitted: Vec<WaveOrder>,
+    /// Error bar of every efficiency by the truncation of the waves.
+    pub error: f64,
+    /// Largest |m| that the solver took along.
+    pub max_order: usize,
+    /// Whether the error bar meets the target.
+    pub met: bool,
+}
+
+/// Orders of waves for light from the unit vector `wi` at each wavelength. `progress` is called after each wavelength.
+///
+/// # Errors
+/// A medium without data at a wavelength, bodies that overlap, a period that needs more orders than `accuracy` allows,
+/// equations without a finite solution.
+pub fn wave_orders(
+    cell: &WaveCell<'_>,
+    wi: DVec3,
+    wavelength_nm: &[f64],
+    accuracy: Accuracy,
+    threads: usize,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Vec<WaveDiffraction>> {
+    let mut found: Vec<Option<Result<WaveDiffraction>>> = wavelength_nm.iter().map(|_| None).collect();
+    parallel::for_each(
+        threads,
+        found.iter_mut().zip(wavelength_nm),
+        || (),
+        |(), (place, &nm)| {
+            *place = Some(of_wavelength(cell, wi, nm, accuracy));
+            progress();
+        },
+    );
+    found.into_iter().flatten().collect()
+}
+
+fn of_wavelength(cell: &WaveCell<'_>, wi: DVec3, wavelength_nm: f64, accuracy: Accuracy) -> Result<WaveDiffraction> {
+    let index = [cell.index_above(wavelength_nm)?, cell.index_below(wavelength_nm)?];
+    let [first, second] = cell.tangential(wi).map(|along| -index[0] * along);
+    let mut found = cell.orders(wavelength_nm, first, &[second], accuracy)?;
+    let response = found.responses.remove(0);
+    let travelling = |orders: &[Order], index: f64, up: f64, efficiency: fn(&Response, &Order) -> [f64; 2]| {
+        let mut listed = Vec::new();
+        for order in orders.iter().filter(|order| order.vertical.re > 0.0 && index > 0.0 && is_real(order)) {
+            let [x, y] = cell.order_tangential(wi, index_above(&response), order.index, wavelength_nm);
+            let [s, p] = efficiency(&response, order);
+            listed.push(WaveOrder {
+                index: order.index,
+                direction: DVec3::new(x, y, up * order.vertical.re) / index,
+                efficiency: Polarised { s, p },
+            });
+        }
+        listed.sort_by_key(|order| order.index);
+        listed
+    };
+    Ok(WaveDiffraction {
+        wavelength_nm,
+        reflected: travelling(&response.reflected, index[0], 1.0, Response::reflected_efficiency),
+        transmitted: travelling(&response.transmitted, index[1], -1.0, Response::transmitted_efficiency),
+        error: found.error,
+        max_order: found.max_order,
+        met: found.met,
+    })
+}
+
+/// Index of the medium in which light arrives.
+fn index_above(response: &Response) -> f64 {
+    response.half_spaces[0].re
+}
+
+/// Whether an order travels: evanescent ones have a vertical wavevector that is imaginary.
+fn is_real(order: &Order) -> bool {
+    order.vertical.re > order.vertical.im.abs()
+}
