@@ -1,16 +1,20 @@
 //! The command `goniochrome scatter`.
 
+use glam::DVec3;
 use goniochrome::measure::bins::DirectionBins;
 use serde_json::{Value, json};
 
-use crate::commands::args::{ScatterArgs, spelled};
+use crate::commands::args::{Diffracting, ScatterArgs, spelled};
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
-use crate::commands::notes::note_on_media;
-use crate::scene::load;
+use crate::commands::notes::{note_on_media, note_on_waves};
+use crate::commands::wave_choice::wave_cell;
+use crate::scene::{Scene, load};
 use crate::solve::cell_warnings::{not_converged, unbalanced};
 use crate::solve::mesh_scene::MeshScene;
 use crate::solve::order_error;
 use crate::solve::scatter::{Coherence, ScatterRequest, Scattered, scatter, steps};
+use crate::solve::waves::WaveCell;
+use crate::solve::waves::one_direction::{WaveDiffraction, wave_orders};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
@@ -20,19 +24,71 @@ use crate::table::statistics::MeanWithError;
 pub fn run(args: &ScatterArgs) -> Result<()> {
     let scene = load(&args.scene)?;
     output::check_destination(&args.json, &scene.files)?;
-    let mesh_scene = MeshScene::new(&scene)?;
     let wavelengths = listed_wavelengths(&args.wavelengths, &scene)?;
-    let [cos, phi] = args.bins.0;
     let wi = light_direction(args.theta, args.phi)?;
-    let mut request = ScatterRequest {
-        coherence: args.coherence,
-        rays: args.rays,
-        seed: args.seed,
-        bins: DirectionBins { cos, phi },
-        precision: args.precision,
-        threads: args.running.threads(),
+    let cell = match args.coherence {
+        Coherence::Cell => {
+            let accuracy = args.diffracting.accuracy(args.target_error);
+            let Diffracting { method, .. } = args.diffracting;
+            wave_cell(&scene, method, ray_option(args), wavelengths, accuracy, args.running.quiet)?
+        }
+        _ if args.diffracting.method.is_some() || args.diffracting.max_harmonic.is_some() => {
+            return Err(Error::usage("--method, --max-harmonic: are for --coherence cell; leave them out"));
+        }
+        _ => None,
     };
     note_on_media(&scene, wavelengths, args.running.quiet);
+    let reports = match cell {
+        Some(cell) => by_waves(args, &cell, wi, wavelengths)?,
+        None => by_rays(args, &scene, wi, wavelengths)?,
+    };
+    let whole = if let [report] = &reports[..] { report.clone() } else { Value::Array(reports) };
+    let text = serde_json::to_string_pretty(&whole).map_err(Error::failed)?;
+    output::write_text(&args.json, &(text::json(&text) + "\n"))
+}
+
+/// The default number of starting rays.
+const RAYS: u32 = 65_536;
+
+/// The first option of rays that the user gave.
+fn ray_option(args: &ScatterArgs) -> Option<&'static str> {
+    let given =
+        [("--rays", args.rays.is_some()), ("--precision", args.precision.is_some()), ("--seed", args.seed.is_some())];
+    given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+}
+
+/// The bins of the options.
+fn bins(args: &ScatterArgs) -> DirectionBins {
+    let [cos, phi] = args.bins.0;
+    DirectionBins { cos, phi }
+}
+
+/// Counts the diffraction orders of waves in bins.
+fn by_waves(args: &ScatterArgs, cell: &WaveCell<'_>, wi: DVec3, wavelengths: &[f64]) -> Result<Vec<Value>> {
+    let accuracy = args.diffracting.accuracy(args.target_error);
+    let progress = bar(&cell.scene().name, wavelengths.len(), args.running.quiet);
+    let found = wave_orders(cell, wi, wavelengths, accuracy, args.running.threads(), &|| progress.inc(1))?;
+    progress.finish_and_clear();
+    note_on_waves(cell, &found, accuracy, args.running.quiet)?;
+    let report = |found: &WaveDiffraction| {
+        let mut report = report(args, found.wavelength_nm, &found.in_bins(bins(args)), &[]);
+        report["method"] = json!("waves");
+        report["error"] = json!(found.error);
+        report
+    };
+    Ok(found.iter().map(report).collect())
+}
+
+fn by_rays(args: &ScatterArgs, scene: &Scene, wi: DVec3, wavelengths: &[f64]) -> Result<Vec<Value>> {
+    let mesh_scene = MeshScene::new(scene)?;
+    let mut request = ScatterRequest {
+        coherence: args.coherence,
+        rays: args.rays.unwrap_or(RAYS),
+        seed: args.seed.unwrap_or(0),
+        bins: bins(args),
+        precision: args.precision.unwrap_or_default(),
+        threads: args.running.threads(),
+    };
     let once = |request: &ScatterRequest| {
         let progress = bar(&scene.name, steps(wavelengths.len(), request), args.running.quiet);
         let found = scatter(&mesh_scene, wi, wavelengths, request, &|| progress.inc(1));
@@ -64,11 +120,12 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         for warning in &warnings {
             note(args.running.quiet, format_args!("{}: {nm} nm: {warning}", scene.name));
         }
-        reports.push(report(args, nm, &request, found, &warnings));
+        let mut report = report(args, nm, found, &warnings);
+        report["rays"] = json!(request.rays);
+        report["seed"] = json!(request.seed);
+        reports.push(report);
     }
-    let whole = if let [_] = reports[..] { reports.remove(0) } else { Value::Array(reports) };
-    let text = serde_json::to_string_pretty(&whole).map_err(Error::failed)?;
-    output::write_text(&args.json, &(text::json(&text) + "\n"))
+    Ok(reports)
 }
 
 /// The largest number of rays that a target error asks for.
@@ -88,14 +145,8 @@ fn estimate(of: MeanWithError) -> Value {
     json!({ "value": of.value, "std_error": of.std_error })
 }
 
-fn report(
-    args: &ScatterArgs,
-    wavelength_nm: f64,
-    request: &ScatterRequest,
-    found: &Scattered,
-    warnings: &[String],
-) -> Value {
-    let grid = request.bins;
+fn report(args: &ScatterArgs, wavelength_nm: f64, found: &Scattered, warnings: &[String]) -> Value {
+    let grid = bins(args);
     let bins: Vec<Value> = found
         .bins
         .iter()
@@ -118,8 +169,6 @@ fn report(
         "phi_deg": args.phi,
         "wavelength_nm": wavelength_nm,
         "coherence": spelled(args.coherence),
-        "rays": request.rays,
-        "seed": args.seed,
         "reflected": estimate(found.reflected),
         "transmitted": estimate(found.transmitted),
         "absorbed": estimate(found.absorbed),

@@ -1,6 +1,6 @@
 //! The choice between waves and rays for diffraction orders.
 
-use crate::scene::Scene;
+use crate::scene::{Scene, Shape};
 use crate::solve::waves::{Accuracy, OrderMethod, WaveCell};
 use crate::support::error::{Error, Result};
 use crate::support::progress::note;
@@ -25,6 +25,9 @@ pub(super) fn wave_cell<'s>(
             return Ok(None);
         }
         (_, None) => {}
+    }
+    if let Shape::Stack { .. } = scene.shape {
+        return Ok(None); // rays say what is wrong with it
     }
     let usable = WaveCell::new(scene).and_then(|cell| cell.check_size(wavelength_nm, accuracy).map(|()| cell));
     match usable {

@@ -31,6 +31,10 @@ pub enum MetadataKey {
     Illuminant,
     /// Colour space of the linear RGB, by the name that `colour::space_name` gives.
     ColourSpace,
+    /// Coherence between the periods of a cell: `coherent` or `random`.
+    Periods,
+    /// Largest error bar of an efficiency of diffraction orders.
+    ErrorMax,
     /// Standard observer of the colours.
     Observer,
     /// Largest power left out of a sample of a planar scene.
@@ -59,6 +63,8 @@ impl AsRef<str> for MetadataKey {
             Self::Reciprocal => "reciprocal",
             Self::Illuminant => "illuminant",
             Self::ColourSpace => "colour_space",
+            Self::Periods => "periods",
+            Self::ErrorMax => "error_max",
             Self::Observer => "observer",
             Self::TruncatedMax => "truncated_max",
             Self::Recomputed => "recomputed",

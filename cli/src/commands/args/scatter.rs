@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::commands::args::shared::Running;
+use crate::commands::args::shared::{Diffracting, Running};
 use crate::commands::args::values::{Bins, positive};
 use crate::solve::grid::Wavelengths;
 use crate::solve::precision::Precision;
@@ -24,10 +24,14 @@ pub struct ScatterArgs {
     /// Wavelengths in nm: a list 450,550 or a range 380:780:5 (start:end:step)
     #[arg(long, alias = "wavelength", allow_hyphen_values = true, default_value = "550")]
     pub wavelengths: Wavelengths,
-    /// Number of starting rays, spread over the period
-    #[arg(long, default_value_t = 65536, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
-    pub rays: u32,
-    /// Double the rays until every standard error is at most this
+    /// Number of starting rays, spread over the period [default: 65536]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
+    pub rays: Option<u32>,
+    /// Coherence cell: waves or rays
+    #[command(flatten)]
+    pub diffracting: Diffracting,
+    /// Double the rays until every standard error is at most this; waves: take more orders along until the error bar of
+    /// every efficiency is at most this
     #[arg(long, value_parser = positive)]
     pub target_error: Option<f64>,
     /// Number of bins of outgoing directions, cos θ × φ, uniform in both
@@ -36,12 +40,12 @@ pub struct ScatterArgs {
     /// Which light interferes where it leaves
     #[arg(long, value_enum, default_value_t = Coherence::Ray)]
     pub coherence: Coherence,
-    /// Single or double precision
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
-    pub precision: Precision,
-    /// Seed of the random sequence of starting rays
-    #[arg(long, default_value_t = 0)]
-    pub seed: u32,
+    /// Rays: single or double precision [default: f32]
+    #[arg(long, value_enum)]
+    pub precision: Option<Precision>,
+    /// Rays: seed of the random sequence of starting rays [default: 0]
+    #[arg(long)]
+    pub seed: Option<u32>,
     /// The JSON file to write: an object, or a list of objects for several wavelengths; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     pub json: PathBuf,

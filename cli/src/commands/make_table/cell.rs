@@ -10,6 +10,7 @@ use goniochrome::table::ScatterLayout;
 use crate::colour::visible_weights;
 use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
+use crate::commands::make_table::coherence;
 use crate::commands::make_table::metadata::scatter_metadata;
 use crate::commands::notes::note_on_media;
 use crate::scene::Scene;
@@ -57,7 +58,7 @@ pub(super) fn scatter_table(
         .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))?;
     let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
     let tracing = ScatterRequest {
-        coherence: cell.coherence.unwrap_or_default(),
+        coherence: coherence(args, scene),
         rays: cell.rays.unwrap_or(RAYS),
         seed: cell.seed.unwrap_or(0),
         bins,

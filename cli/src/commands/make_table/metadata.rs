@@ -1,9 +1,11 @@
 //! Metadata of tables: how a table was made.
 
 use crate::commands::args::{EstimateArgs, spelled};
-use crate::scene::Scene;
-use crate::solve::scatter::ScatterRequest;
+use crate::scene::{Periods, Scene};
+use crate::solve::precision::Precision;
+use crate::solve::scatter::{Coherence, ScatterRequest};
 use crate::solve::spectra::{Method, Spectra};
+use crate::solve::waves::OrderMethod;
 use crate::table::metadata::{Metadata, MetadataKey};
 
 /// Metadata of every table. Nothing here depends on when or where, so equal runs give equal files.
@@ -35,6 +37,30 @@ pub(super) fn scatter_metadata(
     metadata.insert(MetadataKey::Coherence, spelled(tracing.coherence));
     metadata.insert(MetadataKey::Seed, tracing.seed.to_string());
     metadata.insert(MetadataKey::Reciprocal, args.cell.reciprocal.to_string());
+    if !warnings.is_empty() {
+        metadata.insert(MetadataKey::Warning, warnings.join("; "));
+    }
+    metadata
+}
+
+/// Metadata of a table of waves: of diffraction orders, or of scattered light where periods are random.
+pub(super) fn wave_metadata(
+    args: &EstimateArgs,
+    scene: &Scene,
+    periods: Periods,
+    error_max: f64,
+    warnings: &[String],
+) -> Metadata {
+    let mut metadata = common_metadata(args, scene, 0.0);
+    metadata.insert(MetadataKey::Precision, spelled(Precision::F64));
+    metadata.insert(MetadataKey::Method, spelled(OrderMethod::Waves));
+    metadata.insert(MetadataKey::Coherence, spelled(Coherence::Cell));
+    let named = match periods {
+        Periods::Coherent => "coherent",
+        Periods::Random => "random",
+    };
+    metadata.insert(MetadataKey::Periods, named);
+    metadata.insert(MetadataKey::ErrorMax, format!("{error_max:e}"));
     if !warnings.is_empty() {
         metadata.insert(MetadataKey::Warning, warnings.join("; "));
     }

@@ -3,12 +3,14 @@
 mod metadata;
 mod planar;
 mod cell;
+mod waves;
 
 use std::path::Path;
 
 use crate::commands::args::EstimateArgs;
 use crate::scene::{Scene, Shape};
 use crate::solve::checkpoint::Checkpoint;
+use crate::solve::scatter::Coherence;
 use crate::support::error::Result;
 use crate::table::Table;
 
@@ -23,6 +25,7 @@ pub(super) fn make_table(
     output: Option<&Path>,
 ) -> Result<(Table, String, Option<Checkpoint>)> {
     match &scene.shape {
+        Shape::Mesh(_) if coherence(args, scene) == Coherence::Cell => waves::wave_table(args, scene, output),
         Shape::Mesh(_) => cell::scatter_table(args, scene, output),
         Shape::Stack { .. } | Shape::Planes(_) => {
             planar::mirror_table(args, scene).map(|(table, summary)| (table, summary, None))
@@ -30,12 +33,18 @@ pub(super) fn make_table(
     }
 }
 
+/// The coherence of a cell's light: as the options say, else `cell` for a scene that says how its periods differ.
+fn coherence(args: &EstimateArgs, scene: &Scene) -> Coherence {
+    let by_scene = if scene.periods.is_some() { Coherence::Cell } else { Coherence::default() };
+    args.cell.coherence.unwrap_or(by_scene)
+}
+
 /// Makes the table of a scene by the defaults of `estimate`, for cells with fewer rays; also returns its summary.
 /// Nothing is written.
 pub(super) fn make_table_in_memory(scene: &Scene, quiet: bool) -> Result<(Table, String)> {
     let mut args = EstimateArgs::defaults();
     args.computing.running.quiet = quiet;
-    if matches!(scene.shape, Shape::Mesh(_)) {
+    if matches!(scene.shape, Shape::Mesh(_)) && coherence(&args, scene) != Coherence::Cell {
         args.cell.rays = Some(RAYS_IN_MEMORY);
     }
     make_table(&args, scene, None).map(|(table, summary, _)| (table, summary))

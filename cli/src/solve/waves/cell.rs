@@ -5,7 +5,10 @@ use std::fmt::Write as _;
 use glam::DVec3;
 use goniochrome::optics::medium::MediumIndex;
 use goniochrome::table::Periodicity;
+use goniochrome_waves::chandezon::GraphModes;
+use goniochrome_waves::crossed::CrossedModes;
 use goniochrome_waves::lamellar::Modes;
+use goniochrome_waves::light::Light;
 use goniochrome_waves::profile::{CrossedProfile, CrossedSlice, Graph, Profile, Slice, Strip};
 use goniochrome_waves::response::Response;
 use goniochrome_waves::{Complex64, WaveError};
@@ -158,7 +161,7 @@ impl<'s> WaveCell<'s> {
             return Ok(Solver::CrossedModes);
         }
         let Some(graph) = self.graph(wavelength_nm)? else { return Ok(Solver::Modes) };
-        Ok(if false && graph.points_nm.is_empty() { Solver::Coordinates } else { Solver::Modes })
+        Ok(if graph.below.im > 0.1 { Solver::Coordinates } else { Solver::Modes })
     }
 
     /// The cell as one interface, if it is one that slopes.
@@ -197,7 +200,15 @@ impl<'s> WaveCell<'s> {
             Error::failed(format_args!("{name}: {wavelength_nm} nm: {error}; change an angle or a length a little"))
         };
         let found = grow(least, limit, accuracy.target, |max| match solver {
-            Solver::Coordinates => unreachable!(),
+            Solver::Coordinates => {
+                let graph = self.graph(wavelength_nm)?.expect("the solver was chosen for it");
+                let modes = GraphModes::new(&graph, wavelength_nm, first, max).map_err(failed)?;
+                seconds
+                    .iter()
+                    .map(|&second| modes.response(second))
+                    .collect::<std::result::Result<_, _>>()
+                    .map_err(failed)
+            }
             Solver::Modes => {
                 let slices = self.layers(max)?.into_iter().map(|layer| {
                     let SectionLayer { thickness_nm, strips, .. } = layer;
@@ -213,7 +224,22 @@ impl<'s> WaveCell<'s> {
                     .collect::<std::result::Result<_, _>>()
                     .map_err(failed)
             }
-            Solver::CrossedModes => unreachable!(),
+            Solver::CrossedModes => {
+                let slices = self.layers(max)?.into_iter().map(|layer| {
+                    let SectionLayer { thickness_nm, strip_edges_nm, strips } = layer;
+                    let strips = strips
+                        .iter()
+                        .map(|line| Ok(Strip { edges_nm: line.edges_nm(), eta: self.etas(line, wavelength_nm)? }));
+                    Ok(CrossedSlice { thickness_nm, strip_edges_nm, strips: strips.collect::<Result<_>>()? })
+                });
+                let slices = slices.collect::<Result<_>>()?;
+                let profile = CrossedProfile { period_nm, above, below, slices };
+                let of = |&second: &f64| {
+                    let light = Light { wavelength_nm, tangential: [first, second] };
+                    CrossedModes::new(&profile, &light, self.max_orders(max))?.response()
+                };
+                seconds.iter().map(of).collect::<std::result::Result<_, _>>().map_err(failed)
+            }
         });
         let Converged { mut responses, error, max_order, met } = found?;
         if self.periodicity() == Periodicity::Y {

@@ -1,12 +1,15 @@
 //! Diffraction orders of waves for light from one direction.
 
 use glam::DVec3;
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::simd::complex::Polarised;
 use goniochrome_waves::response::{Order, Response};
 
+use crate::solve::scatter::Scattered;
 use crate::solve::waves::cell::{Accuracy, WaveCell};
 use crate::support::error::Result;
 use crate::support::parallel;
+use crate::table::statistics::MeanWithError;
 
 /// Travelling order at one wavelength, on one side of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +37,31 @@ pub struct WaveDiffraction {
     pub max_order: usize,
     /// Whether the error bar meets the target.
     pub met: bool,
+}
+
+impl WaveDiffraction {
+    /// Reflected orders in bins of directions, unpolarised. What neither goes up nor down is absorbed; in a medium below
+    /// that absorbs, all that is not reflected is. The error bar counts as truncated light.
+    #[must_use]
+    pub fn in_bins(&self, bins: DirectionBins) -> Scattered {
+        let exact = |value: f64| MeanWithError { value, std_error: 0.0 };
+        let mut of_bin = vec![MeanWithError::default(); bins.count()];
+        let mean = |order: &WaveOrder| 0.5 * (order.efficiency.s + order.efficiency.p);
+        for order in &self.reflected {
+            of_bin[bins.index(order.direction)].value += mean(order);
+        }
+        let [reflected, transmitted] =
+            [&self.reflected, &self.transmitted].map(|orders| orders.iter().map(mean).sum::<f64>());
+        Scattered {
+            reflected: exact(reflected),
+            transmitted: exact(transmitted),
+            absorbed: exact(1.0 - reflected - transmitted),
+            truncated: exact(self.error),
+            imbalance: exact(0.0),
+            without_interference: exact(0.0),
+            bins: of_bin,
+        }
+    }
 }
 
 /// Orders of waves for light from the unit vector `wi` at each wavelength. `progress` is called after each wavelength.

@@ -218,11 +218,6 @@ impl Sections {
         })
     }
 
-    /// Whether all media lie in layers without lateral structure.
-    pub fn is_flat(&self) -> bool {
-        self.walls.iter().all(Wall::is_horizontal)
-    }
-
     /// The layers from the top. Sloping facets are divided into layers, and slanted columns into strips, of at most
     /// `step_nm`.
     ///

@@ -1,0 +1,129 @@
+//! The tables of a periodic cell by waves: diffraction orders, or scattered light where its periods differ at random.
+
+use std::path::Path;
+use std::sync::Once;
+
+use goniochrome::colour::Quadrature;
+use goniochrome::measure::bins::DirectionBins;
+use goniochrome::table::{OrderLayout, ScatterLayout};
+
+use crate::colour::visible_weights;
+use crate::commands::args::{Bins, EstimateArgs, ModelArg};
+use crate::commands::cell_options::listed_wavelengths;
+use crate::commands::make_table::metadata::wave_metadata;
+use crate::commands::notes::note_on_media;
+use crate::scene::{Periods, Scene};
+use crate::solve::checkpoint::Checkpoint;
+use crate::solve::grid::Wavelengths;
+use crate::solve::spectra::Method;
+use crate::solve::waves::random_periods::scattered;
+use crate::solve::waves::table::{OrderTableRequest, WaveTable, steps, wave_table as solve};
+use crate::solve::waves::{Accuracy, WaveCell};
+use crate::support::error::{Error, Result};
+use crate::support::progress::{bar, note};
+use crate::table::Table;
+
+/// Default numbers of directions of the light, β × α, for lines.
+const NODES_LINES: [u32; 2] = [9, 33];
+/// Default numbers of directions of the light, β × α, for cells with two periods.
+const NODES_CROSSED: [u32; 2] = [13, 13];
+
+/// Computes the table of a periodic cell; also returns its summary, and its checkpoint if it has an output.
+pub(super) fn wave_table(
+    args: &EstimateArgs,
+    scene: &Scene,
+    output: Option<&Path>,
+) -> Result<(Table, String, Option<Checkpoint>)> {
+    let periods = scene.periods.unwrap_or(Periods::Coherent);
+    refuse_options(args, scene, periods)?;
+    let quiet = args.computing.running.quiet;
+    let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
+    let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
+    let accuracy = Accuracy { target: args.cell.target_error.unwrap_or(Accuracy::DEFAULT.target), max_order: None };
+    let cell = WaveCell::new(scene)?;
+    cell.check_size(wavelength_nm, accuracy)?;
+    let default = if cell.periodicity().has_lines() { NODES_LINES } else { NODES_CROSSED };
+    let [across, along] = match periods {
+        Periods::Coherent => args.cell.incident.map_or(default, |Bins(nodes)| nodes),
+        Periods::Random => default,
+    };
+    let layout =
+        OrderLayout::new([along, across], cell.periodicity(), cell.period_nm().map(|nm| nm as f32)).map_err(|_| {
+            Error::usage(format_args!("--incident {across}x{along}: orders need 2 to 1024 directions each way"))
+        })?;
+    let scatter_layout = scatter_layout(args)?;
+    note_on_media(scene, wavelength_nm, quiet);
+    let request = OrderTableRequest { layout, accuracy, threads: args.computing.running.threads() };
+    let checkpoint = match output {
+        Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), args.cell.restart)?,
+        None => None,
+    };
+    let progress = bar(&scene.name, steps(&layout, wavelength_nm.len()), quiet);
+    // The first finished part tells of the checkpoint: a request that is refused has nothing to resume.
+    let (message, told) = (checkpoint.as_ref().map(Checkpoint::says), Once::new());
+    let finished = || {
+        told.call_once(|| message.iter().for_each(|message| progress.suspend(|| note(quiet, message))));
+        progress.inc(1);
+    };
+    let WaveTable { mut table, met } = solve(&cell, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
+    progress.finish_and_clear();
+    let error = table.worst_error();
+    let warnings: Vec<String> = (!met)
+        .then(|| format!("the error bar of efficiencies is up to {error:.1e}, more than {:.0e}", accuracy.target))
+        .into_iter()
+        .collect();
+    warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
+    let metadata = wave_metadata(args, scene, periods, error, &warnings);
+    let count = wavelength_nm.len();
+    let (table, summary): (Table, String) = match periods {
+        Periods::Coherent => {
+            table.metadata = metadata;
+            let summary = format!(
+                "{} diffraction orders × {along} × {across} directions × {count} wavelengths; error bar ≤ {error:.1e}",
+                table.orders.len()
+            );
+            (table.into(), summary)
+        }
+        Periods::Random => {
+            let illuminant = args.colouring.illuminant.into();
+            let weights = visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?;
+            let mut table = scattered(&table, scatter_layout, &weights, args.colouring.space.into())?;
+            table.metadata = metadata;
+            let summary = format!(
+                "{} × {} incident directions × {} × {} bins × {count} wavelengths, by waves; error bar of orders ≤ {error:.1e}",
+                scatter_layout.theta(),
+                scatter_layout.phi(),
+                scatter_layout.bins().cos,
+                scatter_layout.bins().phi,
+            );
+            (table.into(), summary)
+        }
+    };
+    Ok((table, summary, checkpoint))
+}
+
+/// The grid of a table of scattered light.
+fn scatter_layout(args: &EstimateArgs) -> Result<ScatterLayout> {
+    let [theta, phi] = args.cell.incident.map_or([8, 16], |bins| bins.0);
+    let [cos, around] = args.cell.bins.map_or([16, 32], |bins| bins.0);
+    ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around })
+        .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))
+}
+
+/// Refuses options that waves do not have.
+fn refuse_options(args: &EstimateArgs, scene: &Scene, periods: Periods) -> Result<()> {
+    let cell = &args.cell;
+    let unused = [
+        ("--angles", args.angles.is_some(), "name its directions by --incident"),
+        ("--model", args.computing.model != ModelArg::Physical, "waves are exact physics alone"),
+        ("--method", args.computing.method != Method::Trace, "coherence cell is computed by waves"),
+        ("--rays", cell.rays.is_some(), "coherence cell is computed by waves, not by rays"),
+        ("--seed", cell.seed.is_some(), "coherence cell is computed by waves, without chance"),
+        ("--reciprocal", cell.reciprocal, "waves are reciprocal"),
+        ("--bins", cell.bins.is_some() && periods == Periods::Coherent, "diffraction orders have exact directions"),
+    ];
+    match unused.into_iter().find(|(_, given, _)| *given) {
+        Some((option, _, why)) => Err(Error::usage(format_args!("{option}: {}: {why}; leave it out", scene.name))),
+        None => Ok(()),
+    }
+}
