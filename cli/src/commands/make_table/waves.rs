@@ -51,7 +51,6 @@ pub(super) fn wave_table(
         OrderLayout::new([along, across], cell.periodicity(), cell.period_nm().map(|nm| nm as f32)).map_err(|_| {
             Error::usage(format_args!("--incident {across}x{along}: orders need 2 to 1024 directions each way"))
         })?;
-    let scatter_layout = scatter_layout(args)?;
     note_on_media(scene, wavelength_nm, quiet);
     let request = OrderTableRequest { layout, accuracy, threads: args.computing.running.threads() };
     let checkpoint = match output {
@@ -85,6 +84,7 @@ pub(super) fn wave_table(
             (table.into(), summary)
         }
         Periods::Random => {
+            let scatter_layout = scatter_layout(args)?;
             let illuminant = args.colouring.illuminant.into();
             let weights = visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?;
             let mut table = scattered(&table, scatter_layout, &weights, args.colouring.space.into())?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::builder::Builder;
-use super::{grooves, lamellae, particles, pits, pyramids, scratches, sines};
+use super::{grooves, lamellae, lines, particles, pits, pyramids, scratches, sines};
 use crate::scene::diagnostics::nearest;
 use crate::scene::mesh::Mesh;
 use crate::scene::toml_value::{TomlItem, TomlTable};
@@ -16,6 +16,7 @@ const KINDS: &[(&str, Interfaces, Generator)] = &[
     ("pits", |_| &["pits"], pits::build),
     ("lamellae", |_| &["cuticle"], lamellae::build),
     ("grooves", |_| &["grooves"], grooves::build),
+    ("lines", |_| lines::INTERFACES, lines::build),
     ("pyramids", |_| &["pyramids"], pyramids::build),
     ("scratches", |_| &["scratches"], scratches::build),
     ("particles", particles::interfaces, particles::build),

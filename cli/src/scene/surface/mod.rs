@@ -11,6 +11,7 @@
 //! | `pits` | a hexagonal lattice of concave spherical caps | `pits` |
 //! | `lamellae` | a ridge along y that carries shelves on both sides | `cuticle` |
 //! | `grooves` | a profile, the same at every y | `grooves` |
+//! | `lines` | rectangular lines of one medium on a substrate of another | `line`, `foot`, `base` |
 //! | `pyramids` | upright or inverted square pyramids | `pyramids` |
 //! | `scratches` | random heights along x, the same at every y | `scratches` |
 //! | `particles` | closed ellipsoids or flakes in a layer | `top`, with `film_nm` also `film`, `base`, `particle` |
@@ -22,6 +23,7 @@
 //! - `lamellae`: `shelves`, `width_nm`, `shelf_nm`, `gap_nm`, `trunk_nm`; optional `top_width_nm` (as `width_nm`),
 //!   `stagger_nm` (0)
 //! - `grooves`: `points_nm = [[x, z], …]`
+//! - `lines`: `width_nm`, `height_nm`
 //! - `pyramids`: `count = [nx, ny]`; optional `angle_deg` (54.7356), `fill = [min, max]` ([1, 1]), `inverted` (false),
 //!   `seed`
 //! - `scratches`: `segments` (2 to 100 000), `rms_slope`; optional `seed`
@@ -33,6 +35,7 @@ mod keys;
 mod random;
 mod grooves;
 mod lamellae;
+mod lines;
 mod particles;
 mod pits;
 mod pyramids;
