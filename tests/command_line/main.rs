@@ -27,3 +27,4 @@ mod tilted;
 mod usage;
 mod user;
 mod view;
+mod waves;

@@ -439,3 +439,7 @@ fn cut(wall: &Wall, z: f64) -> Option<[f64; 2]> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+#[path = "sections_tests.rs"]
+mod tests;
