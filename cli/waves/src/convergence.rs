@@ -6,7 +6,6 @@
 //! narrow range and does not trust a change that happens to be small. `tests/waves/error_bars.rs` measures how often it
 //! is true.
 
-use crate::error::WaveError;
 use crate::response::{Order, Response};
 
 /// Least ratio q of two changes: p = 1, as at edges for the p polarisation. Dielectrics converge faster, and are true
@@ -48,10 +47,7 @@ pub struct Converged {
 ///
 /// # Errors
 /// What `solve` returns.
-pub fn converge<F>(goal: Goal, solve: F) -> Result<Converged, WaveError>
-where
-    F: Fn(usize) -> Result<Vec<Response>, WaveError>,
-{
+pub fn converge<E>(goal: Goal, solve: impl Fn(usize) -> Result<Vec<Response>, E>) -> Result<Converged, E> {
     let mut max_order = goal.first.max(1).min(goal.limit.max(1));
     let mut responses = solve(max_order)?;
     let (mut change, mut error_bar) = (f64::INFINITY, f64::INFINITY);

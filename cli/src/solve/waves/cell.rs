@@ -6,6 +6,7 @@ use glam::DVec3;
 use goniochrome::optics::medium::MediumIndex;
 use goniochrome::table::Periodicity;
 use goniochrome_waves::chandezon::GraphModes;
+use goniochrome_waves::convergence::{Converged, Goal, converge};
 use goniochrome_waves::crossed::CrossedModes;
 use goniochrome_waves::lamellar::Modes;
 use goniochrome_waves::light::Light;
@@ -160,8 +161,7 @@ impl<'s> WaveCell<'s> {
         if self.periodicity() == Periodicity::Both {
             return Ok(Solver::CrossedModes);
         }
-        let Some(graph) = self.graph(wavelength_nm)? else { return Ok(Solver::Modes) };
-        Ok(if graph.below.im > 0.1 { Solver::Coordinates } else { Solver::Modes })
+        Ok(if self.graph(wavelength_nm)?.is_some() { Solver::Coordinates } else { Solver::Modes })
     }
 
     /// The cell as one interface, if it is one that slopes.
@@ -199,7 +199,8 @@ impl<'s> WaveCell<'s> {
             let name = &self.scene.name;
             Error::failed(format_args!("{name}: {wavelength_nm} nm: {error}; change an angle or a length a little"))
         };
-        let found = grow(least, limit, accuracy.target, |max| match solver {
+        let goal = Goal { target: accuracy.target, first: self.first_order(least), limit };
+        let found = converge(goal, |max| match solver {
             Solver::Coordinates => {
                 let graph = self.graph(wavelength_nm)?.expect("the solver was chosen for it");
                 let modes = GraphModes::new(&graph, wavelength_nm, first, max).map_err(failed)?;
@@ -241,7 +242,7 @@ impl<'s> WaveCell<'s> {
                 seconds.iter().map(of).collect::<std::result::Result<_, _>>().map_err(failed)
             }
         });
-        let Converged { mut responses, error, max_order, met } = found?;
+        let Converged { mut responses, max_order, error_bar: error, met, .. } = found?;
         if self.periodicity() == Periodicity::Y {
             for order in responses.iter_mut().flat_map(|r| r.reflected.iter_mut().chain(&mut r.transmitted)) {
                 order.index.swap(0, 1);
@@ -250,10 +251,12 @@ impl<'s> WaveCell<'s> {
         Ok(WaveOrders { responses, error, max_order, met })
     }
 
-    /// The layers of the cell for waves of orders up to `max`: slopes are divided into steps of the finest period that
-    /// these orders resolve.
+    /// The layers of the cell for waves of orders up to `max`: slopes are divided into steps as fine as
+    /// the finest period that these orders resolve, and half as fine in cells with two periods, where `max` is small.
     fn layers(&self, max: usize) -> Result<Vec<SectionLayer>> {
-        let step_nm = self.sections.period_nm[0] / (2 * max + 1) as f64;
+        let harmonics = (2 * max + 1) as f64;
+        let per_harmonic = if self.periodicity() == Periodicity::Both { 2.0 } else { 1.0 };
+        let step_nm = self.sections.period_nm[0] / (per_harmonic * harmonics);
         self.sections.layers(self.scene, step_nm)
     }
 
@@ -281,6 +284,11 @@ impl<'s> WaveCell<'s> {
         let longer = self.sections.period_nm[0].max(self.sections.period_nm[1]);
         let longest = if self.periodicity() == Periodicity::Both { longer } else { self.sections.period_nm[0] };
         Ok((densest * longest / wavelength_nm).ceil().max(1.0) as usize)
+    }
+
+    /// |m| with which a solver begins.
+    fn first_order(&self, least: usize) -> usize {
+        if self.periodicity() == Periodicity::Both { least.max(2) } else { least + 2 }
     }
 
     /// Largest |m| that a solver takes along.
@@ -327,31 +335,3 @@ impl<'s> WaveCell<'s> {
 
 /// Time of an eigenvalue decomposition over the cube of its size: 16 ms for 121 orders, of one core.
 const SECONDS_PER_CUBE: f64 = 0.016 / (121.0 * 121.0 * 121.0);
-
-struct Converged {
-    responses: Vec<Response>,
-    error: f64,
-    max_order: usize,
-    met: bool,
-}
-fn grow(start: usize, limit: usize, target: f64, solve: impl Fn(usize) -> Result<Vec<Response>>) -> Result<Converged> {
-    let mut max = (start + 4).min(limit);
-    let mut last = solve(max)?;
-    loop {
-        let next = (max * 3 / 2).min(limit);
-        let found = solve(next)?;
-        let mut error = 0.0f64;
-        for (a, b) in last.iter().zip(&found) {
-            for o in &a.reflected {
-                for q in b.reflected.iter().filter(|q| q.index == o.index) {
-                    let (x, y) = (a.reflected_efficiency(o), b.reflected_efficiency(q));
-                    error = error.max((x[0] - y[0]).abs()).max((x[1] - y[1]).abs());
-                }
-            }
-        }
-        if error < target || next == limit {
-            return Ok(Converged { responses: found, error, max_order: next, met: error < target });
-        }
-        (max, last) = (next, found);
-    }
-}
