@@ -39,10 +39,15 @@ pub(super) fn wave_table(
     let quiet = args.computing.running.quiet;
     let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
     let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
-    let accuracy = Accuracy { target: args.cell.target_error.unwrap_or(Accuracy::DEFAULT.target), max_order: None };
     let cell = WaveCell::new(scene)?;
+    let lines = cell.periodicity().has_lines();
+    let default = Accuracy { max_order: Accuracy::TABLE.max_order.filter(|_| lines), ..Accuracy::TABLE };
+    let accuracy = Accuracy {
+        target: args.cell.target_error.unwrap_or(default.target),
+        max_order: args.cell.max_harmonic.map(usize::from).or(default.max_order),
+    };
     cell.check_size(wavelength_nm, accuracy)?;
-    let default = if cell.periodicity().has_lines() { NODES_LINES } else { NODES_CROSSED };
+    let default = if lines { NODES_LINES } else { NODES_CROSSED };
     let [across, along] = match periods {
         Periods::Coherent => args.cell.incident.map_or(default, |Bins(nodes)| nodes),
         Periods::Random => default,
@@ -64,7 +69,8 @@ pub(super) fn wave_table(
         told.call_once(|| message.iter().for_each(|message| progress.suspend(|| note(quiet, message))));
         progress.inc(1);
     };
-    let WaveTable { mut table, met } = solve(&cell, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
+    let WaveTable { mut table, met, decompositions, layers } =
+        solve(&cell, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
     let error = table.worst_error();
     let warnings: Vec<String> = (!met)
@@ -78,7 +84,8 @@ pub(super) fn wave_table(
         Periods::Coherent => {
             table.metadata = metadata;
             let summary = format!(
-                "{} diffraction orders × {along} × {across} directions × {count} wavelengths; error bar ≤ {error:.1e}",
+                "{} diffraction orders × {along} × {across} directions × {count} wavelengths; error bar ≤ {error:.1e}; {decompositions} decompositions \
+                 for {layers} passages of layers",
                 table.orders.len()
             );
             (table.into(), summary)
@@ -90,7 +97,8 @@ pub(super) fn wave_table(
             let mut table = scattered(&table, scatter_layout, &weights, args.colouring.space.into())?;
             table.metadata = metadata;
             let summary = format!(
-                "{} × {} incident directions × {} × {} bins × {count} wavelengths, by waves; error bar of orders ≤ {error:.1e}",
+                "{} × {} incident directions × {} × {} bins × {count} wavelengths, by waves; error bar of \
+                 orders ≤ {error:.1e}; {decompositions} decompositions for {layers} passages of layers",
                 scatter_layout.theta(),
                 scatter_layout.phi(),
                 scatter_layout.bins().cos,

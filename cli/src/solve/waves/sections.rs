@@ -21,6 +21,9 @@ const GENERIC: f64 = 0.487_132_561;
 /// Share of the cell's extent below which two coordinates are equal: rounding of single precision.
 const EQUAL: f64 = 1e-7;
 
+/// Number of layers of the period's size, or of the depth, in which slopes are compared with their mirror image.
+const SYMMETRY_LAYERS: f64 = 64.0;
+
 /// Media along a line, as the solvers take them.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct LineMedia {
@@ -34,6 +37,23 @@ impl LineMedia {
     /// Positions where the medium changes.
     pub fn edges_nm(&self) -> Vec<f64> {
         self.edges.iter().map(|bits| f64::from_bits(*bits)).collect()
+    }
+
+    /// Whether the line is its own mirror image about a position.
+    fn mirrors_about(&self, plane: f64, period: f64) -> bool {
+        let edges = self.edges_nm();
+        let count = edges.len();
+        (0..count).all(|i| {
+            let image = (2.0 * plane - edges[i]).rem_euclid(period);
+            let apart = |edge: f64| {
+                let distance = (edge - image).abs();
+                distance.min(period - distance)
+            };
+            (0..count).any(|j| {
+                // The medium after an edge lies before its image.
+                apart(edges[j]) <= EQUAL * period && self.media[i] == self.media[(j + count - 1) % count]
+            })
+        })
     }
 }
 
@@ -358,6 +378,23 @@ impl Sections {
             (z > point.z).then_some((z, wall.sides[usize::from(wall.normal.z > 0.0)]))
         });
         above.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(self.above, |(_, medium)| medium)
+    }
+
+    /// Whether lines are their own mirror image about some plane across the first axis.
+    ///
+    /// # Errors
+    /// Facets that disagree about the medium between them, since bodies overlap.
+    pub fn is_symmetric(&self, scene: &Scene) -> Result<bool> {
+        let period = self.period_nm[0];
+        let layers = self.layers(scene, self.depth_nm().max(period) / SYMMETRY_LAYERS)?;
+        let structured: Vec<&LineMedia> =
+            layers.iter().flat_map(|layer| &layer.strips).filter(|line| !line.edges.is_empty()).collect();
+        let Some(first) = structured.first() else { return Ok(true) };
+        // A mirror plane of the first line lies in the middle of two of its edges, or of one and itself.
+        let edges = first.edges_nm();
+        let planes = edges.iter().map(|edge| 0.5 * (edges[0] + edge));
+        let candidates = planes.flat_map(|plane| [plane, plane + 0.5 * period]);
+        Ok(candidates.into_iter().any(|plane| structured.iter().all(|line| line.mirrors_about(plane, period))))
     }
 
     /// The surface as one interface z = h(x): its corners over one period, x ascending from 0; two of one x are a vertical

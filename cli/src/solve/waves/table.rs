@@ -1,6 +1,7 @@
 //! Tables of diffraction orders by waves.
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use goniochrome::simd::complex::Polarised;
 use goniochrome::table::OrderLayout;
@@ -42,6 +43,11 @@ pub struct WaveTable {
     pub table: OrderTable,
     /// Whether every error bar meets the target.
     pub met: bool,
+    /// Eigenvalue decompositions that were made: fewer than `layers`, since one serves all directions of one α and all
+    /// equal layers.
+    pub decompositions: usize,
+    /// Layers of several media through which light was followed, over all directions, wavelengths and truncations.
+    pub layers: usize,
 }
 
 /// Strengths of one wavelength for the directions of one α: reflected s and p, transmitted s and p, `[β][order]`, and
@@ -100,7 +106,11 @@ pub fn wave_table(
         })?;
     }
     let failure = OnceLock::new();
-    let missing = rows.iter_mut().enumerate().filter(|(_, row)| row.is_none());
+    let (decompositions, layers) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    // A surface that is its own mirror image sends light from −α into −m as it sends light from α into m.
+    let symmetric = cell.is_symmetric()?;
+    let mirrored = |part: usize| symmetric && part % columns > columns / 2;
+    let missing = rows.iter_mut().enumerate().filter(|(part, row)| row.is_none() && !mirrored(*part));
     parallel::for_each(
         request.threads,
         missing,
@@ -111,7 +121,9 @@ pub fn wave_table(
             }
             let (wavelength, column) = (part / columns, part % columns);
             let found = row_of(cell, wavelength_nm[wavelength], column, &orders, request);
-            let kept = found.and_then(|found| {
+            let kept = found.and_then(|(found, counts)| {
+                decompositions.fetch_add(counts[0], Ordering::Relaxed);
+                layers.fetch_add(counts[1], Ordering::Relaxed);
                 checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(part, &found.write()))?;
                 *row = Some(found);
                 Ok(())
@@ -129,14 +141,19 @@ pub fn wave_table(
     let blank = || filled(0.0, count * orders.len(), "the table");
     let mut strengths = [blank()?, blank()?, blank()?, blank()?];
     let mut error = filled(0.0, count, "the table")?;
-    for (part, row) in rows.into_iter().enumerate() {
-        let Some(row) = row else { continue };
+    for part in 0..rows.len() {
         let (wavelength, column) = (part / columns, part % columns);
+        let mirror = if mirrored(part) { part - column + (columns - 1 - column) } else { part };
+        let Some(row) = &rows[mirror] else { continue };
         for beta in 0..across {
             let node = (wavelength * across + beta) * columns + column;
             error[node] = row.error;
             for (to, from) in strengths.iter_mut().zip(&row.strengths) {
-                to[node * orders.len()..][..orders.len()].copy_from_slice(&from[beta * orders.len()..][..orders.len()]);
+                let to = &mut to[node * orders.len()..][..orders.len()];
+                to.copy_from_slice(&from[beta * orders.len()..][..orders.len()]);
+                if mirrored(part) {
+                    to.reverse(); // orders ascend, from −m to m
+                }
             }
         }
     }
@@ -153,7 +170,7 @@ pub fn wave_table(
         error,
         metadata: Metadata::default(),
     };
-    Ok(WaveTable { table, met })
+    Ok(WaveTable { table, met, decompositions: decompositions.into_inner(), layers: layers.into_inner() })
 }
 
 /// Number of calls of `progress` by [`wave_table`].
@@ -196,14 +213,14 @@ fn travelling(cell: &WaveCell<'_>, layout: &OrderLayout, wavelength_nm: &[f64], 
 /// Bound on |m| before orders are counted: far more than a table holds.
 const MAX_ORDER: f64 = 1000.0;
 
-/// Strengths of one wavelength for all directions of one α.
+/// Strengths of one wavelength for all directions of one α; also the counts of decompositions and layers.
 fn row_of(
     cell: &WaveCell<'_>,
     wavelength_nm: f64,
     column: usize,
     orders: &[[i32; 2]],
     request: &OrderTableRequest,
-) -> Result<Row> {
+) -> Result<(Row, [usize; 2])> {
     let layout = request.layout;
     let [columns, across] = layout.nodes().map(|n| n as usize);
     let lights: Vec<_> = (0..across).map(|beta| layout.direction(beta * columns + column)).collect();
@@ -228,7 +245,7 @@ fn row_of(
             set(1, order, transmitted_strength(response, order));
         }
     }
-    Ok(Row { strengths, error: found.error as f32 })
+    Ok((Row { strengths, error: found.error as f32 }, [found.decompositions, found.layers]))
 }
 
 /// Strength of a reflected order in s and in p, as [`OrderTable`] defines it.
