@@ -70,7 +70,15 @@ impl HeightField {
         };
         let media: Vec<NamedMedium> = self.media.iter().map(medium).collect();
         let shape = Shape::of_mesh(mesh, self.period_nm, interfaces, &media).expect("a height field is closed");
-        Scene { name: "random".to_owned(), toml: String::new(), media, shape, periods: None, files: Vec::new() }
+        Scene {
+            name: "random".to_owned(),
+            toml: String::new(),
+            media,
+            shape,
+            periods: None,
+            front: None,
+            files: Vec::new(),
+        }
     }
 }
 

@@ -28,6 +28,16 @@ pub(super) fn note_on_media(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
     }
 }
 
+/// Notes that rays start below a plate's front face.
+pub(super) fn note_on_front(scene: &Scene, quiet: bool) {
+    if scene.front.is_some() {
+        note(
+            quiet,
+            format_args!("{}: rays leave the plate's front face out: angles are those in the plate", scene.name),
+        );
+    }
+}
+
 /// Notes how orders were computed by waves, and how well.
 pub(super) fn note_on_waves(
     cell: &WaveCell<'_>,

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::commands::args::OrdersArgs;
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
 use crate::commands::csv_file::write_csv;
-use crate::commands::notes::{note_on_media, note_on_waves};
+use crate::commands::notes::{note_on_front, note_on_media, note_on_waves};
 use crate::commands::wave_choice::wave_cell;
 use crate::scene::{Scene, load};
 use crate::solve::batches::BATCHES;
@@ -91,6 +91,7 @@ fn by_rays(args: &OrdersArgs, scene: &Scene, wi: DVec3, wavelengths: &[f64]) -> 
         return Err(Error::usage("--target-error, --max-harmonic: are of waves; give rays --rays"));
     }
     let mesh_scene = MeshScene::new(scene)?;
+    note_on_front(scene, args.running.quiet);
     let request = OrdersRequest {
         rays: args.rays.unwrap_or(RAYS),
         seed: args.seed.unwrap_or(0),

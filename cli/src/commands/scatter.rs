@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::commands::args::{Diffracting, ScatterArgs, spelled};
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
-use crate::commands::notes::{note_on_media, note_on_waves};
+use crate::commands::notes::{note_on_front, note_on_media, note_on_waves};
 use crate::commands::wave_choice::wave_cell;
 use crate::scene::{Scene, load};
 use crate::solve::cell_warnings::{not_converged, unbalanced};
@@ -81,6 +81,7 @@ fn by_waves(args: &ScatterArgs, cell: &WaveCell<'_>, wi: DVec3, wavelengths: &[f
 
 fn by_rays(args: &ScatterArgs, scene: &Scene, wi: DVec3, wavelengths: &[f64]) -> Result<Vec<Value>> {
     let mesh_scene = MeshScene::new(scene)?;
+    note_on_front(scene, args.running.quiet);
     let mut request = ScatterRequest {
         coherence: args.coherence,
         rays: args.rays.unwrap_or(RAYS),

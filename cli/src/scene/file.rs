@@ -20,6 +20,8 @@
 //! period_nm = [20000.0, 20000.0]      # what the mesh spans in x and y, wherever it starts; it repeats
 //! periods = "coherent"                # optional: periods are exact copies, whose light leaves in diffraction orders;
 //!                                     # "random": they differ in height at random, and their light does not interfere
+//! front = "air"                       # optional: the uppermost medium is a plate, far thicker than light is coherent,
+//!                                     # and light arrives through its plane front face from this medium; waves alone
 //! [interface.glass]                   # one for each `usemtl` name
 //! above = 1.0                         # the medium on the side of the facet's normal
 //! below = 1.5                         # a medium or "mirror"
@@ -79,7 +81,14 @@ struct SceneReader<'a> {
 /// Geometry of a scene as written.
 enum Geometry {
     Stack(Shape),
-    Cell { mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface>, periods: Option<Periods> },
+    Cell { mesh: Mesh, period_nm: [f64; 2], interfaces: Vec<NamedInterface>, extras: CellExtras },
+}
+
+/// What a scene says of a cell beside its facets.
+#[derive(Default)]
+struct CellExtras {
+    periods: Option<Periods>,
+    front: Option<MediumIndex>,
 }
 
 /// Source of a cell's facets.
@@ -123,13 +132,13 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     };
     let SceneReader { media, files, .. } = reader;
     let media = media.finish();
-    let (shape, periods) = match described {
-        Geometry::Stack(shape) => (shape, None),
-        Geometry::Cell { mesh, period_nm, interfaces, periods } => {
-            (Shape::of_mesh(mesh, period_nm, interfaces, &media)?, periods)
+    let (shape, CellExtras { periods, front }) = match described {
+        Geometry::Stack(shape) => (shape, CellExtras::default()),
+        Geometry::Cell { mesh, period_nm, interfaces, extras } => {
+            (Shape::of_mesh(mesh, period_nm, interfaces, &media)?, extras)
         }
     };
-    Ok(Scene { name, toml: text.to_owned(), media, shape, periods, files })
+    Ok(Scene { name, toml: text.to_owned(), media, shape, periods, front, files })
 }
 
 fn extrapolate(table: &TomlTable<'_>, default: Extrapolate) -> Result<Extrapolate> {
@@ -280,7 +289,7 @@ impl SceneReader<'_> {
     }
 
     fn cell(&mut self, table: &TomlTable<'_>, interfaces: Option<TomlItem<'_>>) -> Result<Geometry> {
-        table.allow(&["mesh", "surface", "period_nm", "periods", "axes", "unit_nm"])?;
+        table.allow(&["mesh", "surface", "period_nm", "periods", "front", "axes", "unit_nm"])?;
         let facets = match (table.get("mesh"), table.get("surface")) {
             (Some(mesh), None) => Facets::Mesh(mesh),
             (None, Some(surface)) => Facets::Surface(surface),
@@ -301,6 +310,8 @@ impl SceneReader<'_> {
             return Err(period.refuse("a period must be more than 0 nm"));
         }
         let periods = table.get("periods").map(|item| periods(&item)).transpose()?;
+        let front = table.get("front").map(|item| self.media.resolve_ambient(&item)).transpose()?;
+        let extras = CellExtras { periods, front };
         let missing = "a [cell] needs one [interface.NAME] for each usemtl name of its mesh; add them";
         let entries = interfaces.ok_or_else(|| table.refuse(missing))?.table("[interface]")?.entries();
         let interfaces = entries.map(|item| self.interface(&item)).collect::<Result<Vec<_>>>()?;
@@ -315,7 +326,7 @@ impl SceneReader<'_> {
         };
         mesh.drop_unused();
         placement::fit(&mut mesh, period_nm, frame)?;
-        Ok(Geometry::Cell { mesh, period_nm, interfaces, periods })
+        Ok(Geometry::Cell { mesh, period_nm, interfaces, extras })
     }
 
     fn interface(&mut self, item: &TomlItem<'_>) -> Result<NamedInterface> {

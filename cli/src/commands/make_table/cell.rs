@@ -12,7 +12,7 @@ use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
 use crate::commands::make_table::coherence;
 use crate::commands::make_table::metadata::scatter_metadata;
-use crate::commands::notes::note_on_media;
+use crate::commands::notes::{note_on_front, note_on_media};
 use crate::scene::Scene;
 use crate::solve::cell_table::{TableRequest, estimate};
 use crate::solve::cell_warnings::{not_converged, too_few, unbalanced};
@@ -70,6 +70,7 @@ pub(super) fn scatter_table(
     let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
     let mesh_scene = MeshScene::new(scene)?;
     note_on_media(scene, wavelength_nm, args.computing.running.quiet);
+    note_on_front(scene, args.computing.running.quiet);
     let checkpoint = match output {
         Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), cell.restart)?,
         None => None,

@@ -10,12 +10,16 @@ use std::path::Path;
 use crate::commands::args::EstimateArgs;
 use crate::scene::{Scene, Shape};
 use crate::solve::checkpoint::Checkpoint;
+use crate::solve::grid::Wavelengths;
 use crate::solve::scatter::Coherence;
 use crate::support::error::Result;
 use crate::table::Table;
 
 /// Starting rays for a cell's table that is only drawn: the presets then take seconds.
 const RAYS_IN_MEMORY: u32 = 512;
+
+/// Step of the wavelengths of a table of waves that is only drawn.
+const STEP_IN_MEMORY_NM: f64 = 20.0;
 
 /// Makes the table of a scene; also returns its summary, and the checkpoint with its finished parts if it has an
 /// output.
@@ -44,8 +48,11 @@ fn coherence(args: &EstimateArgs, scene: &Scene) -> Coherence {
 pub(super) fn make_table_in_memory(scene: &Scene, quiet: bool) -> Result<(Table, String)> {
     let mut args = EstimateArgs::defaults();
     args.computing.running.quiet = quiet;
-    if matches!(scene.shape, Shape::Mesh(_)) && coherence(&args, scene) != Coherence::Cell {
-        args.cell.rays = Some(RAYS_IN_MEMORY);
+    if matches!(scene.shape, Shape::Mesh(_)) {
+        match coherence(&args, scene) {
+            Coherence::Cell => args.wavelengths = Some(Wavelengths::every(STEP_IN_MEMORY_NM)),
+            _ => args.cell.rays = Some(RAYS_IN_MEMORY),
+        }
     }
     make_table(&args, scene, None).map(|(table, summary, _)| (table, summary))
 }

@@ -24,9 +24,9 @@ use crate::support::progress::{bar, note};
 use crate::table::Table;
 
 /// Default numbers of directions of the light, β × α, for lines.
-const NODES_LINES: [u32; 2] = [9, 33];
+const NODES_LINES: [u32; 2] = [7, 25];
 /// Default numbers of directions of the light, β × α, for cells with two periods.
-const NODES_CROSSED: [u32; 2] = [13, 13];
+const NODES_CROSSED: [u32; 2] = [7, 7];
 
 /// Computes the table of a periodic cell; also returns its summary, and its checkpoint if it has an output.
 pub(super) fn wave_table(

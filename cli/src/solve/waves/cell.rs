@@ -1,22 +1,14 @@
 //! A periodic cell as the solvers of waves take it, and its diffraction orders for light from several directions.
 
-use std::cell::Cell;
 use std::fmt::Write as _;
 
 use glam::DVec3;
 use goniochrome::optics::medium::MediumIndex;
 use goniochrome::table::Periodicity;
-use goniochrome_waves::chandezon::GraphModes;
-use goniochrome_waves::convergence::{Converged, Goal, converge};
-use goniochrome_waves::crossed::CrossedModes;
-use goniochrome_waves::lamellar::Modes;
-use goniochrome_waves::light::Light;
-use goniochrome_waves::profile::{CrossedProfile, CrossedSlice, Graph, Profile, Slice, Strip};
-use goniochrome_waves::response::Response;
-use goniochrome_waves::{Complex64, WaveError};
+use goniochrome_waves::Complex64;
 
 use crate::scene::Scene;
-use crate::solve::waves::sections::{LineMedia, SectionLayer, Sections};
+use crate::solve::waves::sections::Sections;
 use crate::support::error::{Error, Result};
 
 /// Smallest index of absorption k, relative to n, at which the medium below counts as opaque.
@@ -44,49 +36,28 @@ const MAX_ORDER_LINES: usize = 120;
 /// Default of [`Accuracy::max_order`] for cells with two periods: 225 orders, of which each layer takes seconds.
 const MAX_ORDER_CROSSED: usize = 7;
 
-/// Solver of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Solver {
-    /// Fourier modes of layers that change along one axis.
-    Modes,
-    /// A coordinate transformation of one interface.
-    Coordinates,
-    /// Fourier modes of layers that change along two axes.
-    CrossedModes,
-}
-
 /// Periodic cell whose diffraction is computed by waves.
 #[derive(Clone, Debug)]
 pub struct WaveCell<'s> {
     scene: &'s Scene,
-    sections: Sections,
-    graph: Option<Vec<[f64; 2]>>,
-}
-
-/// Orders of one wavelength for light from several directions of one wavevector component along the first axis.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct WaveOrders {
-    /// Orders for each direction; their indices are (m, n) along the x and y of the scene.
-    pub responses: Vec<Response>,
-    /// Error bar of every efficiency.
-    pub error: f64,
-    /// Largest |m| that the solver took along.
-    pub max_order: usize,
-    /// Whether the error bar meets the target.
-    pub met: bool,
-    /// Eigenvalue decompositions that were made.
-    pub decompositions: usize,
-    /// Layers of several media through which light was followed, over all directions and truncations.
-    pub layers: usize,
+    pub(super) sections: Sections,
+    pub(super) graph: Option<Vec<[f64; 2]>>,
 }
 
 impl<'s> WaveCell<'s> {
     /// The cell of a scene.
     ///
     /// # Errors
-    /// One line that says why waves cannot be computed: a stack of layers, a perfect mirror, a coating of tilted facets.
+    /// One line that says why waves cannot be computed: a stack of layers, a perfect mirror, a coating of tilted facets, a
+    /// plate's front face over a cell with two periods.
     pub fn new(scene: &'s Scene) -> Result<Self> {
         let sections = Sections::new(scene)?;
+        if scene.front.is_some() && !sections.periodicity.has_lines() {
+            return Err(Error::failed(format_args!(
+                "{}: front: waves take a plate's front face over lines alone; remove it",
+                scene.name
+            )));
+        }
         let graph = sections.graph();
         Ok(Self { scene, sections, graph })
     }
@@ -136,18 +107,28 @@ impl<'s> WaveCell<'s> {
     }
 
     /// Complex index of a medium.
-    fn eta(&self, medium: MediumIndex, wavelength_nm: f64) -> Result<Complex64> {
+    pub(super) fn eta(&self, medium: MediumIndex, wavelength_nm: f64) -> Result<Complex64> {
         let place = usize::from(medium);
         let eta = self.scene.media[place].medium.borrow().eta(wavelength_nm);
         eta.map_err(|error| self.scene.medium_error(place, &error))
     }
 
-    /// Index of the medium above, in which light arrives; its weak absorption is neglected.
+    /// Index of the medium in which light arrives: that above the cell, or in front of the plate that it is under. Weak
+    /// absorption is neglected.
     ///
     /// # Errors
     /// A medium without data at the wavelength, or one that absorbs too much for light to arrive in it.
     pub fn index_above(&self, wavelength_nm: f64) -> Result<f64> {
-        let place = usize::from(self.sections.above);
+        self.index_of_ambient(self.scene.front.unwrap_or(self.sections.above), wavelength_nm)
+    }
+
+    /// Index of the medium directly above the cell.
+    pub(super) fn index_at_cell(&self, wavelength_nm: f64) -> Result<f64> {
+        self.index_of_ambient(self.sections.above, wavelength_nm)
+    }
+
+    fn index_of_ambient(&self, medium: MediumIndex, wavelength_nm: f64) -> Result<f64> {
+        let place = usize::from(medium);
         let eta = self.scene.media[place].medium.borrow().ambient_eta(wavelength_nm);
         eta.map(|eta| eta.re).map_err(|error| self.scene.medium_error(place, &error))
     }
@@ -161,154 +142,10 @@ impl<'s> WaveCell<'s> {
         Ok(if eta.im <= MAX_TRANSPARENT * eta.re { eta.re } else { 0.0 })
     }
 
-    /// The method by its name, for notes and metadata.
-    ///
-    /// # Errors
-    /// A medium without data at the wavelength.
-    pub fn method(&self, wavelength_nm: f64) -> Result<&'static str> {
-        Ok(match self.solver(wavelength_nm)? {
-            Solver::Modes => "Fourier modes",
-            Solver::Coordinates => "coordinate transformation",
-            Solver::CrossedModes => "Fourier modes in two dimensions",
-        })
-    }
-
-    fn solver(&self, wavelength_nm: f64) -> Result<Solver> {
-        if self.periodicity() == Periodicity::Both {
-            return Ok(Solver::CrossedModes);
-        }
-        Ok(if self.graph(wavelength_nm)?.is_some() { Solver::Coordinates } else { Solver::Modes })
-    }
-
-    /// The cell as one interface, if it is one that slopes.
-    fn graph(&self, wavelength_nm: f64) -> Result<Option<Graph>> {
-        let Some(points_nm) = self.graph.clone().filter(|_| self.sections.is_stepped()) else { return Ok(None) };
-        Ok(Some(Graph {
-            period_nm: self.sections.period_nm[0],
-            above: self.index_above(wavelength_nm)?,
-            below: self.eta(self.sections.below, wavelength_nm)?,
-            points_nm,
-        }))
-    }
-
-    /// The orders for light whose wavevector along the surface, in units of k₀ and in the axes of the solver, is
-    /// `first` and each of `seconds`.
-    ///
-    /// # Errors
-    /// A medium without data at the wavelength, bodies that overlap, a period that needs more orders than `accuracy`
-    /// allows, equations without a finite solution.
-    pub(super) fn orders(
-        &self,
-        wavelength_nm: f64,
-        first: f64,
-        seconds: &[f64],
-        accuracy: Accuracy,
-    ) -> Result<WaveOrders> {
-        let above = self.index_above(wavelength_nm)?;
-        let below = self.eta(self.sections.below, wavelength_nm)?;
-        let least = self.least_order(wavelength_nm)?;
-        let limit = self.limit(accuracy);
-        self.refuse_large(wavelength_nm, least, limit)?;
-        let solver = self.solver(wavelength_nm)?;
-        let period_nm = self.sections.period_nm;
-        let failed = |error: WaveError| {
-            let name = &self.scene.name;
-            Error::failed(format_args!("{name}: {wavelength_nm} nm: {error}; change an angle or a length a little"))
-        };
-        let goal = Goal { target: accuracy.target, first: self.first_order(least), limit };
-        let (decompositions, met_layers) = (Cell::new(0), Cell::new(0));
-        let count = |made: usize, layers: usize| {
-            decompositions.set(decompositions.get() + made);
-            met_layers.set(met_layers.get() + layers * seconds.len());
-        };
-        let found = converge(goal, |max| match solver {
-            Solver::Coordinates => {
-                let graph = self.graph(wavelength_nm)?.expect("the solver was chosen for it");
-                let modes = GraphModes::new(&graph, wavelength_nm, first, max).map_err(failed)?;
-                // Two half-spaces, for each direction anew.
-                count(2 * seconds.len(), 2);
-                seconds
-                    .iter()
-                    .map(|&second| modes.response(second))
-                    .collect::<std::result::Result<_, _>>()
-                    .map_err(failed)
-            }
-            Solver::Modes => {
-                let slices = self.layers(max)?.into_iter().map(|layer| {
-                    let SectionLayer { thickness_nm, strips, .. } = layer;
-                    let eta = self.etas(&strips[0], wavelength_nm)?;
-                    Ok(Slice { thickness_nm, edges_nm: strips[0].edges_nm(), eta })
-                });
-                let slices = slices.collect::<Result<_>>()?;
-                let profile = Profile { period_nm: period_nm[0], above, below, slices };
-                let modes = Modes::new(&profile, wavelength_nm, first, max).map_err(failed)?;
-                count(modes.decompositions(), profile.slices.iter().filter(|slice| slice.eta.len() > 1).count());
-                seconds
-                    .iter()
-                    .map(|&second| modes.response(second))
-                    .collect::<std::result::Result<_, _>>()
-                    .map_err(failed)
-            }
-            Solver::CrossedModes => {
-                let slices = self.layers(max)?.into_iter().map(|layer| {
-                    let SectionLayer { thickness_nm, strip_edges_nm, strips } = layer;
-                    let strips = strips
-                        .iter()
-                        .map(|line| Ok(Strip { edges_nm: line.edges_nm(), eta: self.etas(line, wavelength_nm)? }));
-                    Ok(CrossedSlice { thickness_nm, strip_edges_nm, strips: strips.collect::<Result<_>>()? })
-                });
-                let slices = slices.collect::<Result<_>>()?;
-                let profile = CrossedProfile { period_nm, above, below, slices };
-                count(0, profile.slices.len());
-                let of = |&second: &f64| {
-                    let light = Light { wavelength_nm, tangential: [first, second] };
-                    let modes = CrossedModes::new(&profile, &light, self.max_orders(max))?;
-                    count(modes.decompositions(), 0);
-                    modes.response()
-                };
-                seconds.iter().map(of).collect::<std::result::Result<_, _>>().map_err(failed)
-            }
-        });
-        let Converged { mut responses, max_order, error_bar: error, met, .. } = found?;
-        if self.periodicity() == Periodicity::Y {
-            for order in responses.iter_mut().flat_map(|r| r.reflected.iter_mut().chain(&mut r.transmitted)) {
-                order.index.swap(0, 1);
-            }
-        }
-        Ok(WaveOrders {
-            responses,
-            error,
-            max_order,
-            met,
-            decompositions: decompositions.get(),
-            layers: met_layers.get(),
-        })
-    }
-
-    /// The layers of the cell for waves of orders up to `max`: slopes are divided into steps as fine as
-    /// the finest period that these orders resolve, and half as fine in cells with two periods, where `max` is small.
-    fn layers(&self, max: usize) -> Result<Vec<SectionLayer>> {
-        let harmonics = (2 * max + 1) as f64;
-        let per_harmonic = if self.periodicity() == Periodicity::Both { 2.0 } else { 1.0 };
-        let step_nm = self.sections.period_nm[0] / (per_harmonic * harmonics);
-        self.sections.layers(self.scene, step_nm)
-    }
-
-    /// Indices of the media along a line.
-    fn etas(&self, line: &LineMedia, wavelength_nm: f64) -> Result<Vec<Complex64>> {
-        line.media.iter().map(|&medium| self.eta(medium, wavelength_nm)).collect()
-    }
-
-    /// Largest orders along both axes: in proportion to the periods, `max` along the longer.
-    fn max_orders(&self, max: usize) -> [usize; 2] {
-        let longer = self.sections.period_nm[0].max(self.sections.period_nm[1]);
-        self.sections.period_nm.map(|period| (max as f64 * period / longer).ceil() as usize)
-    }
-
     /// Least number |m| of orders with which waves may be computed: those that travel in the densest medium that does not
     /// absorb.
-    fn least_order(&self, wavelength_nm: f64) -> Result<usize> {
-        let mut densest = self.index_above(wavelength_nm)?;
+    pub(super) fn least_order(&self, wavelength_nm: f64) -> Result<usize> {
+        let mut densest = self.index_at_cell(wavelength_nm)?;
         for medium in 0..self.scene.media.len() {
             let eta = self.eta(medium as MediumIndex, wavelength_nm)?;
             if eta.im < eta.re {
@@ -321,12 +158,17 @@ impl<'s> WaveCell<'s> {
     }
 
     /// |m| with which a solver begins.
-    fn first_order(&self, least: usize) -> usize {
-        if self.periodicity() == Periodicity::Both { least.max(2) } else { least + 2 }
+    pub(super) fn first_order(&self, least: usize) -> usize {
+        match (self.periodicity(), self.scene.front) {
+            (Periodicity::Both, _) => least.max(2),
+            (_, None) => least + 2,
+            // Light meets the structure in every order of the plate.
+            (_, Some(_)) => 2 * least + 2,
+        }
     }
 
     /// Largest |m| that a solver takes along.
-    fn limit(&self, accuracy: Accuracy) -> usize {
+    pub(super) fn limit(&self, accuracy: Accuracy) -> usize {
         let crossed = self.periodicity() == Periodicity::Both;
         accuracy.max_order.unwrap_or(if crossed { MAX_ORDER_CROSSED } else { MAX_ORDER_LINES })
     }
@@ -343,7 +185,7 @@ impl<'s> WaveCell<'s> {
     }
 
     /// Refuses a period that needs more orders than are allowed, and says how many and how long they would take.
-    fn refuse_large(&self, wavelength_nm: f64, least: usize, allowed: usize) -> Result<()> {
+    pub(super) fn refuse_large(&self, wavelength_nm: f64, least: usize, allowed: usize) -> Result<()> {
         if least < allowed {
             return Ok(());
         }

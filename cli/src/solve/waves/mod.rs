@@ -3,6 +3,9 @@
 
 mod sections;
 mod cell;
+mod powers;
+mod front;
+mod solvers;
 pub mod one_direction;
 pub mod table;
 pub mod random_periods;

@@ -3,10 +3,10 @@
 use glam::DVec3;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::simd::complex::Polarised;
-use goniochrome_waves::response::{Order, Response};
 
 use crate::solve::scatter::Scattered;
 use crate::solve::waves::cell::{Accuracy, WaveCell};
+use crate::solve::waves::powers::{DirectionPowers, OrderPower};
 use crate::support::error::Result;
 use crate::support::parallel;
 use crate::table::statistics::MeanWithError;
@@ -94,37 +94,27 @@ fn of_wavelength(cell: &WaveCell<'_>, wi: DVec3, wavelength_nm: f64, accuracy: A
     let index = [cell.index_above(wavelength_nm)?, cell.index_below(wavelength_nm)?];
     let [first, second] = cell.tangential(wi).map(|along| -index[0] * along);
     let mut found = cell.orders(wavelength_nm, first, &[second], accuracy)?;
-    let response = found.responses.remove(0);
-    let travelling = |orders: &[Order], index: f64, up: f64, efficiency: fn(&Response, &Order) -> [f64; 2]| {
+    let DirectionPowers { reflected, transmitted } = found.directions.remove(0);
+    let travelling = |orders: &[OrderPower], place: usize, up: f64| {
         let mut listed = Vec::new();
-        for order in orders.iter().filter(|order| order.vertical.re > 0.0 && index > 0.0 && is_real(order)) {
-            let [x, y] = cell.order_tangential(wi, index_above(&response), order.index, wavelength_nm);
-            let [s, p] = efficiency(&response, order);
-            listed.push(WaveOrder {
-                index: order.index,
-                direction: DVec3::new(x, y, up * order.vertical.re) / index,
-                efficiency: Polarised { s, p },
-            });
+        for order in orders {
+            let [x, y] = cell.order_tangential(wi, index[0], order.index, wavelength_nm);
+            let up_squared = index[place].powi(2) - x * x - y * y;
+            if up_squared > 0.0 {
+                let direction = DVec3::new(x, y, up * up_squared.sqrt()) / index[place];
+                let [s, p] = order.efficiency;
+                listed.push(WaveOrder { index: order.index, direction, efficiency: Polarised { s, p } });
+            }
         }
         listed.sort_by_key(|order| order.index);
         listed
     };
     Ok(WaveDiffraction {
         wavelength_nm,
-        reflected: travelling(&response.reflected, index[0], 1.0, Response::reflected_efficiency),
-        transmitted: travelling(&response.transmitted, index[1], -1.0, Response::transmitted_efficiency),
+        reflected: travelling(&reflected, 0, 1.0),
+        transmitted: travelling(&transmitted, 1, -1.0),
         error: found.error,
         max_order: found.max_order,
         met: found.met,
     })
-}
-
-/// Index of the medium in which light arrives.
-fn index_above(response: &Response) -> f64 {
-    response.half_spaces[0].re
-}
-
-/// Whether an order travels: evanescent ones have a vertical wavevector that is imaginary.
-fn is_real(order: &Order) -> bool {
-    order.vertical.re > order.vertical.im.abs()
 }

@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use goniochrome::simd::complex::Polarised;
 use goniochrome::table::OrderLayout;
-use goniochrome_waves::response::{Order, Response};
 
 use crate::scene::Scene;
 use crate::solve::checkpoint::{Checkpoint, Identity};
 use crate::solve::waves::cell::{Accuracy, WaveCell};
+use crate::solve::waves::powers::OrderPower;
 use crate::support::error::Result;
 use crate::support::memory::filled;
 use crate::support::parallel;
@@ -231,35 +231,21 @@ fn row_of(
     let opaque = cell.index_below(wavelength_nm)? == 0.0;
     let blank = || vec![0.0; across * orders.len()];
     let mut strengths = [blank(), blank(), blank(), blank()];
-    for (beta, response) in found.responses.iter().enumerate() {
-        let mut set = |kind: usize, order: &Order, strength: [f64; 2]| {
-            let Ok(place) = orders.binary_search(&order.index) else { return };
-            for (polarisation, strength) in strength.into_iter().enumerate() {
-                strengths[2 * kind + polarisation][beta * orders.len() + place] = strength as f32;
+    for (beta, powers) in found.directions.iter().enumerate() {
+        let mut set = |kind: usize, orders_found: &[OrderPower]| {
+            for OrderPower { index, strength, .. } in orders_found {
+                let Ok(place) = orders.binary_search(index) else { continue };
+                for (polarisation, strength) in strength.iter().enumerate() {
+                    // Rounding may leave less than nothing.
+                    let strength = strength.max(0.0) as f32;
+                    strengths[2 * kind + polarisation][beta * orders.len() + place] = strength;
+                }
             }
         };
-        for order in &response.reflected {
-            set(0, order, reflected_strength(response, order));
-        }
-        for order in response.transmitted.iter().filter(|_| !opaque) {
-            set(1, order, transmitted_strength(response, order));
+        set(0, &powers.reflected);
+        if !opaque {
+            set(1, &powers.transmitted);
         }
     }
     Ok((Row { strengths, error: found.error as f32 }, [found.decompositions, found.layers]))
-}
-
-/// Strength of a reflected order in s and in p, as [`OrderTable`] defines it.
-pub(super) fn reflected_strength(response: &Response, order: &Order) -> [f64; 2] {
-    if order.index == [0, 0] {
-        return response.reflected_efficiency(order);
-    }
-    let cos = response.incident_vertical / response.half_spaces[0].re;
-    order.jones.map(|[s, p]| (s.norm_sqr() + p.norm_sqr()) / (cos * cos))
-}
-
-/// Strength of a transmitted order in s and in p.
-fn transmitted_strength(response: &Response, order: &Order) -> [f64; 2] {
-    let [above, below] = response.half_spaces.map(|eta| eta.re);
-    let cos = response.incident_vertical / above;
-    order.jones.map(|[s, p]| (s.norm_sqr() + p.norm_sqr()) * below / (above * cos * cos))
 }
