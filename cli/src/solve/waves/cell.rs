@@ -157,16 +157,6 @@ impl<'s> WaveCell<'s> {
         Ok((densest * longest / wavelength_nm).ceil().max(1.0) as usize)
     }
 
-    /// |m| with which a solver begins.
-    pub(super) fn first_order(&self, least: usize) -> usize {
-        match (self.periodicity(), self.scene.front) {
-            (Periodicity::Both, _) => least.max(2),
-            (_, None) => least + 2,
-            // Light meets the structure in every order of the plate.
-            (_, Some(_)) => 2 * least + 2,
-        }
-    }
-
     /// Largest |m| that a solver takes along.
     pub(super) fn limit(&self, accuracy: Accuracy) -> usize {
         let crossed = self.periodicity() == Periodicity::Both;

@@ -4,7 +4,7 @@
 use std::cell::Cell;
 
 use goniochrome::table::Periodicity;
-use goniochrome_waves::chandezon::{GraphModes, suits};
+use goniochrome_waves::chandezon::{GraphModes, enough_orders, suits};
 use goniochrome_waves::convergence::{Converged, Goal, converge};
 use goniochrome_waves::crossed::CrossedModes;
 use goniochrome_waves::lamellar::Modes;
@@ -71,13 +71,28 @@ impl WaveCell<'_> {
         if self.periodicity() == Periodicity::Both {
             return Ok(Solver::CrossedModes);
         }
-        let sloping = self.graph(wavelength_nm)?.filter(|graph| suits(graph, wavelength_nm));
-        Ok(if sloping.is_some() { Solver::Coordinates } else { Solver::Modes })
+        let Some(graph) = self.graph(wavelength_nm)? else { return Ok(Solver::Modes) };
+        // Vertical walls of what is transparent need no steps, and one decomposition serves every azimuth.
+        let is_metal = (graph.below * graph.below).re < 0.0;
+        let gains = self.sections.is_stepped() || is_metal;
+        Ok(if gains && suits(&graph, wavelength_nm) { Solver::Coordinates } else { Solver::Modes })
     }
 
-    /// The cell as one interface, if it is one that slopes.
+    /// The number |m| of orders to begin with. A truncation and one of half as many orders more give the first error bar.
+    fn first_order(&self, wavelength_nm: f64, least: usize) -> Result<usize> {
+        let failed = |error: WaveError| Error::failed(format_args!("{}: {error}", self.scene().name));
+        let first = match (self.solver(wavelength_nm)?, self.graph(wavelength_nm)?) {
+            (Solver::CrossedModes, _) => least.max(2),
+            (Solver::Coordinates, Some(graph)) => 2 * enough_orders(&graph, wavelength_nm).map_err(failed)? / 3,
+            _ => least + 2,
+        };
+        // Under a plate light meets the structure in each of its orders.
+        Ok(if self.scene().front.is_some() { first.max(2 * least + 2) } else { first })
+    }
+
+    /// The cell as one interface, if it is one.
     fn graph(&self, wavelength_nm: f64) -> Result<Option<Graph>> {
-        let Some(points_nm) = self.graph.clone().filter(|_| self.sections.is_stepped()) else { return Ok(None) };
+        let Some(points_nm) = self.graph.clone() else { return Ok(None) };
         Ok(Some(Graph {
             period_nm: self.sections.period_nm[0],
             above: self.index_at_cell(wavelength_nm)?,
@@ -113,7 +128,7 @@ impl WaveCell<'_> {
         let limit = self.limit(accuracy);
         self.refuse_large(wavelength_nm, least, limit)?;
         let counts = Cell::new([0; 2]);
-        let goal = Goal { target: accuracy.target, first: self.first_order(least), limit };
+        let goal = Goal { target: accuracy.target, first: self.first_order(wavelength_nm, least)?, limit };
         let found = converge(goal, |max| self.responses(wavelength_nm, first, &arrivals, max, &counts))?;
         let Converged { responses, max_order, mut error_bar, .. } = found;
         let mut responses = responses.into_iter();
