@@ -41,7 +41,7 @@ pub(super) fn wave_table(
     let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
     let cell = WaveCell::new(scene)?;
     let lines = cell.periodicity().has_lines();
-    let default = Accuracy { max_order: Accuracy::TABLE.max_order.filter(|_| lines), ..Accuracy::TABLE };
+    let default = if lines { Accuracy::TABLE } else { Accuracy::CROSSED_TABLE };
     let accuracy = Accuracy {
         target: args.cell.target_error.unwrap_or(default.target),
         max_order: args.cell.max_harmonic.map(usize::from).or(default.max_order),

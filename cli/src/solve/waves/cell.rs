@@ -29,6 +29,8 @@ impl Accuracy {
     /// The accuracy of a table, for pictures. Sharp edges of metal converge slowly: a table says what it reaches with 97
     /// orders.
     pub const TABLE: Self = Self { target: 2e-3, max_order: Some(48) };
+    /// The accuracy of a table of a cell with two periods. Time grows with the sixth power of the largest order.
+    pub const CROSSED_TABLE: Self = Self { target: 2e-3, max_order: Some(4) };
 }
 
 /// Default of [`Accuracy::max_order`] for lines: 241 orders, whose equations take some seconds for 33 layers.
@@ -86,12 +88,18 @@ impl<'s> WaveCell<'s> {
         [self.periodicity() != Periodicity::Y, self.periodicity() != Periodicity::X]
     }
 
-    /// Whether the surface is made of lines that are their own mirror image about some line along them.
+    /// Whether the surface is its own mirror image across the first axis of the solver, and across the second.
     ///
     /// # Errors
     /// Bodies that overlap.
-    pub(super) fn is_symmetric(&self) -> Result<bool> {
-        Ok(self.periodicity().has_lines() && self.sections.is_symmetric(self.scene)?)
+    pub(super) fn mirrors(&self) -> Result<[bool; 2]> {
+        self.sections.mirrors(self.scene)
+    }
+
+    /// The order that light from a mirrored direction leaves in where light from the direction itself leaves in `order`.
+    pub(super) fn mirrored_order(&self, order: [i32; 2], [first, second]: [bool; 2]) -> [i32; 2] {
+        let flips = if self.periodicity() == Periodicity::Y { [second, first] } else { [first, second] };
+        [0, 1].map(|axis| if flips[axis] { -order[axis] } else { order[axis] })
     }
 
     /// Components of a vector along the axes of the solver.
@@ -143,8 +151,9 @@ impl<'s> WaveCell<'s> {
     }
 
     /// Least number |m| of orders with which waves may be computed: those that travel in the densest medium that does not
-    /// absorb.
-    pub(super) fn least_order(&self, wavelength_nm: f64) -> Result<usize> {
+    /// absorb, for light whose wavevector along the surface has a component of up to `along`. In cells with two periods it
+    /// is that of the level that `truncation` divides between the axes.
+    pub(super) fn least_order(&self, wavelength_nm: f64, along: f64) -> Result<usize> {
         let mut densest = self.index_at_cell(wavelength_nm)?;
         for medium in 0..self.scene.media.len() {
             let eta = self.eta(medium as MediumIndex, wavelength_nm)?;
@@ -152,9 +161,9 @@ impl<'s> WaveCell<'s> {
                 densest = densest.max(eta.re);
             }
         }
-        let longer = self.sections.period_nm[0].max(self.sections.period_nm[1]);
-        let longest = if self.periodicity() == Periodicity::Both { longer } else { self.sections.period_nm[0] };
-        Ok((densest * longest / wavelength_nm).ceil().max(1.0) as usize)
+        let [first, second] = self.sections.period_nm;
+        let period = if self.periodicity() == Periodicity::Both { (first * second).sqrt() } else { first };
+        Ok(((densest + along.abs()) * period / wavelength_nm).ceil().max(1.0) as usize)
     }
 
     /// Largest |m| that a solver takes along.
@@ -169,13 +178,15 @@ impl<'s> WaveCell<'s> {
     /// Says how many orders the period needs and how long they would take; a medium without data at a wavelength.
     pub fn check_size(&self, wavelength_nm: &[f64], accuracy: Accuracy) -> Result<()> {
         for &nm in wavelength_nm {
-            self.refuse_large(nm, self.least_order(nm)?, self.limit(accuracy))?;
+            let grazing = self.index_above(nm)?;
+            self.refuse_large(nm, self.least_order(nm, grazing)?, self.limit(accuracy))?;
         }
         Ok(())
     }
 
     /// Refuses a period that needs more orders than are allowed, and says how many and how long they would take.
     pub(super) fn refuse_large(&self, wavelength_nm: f64, least: usize, allowed: usize) -> Result<()> {
+        // Two truncations give an error bar.
         if least < allowed {
             return Ok(());
         }

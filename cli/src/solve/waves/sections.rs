@@ -41,20 +41,25 @@ impl LineMedia {
 
     /// Whether the line is its own mirror image about a position.
     fn mirrors_about(&self, plane: f64, period: f64) -> bool {
-        let edges = self.edges_nm();
-        let count = edges.len();
-        (0..count).all(|i| {
-            let image = (2.0 * plane - edges[i]).rem_euclid(period);
-            let apart = |edge: f64| {
-                let distance = (edge - image).abs();
-                distance.min(period - distance)
-            };
-            (0..count).any(|j| {
-                // The medium after an edge lies before its image.
-                apart(edges[j]) <= EQUAL * period && self.media[i] == self.media[(j + count - 1) % count]
-            })
-        })
+        mirrored(&self.edges_nm(), &self.media, plane, period)
     }
+}
+
+/// Planes about which a pattern with these edges may be its own mirror image: in the middle of the first edge and
+/// another one, or half a period from there.
+fn planes(edges: &[f64], period: f64) -> impl Iterator<Item = f64> {
+    edges.iter().map(|edge| 0.5 * (edges[0] + edge)).flat_map(move |plane| [plane, plane + 0.5 * period])
+}
+
+/// Whether a periodic pattern is its own mirror image about `plane`: `parts[i]` lies from edge i to the next.
+fn mirrored<T: PartialEq>(edges: &[f64], parts: &[T], plane: f64, period: f64) -> bool {
+    let count = edges.len();
+    (0..count).all(|i| {
+        let image = (2.0 * plane - edges[i]).rem_euclid(period);
+        let apart = |edge: f64| (edge - image).abs().min(period - (edge - image).abs());
+        // What follows an edge comes before its image.
+        (0..count).any(|j| apart(edges[j]) <= EQUAL * period && parts[i] == parts[(j + count - 1) % count])
+    })
 }
 
 /// Horizontal layer of a cell.
@@ -380,21 +385,27 @@ impl Sections {
         above.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(self.above, |(_, medium)| medium)
     }
 
-    /// Whether lines are their own mirror image about some plane across the first axis.
+    /// Whether the cell is its own mirror image about some plane across the first axis, and across the second.
     ///
     /// # Errors
     /// Facets that disagree about the medium between them, since bodies overlap.
-    pub fn is_symmetric(&self, scene: &Scene) -> Result<bool> {
-        let period = self.period_nm[0];
-        let layers = self.layers(scene, self.depth_nm().max(period) / SYMMETRY_LAYERS)?;
-        let structured: Vec<&LineMedia> =
+    pub fn mirrors(&self, scene: &Scene) -> Result<[bool; 2]> {
+        let layers = self.layers(scene, self.depth_nm().max(self.period_nm[0]) / SYMMETRY_LAYERS)?;
+        let lines: Vec<&LineMedia> =
             layers.iter().flat_map(|layer| &layer.strips).filter(|line| !line.edges.is_empty()).collect();
-        let Some(first) = structured.first() else { return Ok(true) };
-        // A mirror plane of the first line lies in the middle of two of its edges, or of one and itself.
-        let edges = first.edges_nm();
-        let planes = edges.iter().map(|edge| 0.5 * (edges[0] + edge));
-        let candidates = planes.flat_map(|plane| [plane, plane + 0.5 * period]);
-        Ok(candidates.into_iter().any(|plane| structured.iter().all(|line| line.mirrors_about(plane, period))))
+        let edges = lines.first().map_or_else(Vec::new, |line| line.edges_nm());
+        let first = edges.is_empty()
+            || planes(&edges, self.period_nm[0])
+                .any(|plane| lines.iter().all(|line| line.mirrors_about(plane, self.period_nm[0])));
+        let crossed: Vec<&SectionLayer> = layers.iter().filter(|layer| !layer.strip_edges_nm.is_empty()).collect();
+        let edges = crossed.first().map_or_else(Vec::new, |layer| layer.strip_edges_nm.clone());
+        let second = edges.is_empty()
+            || planes(&edges, self.period_nm[1]).any(|plane| {
+                let mirrors =
+                    |layer: &&SectionLayer| mirrored(&layer.strip_edges_nm, &layer.strips, plane, self.period_nm[1]);
+                crossed.iter().all(mirrors)
+            });
+        Ok([first, second])
     }
 
     /// The surface as one interface z = h(x): its corners over one period, x ascending from 0; two of one x are a vertical

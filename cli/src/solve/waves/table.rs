@@ -108,8 +108,9 @@ pub fn wave_table(
     let failure = OnceLock::new();
     let (decompositions, layers) = (AtomicUsize::new(0), AtomicUsize::new(0));
     // A surface that is its own mirror image sends light from −α into −m as it sends light from α into m.
-    let symmetric = cell.is_symmetric()?;
-    let mirrored = |part: usize| symmetric && part % columns > columns / 2;
+    let [symmetric, _] = cell.mirrors()?;
+    let mirrored = |part: usize| symmetric && part % columns >= columns.div_ceil(2);
+    let images = images(cell, &orders, [true, false]);
     let missing = rows.iter_mut().enumerate().filter(|(part, row)| row.is_none() && !mirrored(*part));
     parallel::for_each(
         request.threads,
@@ -150,9 +151,9 @@ pub fn wave_table(
             error[node] = row.error;
             for (to, from) in strengths.iter_mut().zip(&row.strengths) {
                 let to = &mut to[node * orders.len()..][..orders.len()];
-                to.copy_from_slice(&from[beta * orders.len()..][..orders.len()]);
-                if mirrored(part) {
-                    to.reverse(); // orders ascend, from −m to m
+                let from = &from[beta * orders.len()..][..orders.len()];
+                for (order, &image) in images.iter().enumerate() {
+                    to[order] = from[if mirrored(part) { image } else { order }];
                 }
             }
         }
@@ -210,6 +211,14 @@ fn travelling(cell: &WaveCell<'_>, layout: &OrderLayout, wavelength_nm: &[f64], 
     orders
 }
 
+/// Place of the mirror image of each order. The list of orders is its own image, since the grid of directions is.
+fn images(cell: &WaveCell<'_>, orders: &[[i32; 2]], across: [bool; 2]) -> Vec<usize> {
+    let image = |(place, &order): (usize, &[i32; 2])| {
+        orders.binary_search(&cell.mirrored_order(order, across)).unwrap_or(place)
+    };
+    orders.iter().enumerate().map(image).collect()
+}
+
 /// Bound on |m| before orders are counted: far more than a table holds.
 const MAX_ORDER: f64 = 1000.0;
 
@@ -226,7 +235,13 @@ fn row_of(
     let lights: Vec<_> = (0..across).map(|beta| layout.direction(beta * columns + column)).collect();
     let index = cell.index_above(wavelength_nm)?;
     let tangential = |wi| cell.tangential(wi).map(|along| -index * along);
-    let seconds: Vec<f64> = lights.iter().map(|&wi| tangential(wi)[1]).collect();
+    let mut seconds: Vec<f64> = lights.iter().map(|&wi| tangential(wi)[1]).collect();
+    // Lines have one half of β alone.
+    let [_, symmetric] = cell.mirrors()?;
+    let halved = symmetric && !layout.periodicity().has_lines();
+    if halved {
+        seconds.truncate(across.div_ceil(2));
+    }
     let found = cell.orders(wavelength_nm, tangential(lights[0])[0], &seconds, request.accuracy)?;
     let opaque = cell.index_below(wavelength_nm)? == 0.0;
     let blank = || vec![0.0; across * orders.len()];
@@ -245,6 +260,17 @@ fn row_of(
         set(0, &powers.reflected);
         if !opaque {
             set(1, &powers.transmitted);
+        }
+    }
+    if halved {
+        let images = images(cell, orders, [false, true]);
+        let width = orders.len();
+        for strengths in &mut strengths {
+            for beta in across.div_ceil(2)..across {
+                for (order, &image) in images.iter().enumerate() {
+                    strengths[beta * width + order] = strengths[(across - 1 - beta) * width + image];
+                }
+            }
         }
     }
     Ok((Row { strengths, error: found.error as f32 }, [found.decompositions, found.layers]))
