@@ -13,7 +13,9 @@ use crate::export::reflection::Evaluator;
 use crate::support::direction::direction;
 
 /// Largest factor by which a channel is scaled. Where colours out of gamut cancel, there is no albedo to keep.
-const MAX_SCALE: f64 = 1.1;
+pub const MAX_SCALE: f64 = 1.1;
+/// Largest factor for lobes of orders, which may be narrower than the file's samples and are not negative.
+pub const MAX_SCALE_OF_ORDERS: f64 = 2.0;
 /// The two points of Gauss's quadrature on [0, 1], exact up to cubics.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
@@ -38,39 +40,48 @@ pub fn exact(evaluator: &mut Evaluator<'_>, layout: ScatterLayout, wi: DVec3) ->
     total
 }
 
+/// Share of an interval's density below a part of it, for a density linear between its ends: the weight of the
+/// interpolation, which is linear in the warped square.
+fn share([from, to]: [f64; 2], part: f64) -> f64 {
+    part * (2.0 * from + part * (to - from)) / (from + to)
+}
+
 /// The albedo of one channel of the file, interpolated between its samples.
 pub fn interpolated(grid: &BsdfGrid, wi: DVec3, origin: f64, samples: &[f32]) -> f64 {
     let [across, along] = &grid.nodes;
     let mut total = 0.0;
     for (row, v) in along.windows(2).enumerate() {
+        let height = v[1].0 - v[0].0;
         for part_v in GAUSS {
-            let (sin, cos) = (TAU * (v[0].0 + part_v * (v[1].0 - v[0].0)) - PI + origin).sin_cos();
+            let (sin, cos) = (TAU * (v[0].0 + part_v * height) - PI + origin).sin_cos();
+            let share_v = share([v[0].1, v[1].1], part_v);
             for (column, u) in across.windows(2).enumerate() {
                 let at = |row: usize, column: usize| f64::from(samples[row * across.len() + column]);
-                let mix = |a: f64, b: f64| a + part_v * (b - a);
+                let mix = |a: f64, b: f64| a + share_v * (b - a);
                 let [left, right] = [column, column + 1].map(|column| mix(at(row, column), at(row + 1, column)));
+                let width = u[1].0 - u[0].0;
                 for part_u in GAUSS {
-                    let u = u[0].0 + part_u * (u[1].0 - u[0].0);
-                    let (sin_m, cos_m) = (u * u * FRAC_PI_2).sin_cos();
+                    let place = u[0].0 + part_u * width;
+                    let (sin_m, cos_m) = (place * place * FRAC_PI_2).sin_cos();
                     let m = DVec3::new(sin_m * cos, sin_m * sin, cos_m);
                     let visible = wi.dot(m);
                     if 2.0 * visible * m.z > wi.z {
-                        total += u * sin_m * visible * (left + part_u * (right - left));
+                        let value = left + share([u[0].1, u[1].1], part_u) * (right - left);
+                        total += width * height * place * sin_m * visible * value;
                     }
                 }
             }
         }
     }
-    let cells = ((across.len() - 1) * (along.len() - 1)) as f64;
-    // |dω_o| per area of the square is 8π² u sin θ_m (ω_i · m).
-    total * 8.0 * PI * PI / (4.0 * cells)
+    // |dω_o| per area of the square is 8π² u sin θ_m (ω_i · m); a cell has four points.
+    total * 8.0 * PI * PI / 4.0
 }
 
-/// Scales one channel from its interpolated to its exact albedo, by at most [`MAX_SCALE`] either way.
-pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64) {
+/// Scales one channel from its interpolated to its exact albedo, by at most `limit` either way.
+pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64, limit: f64) {
     let scale = exact / interpolated;
     if scale.is_finite() {
-        let scale = scale.clamp(1.0 / MAX_SCALE, MAX_SCALE) as f32;
+        let scale = scale.clamp(1.0 / limit, limit) as f32;
         samples.iter_mut().for_each(|value| *value *= scale);
     }
 }
@@ -98,7 +109,7 @@ mod tests {
             // Interpolation of a curved function: (π/SIDE)²/8 and similar terms.
             assert!((albedo - 1.0).abs() < 2e-3, "{theta}: {albedo}");
             let mut scaled = samples;
-            keep(&mut scaled, 1.0, albedo);
+            keep(&mut scaled, 1.0, albedo, MAX_SCALE);
             assert!((interpolated(&grid, wi, 0.0, &scaled) - 1.0).abs() < 1e-6);
         }
     }
@@ -106,9 +117,9 @@ mod tests {
     #[test]
     fn what_has_no_albedo_is_left_as_it_is() {
         let mut samples = [1.0, 2.0];
-        keep(&mut samples, 0.0, 0.0);
+        keep(&mut samples, 0.0, 0.0, MAX_SCALE);
         assert_eq!(samples, [1.0, 2.0]);
-        keep(&mut samples, 5.0, 1.0);
+        keep(&mut samples, 5.0, 1.0, MAX_SCALE);
         assert_eq!(samples, [MAX_SCALE as f32, 2.0 * MAX_SCALE as f32]);
     }
 }

@@ -44,10 +44,12 @@ const ACROSS: f64 = 3.0;
 const SPOKES: usize = 128;
 /// Density of half vectors over u at the normal, over that at the horizon. Elsewhere they are even over θ_m.
 const LEAST_RADIAL: f64 = 0.05;
-/// Nodes over v for each factor e of the distance from an order's azimuth, on all four sides.
-const PER_SIDE: f64 = 8.0;
-/// Widths of a lobe over half vectors between directions of the light.
-const PER_LOBE: f64 = 2.5;
+/// Nodes over v for each factor e of the distance from an order's azimuth, on each of four sides.
+const PER_SIDE: f64 = 3.75;
+/// Widths of a lobe over half vectors within which nodes over v are even.
+const CORE: f64 = 3.0;
+/// Widths of a lobe over half vectors between directions of the light, over θ_i and over φ_i.
+const PER_LOBE: [f64; 2] = [3.0, 8.0];
 /// Largest factor by which samples along an axis may lie closer than is needed.
 const MAX_FINER: f64 = 2.0;
 
@@ -73,11 +75,7 @@ impl BsdfGrid {
         match reflection.kind() {
             ReflectionKind::Lobe { ggx, .. } => {
                 let side = (MAX_VALUES as f64 / values).cbrt() as usize;
-                let grazing = |i: usize| {
-                    let rest = 1.0 - i as f64 / (side - 1) as f64;
-                    (FRAC_PI_2 * (1.0 - GRAZING * (rest * (1.0 / GRAZING).ln_1p()).exp_m1())).clamp(0.0, MAX_THETA)
-                };
-                Self::of([radial(ggx.alpha), across()], [side; 2], (0..side).map(grazing).collect(), vec![0.0])
+                Self::of([radial(ggx.alpha), across()], side, grazing(side), vec![0.0])
             }
             ReflectionKind::Scatter(layout) => {
                 let bins = layout.bins();
@@ -98,7 +96,7 @@ impl BsdfGrid {
                 let theta = (0..=steps as usize).map(|i| (FRAC_PI_2 * even(i, steps)).min(MAX_THETA)).collect();
                 let turn = |i: usize| TAU * even(i, turns - 1.0) - PI;
                 let phi = if isotropic { vec![0.0] } else { (0..turns as usize).map(turn).collect() };
-                Self::of([Density::uniform(), Density::uniform()], [side; 2], theta, phi)
+                Self::of([Density::uniform(), Density::uniform()], side, theta, phi)
             }
             ReflectionKind::Orders(lobes) => Self::of_orders(lobes, MAX_ANISOTROPIC_VALUES as f64 / values),
         }
@@ -112,29 +110,29 @@ impl BsdfGrid {
         let width = 0.5 * lobes.spread();
         let along = match lobes.periodicity() {
             Periodicity::Both => Density::uniform(),
-            lines => beside(if lines == Periodicity::X { 0.0 } else { 0.25 }, width / TAU),
+            lines => beside(if lines == Periodicity::X { 0.0 } else { 0.25 }, CORE * width / TAU),
         };
         // One σ of a lobe between nodes of half vectors; several between directions of the light, with which the half
         // vector of an order moves slowly.
         let around = match lobes.periodicity() {
             Periodicity::Both => TAU / width,
-            _ => PER_SIDE * ((0.25 * TAU + width) / width).ln(),
+            _ => 4.0 * PER_SIDE * (0.25 * TAU / (CORE * width)).ln_1p(),
         };
-        let wanted = [FRAC_PI_2 / width, around, FRAC_PI_2 / (PER_LOBE * width), TAU / (PER_LOBE * width)];
+        let side = (FRAC_PI_2 / width * around).sqrt();
+        let wanted = [side, side, FRAC_PI_2 / (PER_LOBE[0] * width), TAU / (PER_LOBE[1] * width)];
         let scale = (room / wanted.iter().product::<f64>()).powf(0.25).min(MAX_FINER);
-        let [across, along_count, theta, phi] = wanted.map(|count| (count * scale).max(2.0 * MIN_SAMPLES).floor());
+        let [_, side, theta, phi] = wanted.map(|count| (count * scale).max(2.0 * MIN_SAMPLES).floor());
         let even = |i: usize, count: f64| i as f64 / (count - 1.0);
         Self::of(
             [Density(vec![LEAST_RADIAL, 1.0]), along],
-            [across as usize, along_count as usize],
-            (0..theta as usize).map(|i| (FRAC_PI_2 * even(i, theta)).min(MAX_THETA)).collect(),
+            side as usize,
+            grazing(theta as usize),
             (0..phi as usize).map(|i| TAU * even(i, phi) - PI).collect(),
         )
     }
 
-    fn of(density: [Density; 2], sides: [usize; 2], theta: Vec<f64>, phi: Vec<f64>) -> Self {
-        let [across, along] = [0, 1].map(|axis: usize| density[axis].nodes(sides[axis]));
-        Self { theta, phi, nodes: [across, along], density }
+    fn of(density: [Density; 2], side: usize, theta: Vec<f64>, phi: Vec<f64>) -> Self {
+        Self { theta, phi, nodes: density.each_ref().map(|density| density.nodes(side)), density }
     }
 
     /// Whether the BRDF is isotropic, so that φ_m counts from φ_i.
@@ -143,10 +141,10 @@ impl BsdfGrid {
         self.phi.len() == 1
     }
 
-    /// Number of samples of the square along v and along u.
+    /// Number of samples along each side of the square.
     #[must_use]
-    pub fn sides(&self) -> [usize; 2] {
-        [self.nodes[1].len(), self.nodes[0].len()]
+    pub fn side(&self) -> usize {
+        self.nodes[0].len()
     }
 
     /// Number of incident directions.
@@ -161,6 +159,15 @@ impl BsdfGrid {
         let [u, v] = &self.density;
         (v.0.iter().flat_map(|v| u.0.iter().map(move |u| (u * v) as f32)).collect(), u.0.len())
     }
+}
+
+/// Angles θ_i in radians that lie closer towards the horizon.
+fn grazing(count: usize) -> Vec<f64> {
+    let at = |i: usize| {
+        let rest = 1.0 - i as f64 / (count - 1) as f64;
+        (FRAC_PI_2 * (1.0 - GRAZING * (rest * (1.0 / GRAZING).ln_1p()).exp_m1())).clamp(0.0, MAX_THETA)
+    };
+    (0..count).map(at).collect()
 }
 
 /// The density over u of a lobe's half vectors, where dθ_m = π u du.

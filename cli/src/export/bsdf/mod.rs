@@ -95,11 +95,13 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
     }
     let exact = match reflection.kind() {
         ReflectionKind::Lobe { .. } => None,
-        ReflectionKind::Scatter(layout) => Some(albedo::exact(evaluator, *layout, wi)),
-        ReflectionKind::Orders(_) => evaluator.albedo_of_orders(wi),
+        ReflectionKind::Scatter(layout) => Some((albedo::exact(evaluator, *layout, wi), albedo::MAX_SCALE)),
+        ReflectionKind::Orders(_) => evaluator.albedo_of_orders(wi).map(|exact| (exact, albedo::MAX_SCALE_OF_ORDERS)),
     };
-    for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact.into_iter().flatten()) {
-        albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel));
+    if let Some((exact, limit)) = exact {
+        for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact) {
+            albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel), limit);
+        }
     }
     let mean = slice.luminance.iter().sum::<f32>() / area as f32;
     // A black direction still needs a density.
@@ -114,8 +116,8 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
 pub fn encode(table: &Table, width: LobeWidth, rgb: bool) -> Result<Vec<u8>> {
     let reflection = Reflection::new(table, width, rgb)?;
     let grid = BsdfGrid::new(&reflection);
-    let (slices, channels, [rows, columns]) = (grid.slices(), reflection.channels, grid.sides());
-    let area = rows * columns;
+    let (slices, channels, side) = (grid.slices(), reflection.channels, grid.side());
+    let area = side * side;
     let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;
     let mut spectra = filled(0.0, slices * channels * area, "the .bsdf file")?;
     let work = luminance.chunks_mut(area).zip(spectra.chunks_mut(channels * area));
@@ -130,7 +132,7 @@ pub fn encode(table: &Table, width: LobeWidth, rgb: bool) -> Result<Vec<u8>> {
         },
     );
     let (ndf, sigma) = facets(&reflection);
-    let (warp, places) = grid.warp();
+    let (warp, columns) = grid.warp();
     let singles = |name, shape: Vec<usize>, values| Field { name, shape, values: Values::Singles(values) };
     let narrow = |values: &[f64]| values.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let description = format!("{}, goniochrome {}", table.name(), env!("CARGO_PKG_VERSION")).into_bytes();
@@ -143,9 +145,9 @@ pub fn encode(table: &Table, width: LobeWidth, rgb: bool) -> Result<Vec<u8>> {
         singles("phi_i", vec![grid.phi.len()], narrow(&grid.phi)),
         singles("ndf", vec![2, ndf.len() / 2], ndf),
         singles("sigma", vec![2, sigma.len() / 2], sigma),
-        singles("vndf", shape(&[warp.len() / places, places]), warp.repeat(slices)),
-        singles("luminance", shape(&[rows, columns]), luminance),
-        singles(if rgb { "rgb" } else { "spectra" }, shape(&[channels, rows, columns]), spectra),
+        singles("vndf", shape(&[warp.len() / columns, columns]), warp.repeat(slices)),
+        singles("luminance", shape(&[side, side]), luminance),
+        singles(if rgb { "rgb" } else { "spectra" }, shape(&[channels, side, side]), spectra),
     ];
     if !rgb {
         let wavelengths = narrow(&reflection.wavelength_nm);
