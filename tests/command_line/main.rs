@@ -15,6 +15,7 @@ mod figures;
 mod hits;
 mod kills;
 mod meshes;
+mod order_files;
 mod plain_text;
 mod presets;
 #[path = "../random.rs"]

@@ -204,3 +204,49 @@ class Grid:
                         low, high = np.minimum(low, sample), np.maximum(high, sample)
         scale = table.expressed(wi, m)
         return total * scale, low * scale, high * scale
+
+
+class Orders:
+    """A table of diffraction orders with a spherical Gaussian around each: f cos θ_o[channel, pair]."""
+
+    def __init__(self, path, spread_deg):
+        self.path, self.kappa = path, np.radians(spread_deg) ** -2
+        part = OpenEXR.File(path, separate_channels=True).parts[0]
+        text = lambda key: part.header[f"goniochrome.{key}"]
+        numbers = lambda key: np.array(text(key).split(), float)
+        self.alpha, self.beta = np.radians(numbers("alpha_deg")), np.radians(numbers("beta_deg"))
+        self.orders, self.period = numbers("orders").reshape(-1, 2), numbers("period_nm")
+        self.swap, self.lines = text("periodicity") == "y", text("periodicity") != "both"
+        self.wavelengths, self.index = numbers("wavelength_nm"), numbers("index_above")
+        names = [name for name in part.channels if name.startswith("T.")]
+        names.sort(key=lambda name: float(name[2:-2].replace(",", ".")))
+        self.strength = np.stack([part.channels[name].pixels for name in names])
+        self.strength = self.strength.reshape(-1, len(self.orders), len(self.beta), len(self.alpha))
+
+    def light(self, wi):
+        """Directions[wavelength, order] and efficiencies of one direction of the light."""
+        along, across = (wi[1], wi[0]) if self.swap else (wi[0], wi[1])
+        alpha, beta = np.arctan2(along, np.hypot(across, wi[2])), np.arctan2(across, wi[2])
+        places = [(abs(beta) if self.lines else beta, self.beta), (alpha, self.alpha)]
+        strength = self.strength
+        for axis, (angle, nodes) in enumerate(places):
+            below, above, weight = held(np.array((angle - nodes[0]) / (nodes[1] - nodes[0])), len(nodes))
+            strength = strength.take(below, 2) * (1 - weight) + strength.take(above, 2) * weight
+        scale = (self.wavelengths / self.index)[:, None, None]
+        t = scale * self.orders / self.period - wi[:2]
+        up2 = 1 - (t**2).sum(-1)
+        up = np.sqrt(np.maximum(up2, 0))  # 0 for orders that do not travel
+        zero = (self.orders == 0).all(-1)
+        efficiency = np.where(zero, strength, strength * up * wi[2]) * (up2 > 0)
+        return np.concatenate([t, up[..., None]], -1), efficiency
+
+    def albedo(self, wi):
+        return self.light(wi)[1].sum(-1)
+
+    def projected(self, wi, wo):
+        """f cos θ_o[wavelength, direction] for one direction of the light."""
+        directions, efficiency = self.light(wi)
+        x = np.arcsin(directions[..., 2]) * np.sqrt(self.kappa)
+        above = 1 / (1 + np.exp(-x * (1.5976 + 0.07056 * x * x)))
+        peak = efficiency / above * self.kappa / (2 * np.pi * -np.expm1(-2 * self.kappa))
+        return (peak[..., None] * np.exp(self.kappa * (directions @ wo.T - 1))).sum(1)

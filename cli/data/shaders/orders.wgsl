@@ -5,9 +5,9 @@
 // otherwise. tangent, binormal and normal are orthogonal unit vectors, wo is the unit vector towards the viewer.
 //
 // Define `fn goniochrome_environment(direction: vec3<f32>, width: f32) -> vec3<f32>`: linear RGB radiance that arrives
-// from a unit vector. `width` is the angle in radians between the light of two neighbouring wavelengths, 0 for a mirror:
-// with an environment blurred by it (a mip level), a small light becomes a streak instead of dots. The angle is measured
-// along the streak.
+// from a unit vector. `width` is the angle in radians between the light of two neighbouring wavelengths, 0 for a
+// mirror: with an environment blurred by it (a mip level), a small light becomes a streak instead of dots. The angle is
+// measured along the streak.
 
 fn goniochrome_orders(strengths: texture_2d<f32>, strengths_sampler: sampler, tangent: vec3<f32>, binormal: vec3<f32>,
                       normal: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {

@@ -191,7 +191,64 @@ fn fine(known: &[f64], step_nm: f64) -> Vec<f64> {
     between.chain(known.last().copied()).collect()
 }
 
-/// The normal distribution's integral from −∞ to x ≥ 0, to 1.4e-4 (Bowling et al. 2009).
+/// The normal distribution's integral from −∞ to x ≥ 0, to 1.5e-4 (Bowling et al. 2009).
 fn below_normal(x: f64) -> f64 {
     1.0 / (1.0 + (-x * (1.5976 + 0.07056 * x * x)).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::direction::direction;
+    use crate::table::orders::tests::sample;
+
+    /// Error of the midpoint rule, of the planar share of a lobe above the horizon, and of its fit.
+    const INTEGRAL: f64 = 2e-3;
+
+    #[test]
+    fn lobes_keep_the_energy_of_their_orders() {
+        let lobes = OrderLobes::new(&sample(), 4.0, false).unwrap();
+        let (rows, columns) = (360, 720);
+        for (theta, phi) in [(0.0, 0.0), (0.6, 0.4), (1.2, 2.0)] {
+            let (wi, mut at) = (direction(theta, phi), LobesAt::default());
+            let albedo = lobes.albedo(wi, &mut at);
+            let (mut total, mut values) = ([0.0; 2], [0.0; 2]);
+            for row in 0..rows {
+                let theta = 0.25 * TAU * (f64::from(row) + 0.5) / f64::from(rows);
+                let solid_angle = 0.25 * TAU * TAU * theta.sin() / f64::from(rows * columns);
+                for column in 0..columns {
+                    let wo = direction(theta, TAU * f64::from(column) / f64::from(columns));
+                    lobes.projected(wi, wo, &mut at, &mut values);
+                    total = [0, 1].map(|c: usize| total[c] + values[c] * solid_angle);
+                }
+            }
+            for (found, expected) in total.into_iter().zip(&albedo) {
+                assert!((found / expected - 1.0).abs() < INTEGRAL, "{theta}, {phi}: {found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_colour_has_the_table_s_albedo() {
+        let table = sample();
+        let lobes = OrderLobes::new(&table, 2.0, true).unwrap();
+        let wi = direction(0.3, 0.2);
+        let rgb = lobes.albedo(wi, &mut LobesAt::default());
+        let arrays = table.arrays(vec![[0.0; 3]; 2]);
+        let view = arrays.table().unwrap().view(wi.as_vec3()).unwrap();
+        let weights = visible_weights(&table.wavelength_nm, table.metadata.illuminant(), Quadrature::Interpolated);
+        let xyz = goniochrome::colour::xyz(&weights.unwrap(), [0, 1].map(|w| f64::from(view.albedo(w))));
+        let expected = (xyz_to_rgb(table.metadata.space()) * DVec3::from_array(xyz)).to_array();
+        for (found, expected) in rgb.into_iter().zip(expected) {
+            // Strengths are linear between the table's two wavelengths, efficiencies are not.
+            assert!((found - expected).abs() < 0.02, "{found} for {expected}");
+        }
+    }
+
+    #[test]
+    fn the_share_of_a_lobe_above_the_horizon_follows_the_normal_distribution() {
+        for (x, share) in [(0.0, 0.5), (0.5, 0.691_462), (1.0, 0.841_345), (2.0, 0.977_250), (3.0, 0.998_650)] {
+            assert!((below_normal(x) - share).abs() < 1.5e-4, "{x}: {}", below_normal(x));
+        }
+    }
 }

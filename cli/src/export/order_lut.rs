@@ -263,3 +263,55 @@ impl OrderLut {
 fn hlsl(kind: &str) -> String {
     kind.replace("vec", "float")
 }
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::read_first_flat_layer_from_file;
+
+    use super::*;
+    use crate::table::orders::tests::sample;
+
+    #[test]
+    fn texels_lie_in_tiles_of_orders_and_wavelengths() {
+        let lut = OrderLut::new(&sample(), 8).unwrap();
+        assert_eq!((lut.size(), lut.wavelength_nm()[0], lut.wavelength_nm()[7]), ([9, 4], 450.0, 600.0));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("orders.exr");
+        std::fs::write(&path, lut.exr().unwrap()).unwrap();
+        let image = read_first_flat_layer_from_file(&path).unwrap();
+        let green = image.layer_data.channel_data.list.iter().find(|channel| channel.name.eq_case_insensitive("G"));
+        let green: Vec<f32> = green.unwrap().sample_data.values_as_f32().collect();
+        // Order 1, wavelengths 4 to 7, node (2, 1).
+        let expected = lut.table.unpolarised()[lut.table.first(5, 5) + 1];
+        assert!((green[(2 + 1) * 9 + 3 + 2] / expected - 1.0).abs() < 1.0 / 2048.0);
+        let about = lut.about();
+        assert_eq!((&*about["goniochrome.kind"], &*about["goniochrome.tile"]), ("order-lut", "3 2"));
+    }
+
+    #[test]
+    fn shader_functions_hold_their_constants() {
+        let mut table = sample();
+        table.metadata.insert("scene", "lines\n#error");
+        let lut = OrderLut::new(&table, 4).unwrap();
+        let shader = |language| lut.shader(language);
+        assert!(shader(ShaderLanguage::Glsl).contains("const int GONIOCHROME_ORDER_COUNT = 3;\n"));
+        assert!(
+            shader(ShaderLanguage::Hlsl)
+                .contains("static const float2 GONIOCHROME_ORDERS[3] = {\n    float2(-1.0, 0.0)")
+        );
+        let wgsl = shader(ShaderLanguage::Wgsl);
+        assert!(wgsl.contains("var<private> GONIOCHROME_WAVELENGTHS_NM: array<f32, 4> = array<f32, 4>(\n    450.0,"));
+        assert!(wgsl.lines().all(|line| line.chars().count() <= 120 && line != "#error"), "{wgsl}");
+    }
+
+    #[test]
+    fn what_shaders_cannot_hold_is_refused() {
+        let refusal = |table: &OrderTable| OrderLut::new(table, WAVELENGTHS).unwrap_err().to_string();
+        let infrared = OrderTable { wavelength_nm: vec![900.0, 1000.0], ..sample() };
+        assert!(refusal(&infrared).contains("from 900 to 1000 nm"));
+        let mut strong = sample();
+        strong.reflected.s.fill(2e5);
+        let lut = OrderLut::new(&strong, WAVELENGTHS).unwrap();
+        assert!(lut.exr().unwrap_err().to_string().contains("beyond half floats"));
+    }
+}
