@@ -12,7 +12,11 @@ const MEAN = 2;
  * On a scattering body each draws one direction, so noise falls with the root of their number: the mean difference is
  * 4.7 with 128 of both, 2.9 with 512, 2.2 with 1024.
  */
-const SIZE = { beetle: [256, 32, 32], bumps: [48, 2048, 8192] };
+const SIZE = { beetle: [256, 32, 32], bumps: [48, 2048, 8192], disc: [256, 32, 32], soft: [256, 32, 32] };
+/** Options of `render` for a page. */
+const OPTIONS = { soft: ["--spread=2"] };
+/** The table of a page. */
+const TABLE = { soft: "disc" };
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -31,8 +35,8 @@ async function compare(table, shape, light, view = {}) {
   const body = await picture(page, { shape, light, surroundings: false, ...view }, side, 1);
   const shown = await picture(page, { surroundings: true }, side, count);
   const words = Object.entries(view).map(([name, value]) => `--${name}=${value}`);
-  run("render", `${table}.exr`, "-o", "offline.png", "--mesh", shape, "--env", environment, "--size", `${side}x${side}`,
-    "--samples", String(rays), "--quiet", ...words);
+  run("render", `${TABLE[table] ?? table}.exr`, "-o", "offline.png", "--mesh", shape, "--env", environment, "--size", `${side}x${side}`,
+    "--samples", String(rays), "--quiet", ...OPTIONS[table] ?? [], ...words);
   const { mean, largest, lit, covered } = await difference(browser, shown, fileUrl("offline.png"), body);
   const parts = `covered ${covered.toFixed(2)}, of it lit ${lit.toFixed(2)}`;
   console.log(`${table} ${shape} ${light}: mean ${mean.toFixed(3)}, largest ${largest}; ${parts}`);
@@ -50,4 +54,13 @@ test("mirror-like, plane, studio, from below", () =>
   compare("beetle", "plane", "studio", { azimuth: 100, elevation: -40 }));
 for (const light of ["white", "studio"]) {
   test(`scattering, teapot, ${light}`, () => compare("bumps", "teapot", light));
+}
+for (const light of ["white", "studio", "image", "lamp"]) {
+  test(`diffraction orders, disc, ${light}`, () => compare("disc", "disc", light));
+}
+test("diffraction orders, disc from above, lamp", () => compare("disc", "disc", "lamp", { azimuth: 20, elevation: 60 }));
+test("diffraction orders, sphere, image", () => compare("disc", "sphere", "image", { azimuth: 20, elevation: 50 }));
+test("diffraction orders, plane from below, studio", () => compare("disc", "plane", "studio", { elevation: -40 }));
+for (const light of ["studio", "image", "lamp"]) {
+  test(`diffraction orders of a width, disc, ${light}`, () => compare("soft", "disc", light));
 }

@@ -1,6 +1,7 @@
 //! The command `goniochrome view`.
 
 use crate::commands::args::PageArgs;
+use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
 use crate::support::error::{Error, Result};
 use crate::support::output;
@@ -14,6 +15,8 @@ pub fn run(args: &PageArgs) -> Result<()> {
     let source = TableSource::find(&args.table)?;
     output::check_destination(&args.output, &source.files())?;
     let table = source.table(args.quiet)?;
-    let html = page(&table).map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
+    let spread = spread(args.spread, &table)?;
+    let html =
+        page(&table, spread).map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
     output::write_file(&args.output, html.as_bytes())
 }

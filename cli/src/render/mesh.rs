@@ -59,7 +59,7 @@ impl TriangleMesh {
     }
 
     /// Adds a vertex, with the tangent nearest to `tangent` that is perpendicular to the normal.
-    pub(super) fn push(&mut self, position: DVec3, normal: DVec3, tangent: DVec3) {
+    pub(crate) fn push(&mut self, position: DVec3, normal: DVec3, tangent: DVec3) {
         self.positions.push(position);
         self.normals.push(normal);
         self.tangents.push(tangent_across(normal, tangent));
@@ -69,7 +69,7 @@ impl TriangleMesh {
     /// without area.
     ///
     /// `counter_clockwise` says that a step along a row and then one along a column turn left, seen from the front.
-    pub(super) fn grid(&mut self, first: u32, columns: u32, rows: u32, counter_clockwise: bool) {
+    pub(crate) fn grid(&mut self, first: u32, columns: u32, rows: u32, counter_clockwise: bool) {
         for row in 0..rows {
             for column in 0..columns {
                 let a = first + row * (columns + 1) + column;

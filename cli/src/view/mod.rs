@@ -6,12 +6,15 @@
 
 mod pack;
 mod shape;
+mod orders;
 mod table;
 
 use serde_json::{Value, json};
 
 use crate::plot::escape;
 use crate::render::camera::View;
+use crate::render::lamp::{EDGE, Lamp, SURROUNDINGS};
+use crate::render::spread::Spread;
 use crate::render::studio::{CEILING, FLOOR, HORIZON, SOFT_BOXES};
 use crate::support::error::{Error, Result};
 use crate::support::text;
@@ -21,10 +24,11 @@ use crate::table::Table;
 pub const MAX_BYTES: usize = 48 << 20;
 
 /// Scripts of the page, each after those that it uses.
-const SCRIPTS: [&str; 10] = [
+const SCRIPTS: [&str; 11] = [
     include_str!("page/basics.js"),
     include_str!("page/colour.js"),
     include_str!("page/table.js"),
+    include_str!("page/orders.js"),
     include_str!("page/shape.js"),
     include_str!("page/camera.js"),
     include_str!("page/exr.js"),
@@ -35,7 +39,7 @@ const SCRIPTS: [&str; 10] = [
 ];
 
 /// Shaders of the page by name; `common` is put before each fragment shader.
-const SHADERS: [(&str, &str); 10] = [
+const SHADERS: [(&str, &str); 14] = [
     ("surface", include_str!("shaders/surface.vert")),
     ("screen", include_str!("shaders/screen.vert")),
     ("common", include_str!("shaders/common.glsl")),
@@ -43,24 +47,30 @@ const SHADERS: [(&str, &str); 10] = [
     ("frame", include_str!("shaders/frame.glsl")),
     ("mirror", include_str!("shaders/mirror.frag")),
     ("scatter", include_str!("shaders/scatter.frag")),
+    ("orders", include_str!("shaders/orders.frag")),
+    ("cube", include_str!("shaders/cube.frag")),
+    ("bake", include_str!("shaders/bake.frag")),
+    ("spread", include_str!("shaders/spread.frag")),
     ("background", include_str!("shaders/background.frag")),
     ("add", include_str!("shaders/add.frag")),
     ("display", include_str!("shaders/display.frag")),
 ];
 
-/// The HTML page of a table.
+/// The HTML page of a table, with the width of its diffraction orders.
 ///
 /// # Errors
 /// A damaged table, a table without colours, or one that is too large for a page.
-pub fn page(table: &Table) -> Result<String> {
+pub fn page(table: &Table, spread: Option<Spread>) -> Result<String> {
     table.check()?;
-    let scatters = matches!(table, Table::Scatter(_));
+    let tangents = !matches!(table, Table::Mirror(_));
     let shaders: serde_json::Map<String, Value> =
         SHADERS.into_iter().map(|(name, text)| (name.to_owned(), text.into())).collect();
     let data = json!({
         "table": table::packed(table)?,
-        "shapes": shape::packed(scatters),
+        "shapes": shape::packed(tangents),
         "studio": studio(),
+        "lamp": lamp(),
+        "spread": spread.map(|width| json!({ "rows": width.rows(), "concentration": width.concentration() })),
         "view": view(),
         "shaders": shaders,
     });
@@ -84,17 +94,29 @@ pub fn page(table: &Table) -> Result<String> {
 
 /// The numbers of [`crate::render::studio`], for the page.
 fn studio() -> Value {
-    let lamps: Vec<Value> = SOFT_BOXES
+    let boxes: Vec<Value> = SOFT_BOXES
         .iter()
-        .map(|lamp| {
-            let [towards, right, up] = lamp.axes().map(|axis| axis.to_array());
+        .map(|soft_box| {
+            let [towards, right, up] = soft_box.axes().map(|axis| axis.to_array());
             json!({
                 "towards": towards, "right": right, "up": up,
-                "halfExtent": lamp.half_extent, "softness": lamp.softness, "radiance": lamp.radiance,
+                "halfExtent": soft_box.half_extent, "softness": soft_box.softness, "radiance": soft_box.radiance,
             })
         })
         .collect();
-    json!({ "ceiling": CEILING, "horizon": HORIZON, "floor": FLOOR, "lamps": lamps })
+    json!({ "ceiling": CEILING, "horizon": HORIZON, "floor": FLOOR, "boxes": boxes })
+}
+
+/// The lamp of [`crate::render::lamp`], for the page.
+fn lamp() -> Value {
+    let lamp = Lamp::default();
+    json!({
+        "towards": lamp.towards().to_array(),
+        "radius": lamp.radius(),
+        "edge": EDGE,
+        "radiance": lamp.middle(),
+        "surroundings": SURROUNDINGS,
+    })
 }
 
 /// The camera's first view, for the page.
@@ -118,8 +140,9 @@ mod tests {
 
     #[test]
     fn a_page_is_one_small_file_that_needs_no_network() {
-        for table in [mirror(), crate::table::scatter::tests::sample().into()] {
-            let html = page(&table).unwrap();
+        let orders = crate::table::orders::tests::sample().into();
+        for table in [mirror(), crate::table::scatter::tests::sample().into(), orders] {
+            let html = page(&table, None).unwrap();
             assert!(html.len() < MAX_BYTES_2D, "{}", html.len());
             // A place in the page itself is not an address.
             let html = html.replace("url(#", "");
@@ -133,7 +156,7 @@ mod tests {
 
     #[test]
     fn names_of_scenes_stay_text() {
-        let html = page(&mirror()).unwrap();
+        let html = page(&mirror(), None).unwrap();
         assert!(html.contains("<title>&lt;/script&gt;&lt;b&gt;"));
         assert!(!html.contains("</script><b>"));
     }
@@ -142,6 +165,6 @@ mod tests {
     fn damaged_tables_are_refused() {
         let mut table = crate::table::mirror::tests::sample();
         table.rgb[0][0] = f32::NAN;
-        assert!(page(&table.into()).unwrap_err().to_string().contains("is not finite"));
+        assert!(page(&table.into(), None).unwrap_err().to_string().contains("is not finite"));
     }
 }

@@ -4,7 +4,7 @@ use goniochrome::colour::{Quadrature, RgbSpace};
 use goniochrome::table::{ScatterSampler, ScatterTable as Lookup};
 use serde_json::{Value, json};
 
-use super::pack;
+use super::{orders, pack};
 use crate::colour::visible_weights;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
@@ -21,7 +21,7 @@ pub(super) fn packed(table: &Table) -> Result<Value> {
     match table {
         Table::Mirror(mirror) => mirror_like(mirror, &facts(table)),
         Table::Scatter(scatter) => scattering(scatter, &facts(table)),
-        Table::Orders(_) => Err(Error::failed("tables of diffraction orders have no page yet")),
+        Table::Orders(orders) => orders::packed(orders, &facts(table)),
     }
 }
 

@@ -95,7 +95,7 @@ class Disc {
 
   draw(theta, phi) {
     const { canvas } = this;
-    if (this.table.scatters || !this.drawn) this.fill(this.table.disc(theta, phi));
+    if (this.table.turns || !this.drawn) this.fill(this.table.disc(theta, phi));
     const [sin, cos] = [Math.sin(radians(phi)), Math.cos(radians(phi))];
     this.mark.setAttribute("cx", (theta * cos).toFixed(2));
     this.mark.setAttribute("cy", (-theta * sin).toFixed(2));

@@ -2,11 +2,15 @@
 
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
-const table = data.table.kind === "mirror" ? new MirrorTable(data.table) : new ScatterTable(data.table);
+const table = new { mirror: MirrorTable, scatter: ScatterTable, orders: OrderTable }[data.table.kind](data.table);
 data.shapes = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, new Shape(shape)]));
 const camera = new Camera(data.view);
 const stage = $("stage");
 const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false };
+// Discs are known from small lamps.
+if (table.diffracts) Object.assign(state, { shape: "disc", light: "lamp" });
+/** Lights that need no file. A scattering body would show a small lamp as noise. */
+const LIGHTS_BUILT_IN = table.scatters ? ["white", "studio"] : ["white", "studio", "lamp"];
 /** The pointer that reads the surface: a place of the stage, from −1 to 1, or a direction of the disc. */
 let pointed = { x: 0, y: 0 };
 let reading = { theta: 0, phi: 0 };
@@ -300,7 +304,7 @@ let keeping;
 function keepAddress() {
   clearTimeout(keeping);
   keeping = setTimeout(() => {
-    const kept = new URLSearchParams({ shape: state.shape, light: state.light === "image" ? "studio" : state.light });
+    const kept = new URLSearchParams({ shape: state.shape, light: LIGHTS_BUILT_IN.includes(state.light) ? state.light : "studio" });
     for (const name of KEPT) kept.set(name, Number(camera[name].toFixed(3)));
     for (const name of ["exposure", "turn"]) if (state[name]) kept.set(name, state[name]);
     if (state.surroundings) kept.set("surroundings", "1");
@@ -315,7 +319,7 @@ function followAddress() {
     return kept.has(name) && Number.isFinite(value) ? clamp(value, low, high) : undefined;
   };
   if (kept.get("shape") in data.shapes) state.shape = kept.get("shape");
-  if (["white", "studio"].includes(kept.get("light"))) state.light = kept.get("light");
+  if (LIGHTS_BUILT_IN.includes(kept.get("light"))) state.light = kept.get("light");
   camera.azimuth = number("azimuth", -360, 360) ?? camera.azimuth;
   camera.elevation = number("elevation", -89.9, 89.9) ?? camera.elevation;
   camera.zoom = number("zoom", 0.4, 4) ?? camera.zoom;
@@ -329,13 +333,11 @@ window.addEventListener("hashchange", () => { followAddress(); showState(); redr
 // ---- begin
 
 const { facts } = data.table;
-const grid = table.scatters
-  ? `scatters; ${table.incident.join(" × ")} directions × ${table.bins.join(" × ")} bins × ${table.wavelength.length} wavelengths`
-  : `mirror-like; ${table.theta.length} angles × ${table.wavelength.length} wavelengths`;
-$("grid").textContent = `${grid}; ${facts.model || "physical"} model, light ${facts.illuminant || "D65"}`;
-$("spectrum-title").textContent = table.scatters ? "All light from there together" : "Spectrum there";
-$("legend").hidden = table.scatters;
-$("disc-title").textContent = table.scatters ? "Where light from the viewer’s direction goes" : "Every direction";
+$("grid").textContent = `${table.about.grid}; ${facts.model || "physical"} model, light ${facts.illuminant || "D65"}`;
+$("spectrum-title").textContent = table.about.spectrum;
+$("legend").hidden = table.turns;
+$("disc-title").textContent = table.about.disc;
+$("light-lamp").hidden = !LIGHTS_BUILT_IN.includes("lamp");
 followAddress();
 showState();
 start();

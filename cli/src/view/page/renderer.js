@@ -1,7 +1,7 @@
 // Renderer of the body in WebGL2: pictures, each moved by a part of a pixel, are summed in floats until the mean is
 // smooth.
 
-const LIGHTS = { white: 0, studio: 1, image: 2 };
+const LIGHTS = { white: 0, studio: 1, image: 2, lamp: 3 };
 const ATTRIBUTES = ["position", "normal", "tangent"];
 /** Texels in a line of a long list; the shaders hold the same number. */
 const LINE = 2048;
@@ -18,8 +18,9 @@ class Renderer {
     else if (gl.getExtension("EXT_color_buffer_half_float")) this.format = gl.RGBA16F;
     else throw new Error("this graphics processor cannot draw into floats, which the page needs");
     this.scatters = table.scatters;
+    this.orders = table.diffracts ? table : null;
     /** Number of pictures after which the mean is smooth. */
-    this.enough = this.scatters ? 512 : 32;
+    this.enough = this.scatters ? 512 : this.orders ? this.orders.pictures : 32;
     this.draws = 1;
     this.prepare(data, table);
     this.restart();
@@ -28,18 +29,35 @@ class Renderer {
   prepare(data, table) {
     const { gl } = this;
     const { common, light, frame, surface, screen, ...shaders } = data.shaders;
-    const body = this.scatters ? shaders.scatter : shaders.mirror;
+    const body = shaders[data.table.kind];
     this.programs = {
       surface: this.program(surface, common + light + frame + body),
       background: this.program(screen, common + light + shaders.background),
       add: this.program(screen, common + shaders.add),
       display: this.program(screen, common + shaders.display),
     };
-    this.studio = data.studio;
+    [this.studio, this.lamp, this.spread] = [data.studio, data.lamp, data.spread];
+    if (this.orders) {
+      this.programs.cube = this.program(screen, common + light + shaders.cube);
+      /** Cube maps of lights by their name. */
+      this.cubes = {};
+    }
+    if (this.spread) {
+      this.programs.bake = this.program(screen, common + light + shaders.bake);
+      this.programs.spread = this.program(screen, common + shaders.spread);
+    }
     this.surroundings = this.texture(gl.RGBA16F, 1, 1, new Float32Array([1, 1, 1, 1]), true);
     if (this.scatters) {
       [this.incident, this.bins] = [table.incident, table.bins];
       this.tables = { atlas: this.list(table.packed(), 4), cumulative: this.list(table.cumulative, 1) };
+    } else if (this.orders) {
+      const wide = ([width, height], values) => this.texture(gl.RGBA16F, width, height, values, true);
+      this.tables = {
+        strengths: this.volume(table),
+        albedo: wide(table.albedoNodes, table.albedo),
+        mirrored: wide(table.nodes, table.mirrored),
+        response: wide([table.response.length / 4, 1], table.response),
+      };
     } else {
       this.tables = { table: this.texture(gl.RGB32F, table.lookup.length / 3, 1, table.lookup) };
     }
@@ -93,6 +111,24 @@ class Renderer {
     return texture;
   }
 
+  /** Strengths of orders as a texture: four orders a texel, a layer for each wavelength. */
+  volume(table) {
+    const { gl } = this;
+    const { width, height, depth, values } = table.packed();
+    const max = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE);
+    if (Math.max(width, height, depth) > max) throw new Error("this graphics processor takes no table of this size");
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_3D, texture);
+    gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, width, height, depth, 0, gl.RGBA, gl.FLOAT, values);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
+      gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
+    }
+    for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
+      gl.texParameteri(gl.TEXTURE_3D, wrap, gl.CLAMP_TO_EDGE);
+    }
+    return texture;
+  }
+
   /** A texture of a long list of one or four floats each, in lines. */
   list(values, channels) {
     const { gl } = this;
@@ -142,6 +178,11 @@ class Renderer {
     }
     gl.deleteTexture(this.surroundings);
     this.surroundings = this.texture(gl.RGBA16F, across, down, values, true);
+    this.rows = down;
+    if (this.cubes?.image) {
+      gl.deleteTexture(this.cubes.image);
+      delete this.cubes.image;
+    }
     this.restart();
   }
 
@@ -174,31 +215,107 @@ class Renderer {
     this.restart();
   }
 
-  bind(unit, texture, location) {
+  bind(unit, texture, location, target = this.gl.TEXTURE_2D) {
     const { gl } = this;
     gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.bindTexture(target, texture);
     gl.uniform1i(location, unit);
   }
 
-  lighten({ at }, state) {
-    const { gl, studio } = this;
-    gl.uniform1i(at("light"), LIGHTS[state.light]);
+  /** A texture to draw into, with its buffer. */
+  drawable(width, height) {
+    const { gl } = this;
+    const texture = this.texture(gl.RGBA16F, width, height, null, true);
+    const buffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    return { texture, buffer };
+  }
+
+  /** A light as a surface sees it that spreads its orders: a lat-long image. */
+  spreadLight(name) {
+    const { gl, programs, spread } = this;
+    const [width, height] = [2 * spread.rows, spread.rows];
+    const baked = this.drawable(width, height);
+    gl.viewport(0, 0, width, height);
+    gl.useProgram(programs.bake.program);
+    this.lighten(programs.bake, { light: name, turn: 0 });
+    gl.uniform2f(programs.bake.at("cells"), width, height);
+    gl.uniform1i(programs.bake.at("fine"), name === "lamp" ? Math.ceil(Math.PI / height / (0.2 * this.lamp.radius)) : 2);
+    this.screen();
+    const done = this.drawable(width, height);
+    gl.useProgram(programs.spread.program);
+    this.bind(0, baked.texture, programs.spread.at("baked"));
+    gl.uniform1f(programs.spread.at("concentration"), spread.concentration);
+    // Some graphics processors give up on draws that take long.
+    gl.enable(gl.SCISSOR_TEST);
+    for (let row = 0; row < height; row += 32) {
+      gl.scissor(0, row, width, 32);
+      this.screen();
+      gl.flush();
+    }
+    gl.disable(gl.SCISSOR_TEST);
+    for (const { buffer } of [baked, done]) gl.deleteFramebuffer(buffer);
+    gl.deleteTexture(baked.texture);
+    return done.texture;
+  }
+
+  /** A light as a cube map, in which a surface with orders looks around; spread, if its orders are. */
+  cube(name) {
+    if (this.cubes[name]) return this.cubes[name];
+    const { gl, programs, spread } = this;
+    gl.disable(gl.DEPTH_TEST);
+    const latLong = spread ? this.spreadLight(name) : null;
+    // Faces span as many texels as 90° of the image; edges of the studio are soft.
+    const rows = spread ? spread.rows : name === "image" ? this.rows : 256;
+    const side = 2 ** clamp(Math.ceil(Math.log2(rows / 2)), 4, 10);
+    const texture = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE5);
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, texture);
+    gl.texStorage2D(gl.TEXTURE_CUBE_MAP, Math.log2(side) + 1, gl.RGBA16F, side, side);
+    const buffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+    gl.viewport(0, 0, side, side);
+    gl.useProgram(programs.cube.program);
+    this.lighten(programs.cube, { light: name, turn: 0 }, latLong);
+    gl.uniform1f(programs.cube.at("side"), side);
+    for (let face = 0; face < 6; face += 1) {
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, texture, 0);
+      gl.uniform1i(programs.cube.at("face"), face);
+      this.screen();
+    }
+    gl.deleteFramebuffer(buffer);
+    if (latLong) gl.deleteTexture(latLong);
+    gl.activeTexture(gl.TEXTURE5);
+    gl.generateMipmap(gl.TEXTURE_CUBE_MAP);
+    gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_NEAREST);
+    gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+    this.cubes[name] = texture;
+    return texture;
+  }
+
+  lighten({ at }, state, surroundings = null) {
+    const { gl, studio, lamp } = this;
+    gl.uniform1i(at("light"), surroundings ? LIGHTS.image : LIGHTS[state.light]);
     gl.uniform2f(at("turn"), Math.sin(radians(state.turn)), Math.cos(radians(state.turn)));
+    gl.uniform3fv(at("lampTowards"), lamp.towards);
+    gl.uniform4f(at("lamp"), lamp.radius, lamp.edge, lamp.radiance, lamp.surroundings);
     gl.uniform3f(at("room"), studio.ceiling, studio.horizon, studio.floor);
-    studio.lamps.forEach((lamp, i) => {
-      for (const axis of ["towards", "right", "up"]) gl.uniform3fv(at(`lamps[${i}].${axis}`), lamp[axis]);
-      gl.uniform2fv(at(`lamps[${i}].halfExtent`), lamp.halfExtent);
-      gl.uniform1f(at(`lamps[${i}].softness`), lamp.softness);
-      gl.uniform1f(at(`lamps[${i}].radiance`), lamp.radiance);
+    studio.boxes.forEach((box, i) => {
+      for (const axis of ["towards", "right", "up"]) gl.uniform3fv(at(`boxes[${i}].${axis}`), box[axis]);
+      gl.uniform2fv(at(`boxes[${i}].halfExtent`), box.halfExtent);
+      gl.uniform1f(at(`boxes[${i}].softness`), box.softness);
+      gl.uniform1f(at(`boxes[${i}].radiance`), box.radiance);
     });
-    this.bind(3, this.surroundings, at("surroundings"));
+    this.bind(3, surroundings ?? this.surroundings, at("surroundings"));
   }
 
   /** Draws one more picture and adds it to the sum. */
   add(state, camera) {
     const { gl, programs } = this;
     const [width, height] = this.size;
+    const looksAround = this.orders && state.light !== "white" && (this.spread || state.light !== "lamp");
+    const cube = looksAround ? this.cube(state.light) : null;
     const seen = camera.at(width, height);
     // The first two numbers of Roberts' R4 sequence; the shader takes the other two. The first point is the middle of
     // the pixel.
@@ -224,10 +341,15 @@ class Renderer {
     const { at } = programs.surface;
     gl.useProgram(programs.surface.program);
     this.lighten(programs.surface, state);
+    if (cube) gl.uniform1i(at("light"), LIGHTS.image);
     aim(programs.surface);
     gl.uniform3fv(at("eye"), seen.eye);
     gl.uniform2f(at("depths"), Math.max(seen.distance - 1.05, 0.02), seen.distance + 1.05);
-    Object.entries(this.tables).forEach(([name, texture], i) => this.bind(i, texture, at(name)));
+    // The fourth place is that of the surroundings.
+    Object.entries(this.tables).forEach(([name, texture], i) => {
+      this.bind(i < 3 ? i : 4, texture, at(name), name === "strengths" ? gl.TEXTURE_3D : gl.TEXTURE_2D);
+    });
+    if (this.orders) this.look(at, cube);
     if (this.scatters) {
       gl.uniform2iv(at("incident"), this.incident);
       gl.uniform2iv(at("bins"), this.bins);
@@ -251,6 +373,23 @@ class Renderer {
     this.screen();
     this.drawn += 1;
     this.sum = this.targets[to].texture;
+  }
+
+  /** Sets the wavelengths at which the next picture looks. */
+  look(at, cube) {
+    const { gl, orders } = this;
+    this.bind(5, cube, at("around"), gl.TEXTURE_CUBE_MAP);
+    const { looks, layers, interval } = orders.looksOf(this.drawn);
+    gl.uniform4fv(at("looks"), looks);
+    gl.uniform1fv(at("layers"), layers);
+    gl.uniform1i(at("lookCount"), layers.length);
+    gl.uniform4fv(at("stepsX"), orders.stepsX);
+    gl.uniform4fv(at("stepsY"), orders.stepsY);
+    gl.uniform1i(at("blocks"), orders.blocks);
+    gl.uniform2fv(at("range"), orders.range);
+    gl.uniform1i(at("lines"), orders.lines);
+    gl.uniform2fv(at("nodes"), orders.nodes);
+    gl.uniform1f(at("interval"), interval);
   }
 
   show(state) {

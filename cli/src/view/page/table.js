@@ -1,8 +1,8 @@
-// Look-ups in a table: colours, spectra and the disc at an angle.
+// Look-ups in a table: colours, spectra and the disc at an angle, and words about it.
 
 class MirrorTable {
   constructor(data) {
-    this.scatters = false;
+    this.turns = false;
     this.theta = data.theta;
     this.wavelength = data.wavelength;
     this.s = floats(data.s);
@@ -10,6 +10,11 @@ class MirrorTable {
     this.lookup = floats(data.lookup);
     this.max = Math.max(1, this.s.reduce((a, b) => Math.max(a, b), 0), this.p.reduce((a, b) => Math.max(a, b), 0));
     this.label = "Reflectance";
+    this.about = {
+      grid: `mirror-like; ${this.theta.length} angles × ${this.wavelength.length} wavelengths`,
+      spectrum: "Spectrum there",
+      disc: "Every direction",
+    };
   }
 
   /** Linear RGB of unpolarised light. */
@@ -43,8 +48,13 @@ class MirrorTable {
   }
 }
 
+/** Titles of the charts of a table whose light leaves in many directions. */
+const SCATTERED = { spectrum: "All light from there together", disc: "Where light from the viewer’s direction goes" };
+
 class ScatterTable {
   constructor(data) {
+    /** Whether the disc depends on the direction of the reading. */
+    this.turns = true;
     this.scatters = true;
     this.wavelength = data.wavelength;
     [this.incident, this.bins] = [data.incident, data.bins];
@@ -54,6 +64,8 @@ class ScatterTable {
     this.weights = floats(data.rgbWeights);
     this.max = Math.max(1, this.albedo.reduce((a, b) => Math.max(a, b), 0));
     this.label = "Albedo";
+    const grid = `${this.incident.join(" × ")} directions × ${this.bins.join(" × ")} bins × ${this.wavelength.length} wavelengths`;
+    this.about = { grid: `scatters; ${grid}`, ...SCATTERED };
   }
 
   get binCount() {
