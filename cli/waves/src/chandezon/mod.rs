@@ -22,7 +22,7 @@ use num_complex::Complex64;
 
 use crate::error::WaveError;
 use crate::fields::{self, Tangential};
-use crate::linear::{Matrix, product, solve};
+use crate::linear::{Factors, Matrix, product};
 use crate::profile::Graph;
 use crate::response::{Order, Response};
 
@@ -137,7 +137,9 @@ impl GraphModes {
             let k_z = self.interface.k_x.iter().map(|&k_x| fields::vertical(eta, [k_x, ky])).collect();
             HalfSpace::new(&self.interface, gamma2, k_z, side)
         };
-        Ok(GraphWaves { modes: self, ky, media, above: half_space(Side::Above)?, below: half_space(Side::Below)? })
+        let (above, below) = (half_space(Side::Above)?, half_space(Side::Below)?);
+        let equations = Factors::new(equations(&self.interface, ky, media, [&above, &below]));
+        Ok(GraphWaves { modes: self, ky, media, above, below, equations })
     }
 
     /// Tangential wavevector of an order, |`shift`| ≤ M, that travels in the half-space above, and its k_z there.
@@ -169,6 +171,7 @@ pub struct GraphWaves<'a> {
     media: [Medium; 2],
     above: HalfSpace,
     below: HalfSpace,
+    equations: Factors,
 }
 
 impl GraphWaves<'_> {
@@ -187,13 +190,13 @@ impl GraphWaves<'_> {
         // Yψ − q of the light: what the reflected field must add.
         let excess = product(self.above.outgoing.as_ref(), light.psi.as_ref()) - &light.q;
 
-        let weight = [self.media[1].gamma2, self.media[0].gamma2];
+        let weight = self.media[1].gamma2;
         let right = Matrix::from_fn(2 * n, 2, |row, column| {
             let Tangential { electric, magnetic } = incident[column];
             let amplitude = if row < n { self.media[0].epsilon * electric[1] } else { magnetic[1] };
-            weight[0] * amplitude * excess[(row % n, 0)]
+            weight * amplitude * excess[(row % n, 0)]
         });
-        let solution = solve(&self.equations(weight), &right)?;
+        let solution = self.equations.solve(&right)?;
         // Columns: E_y for light in s, E_y in p, H_y in s, H_y in p.
         let transmitted = Matrix::from_fn(n, 4, |row, column| solution[(row + n * (column / 2), column % 2)]);
         let reflected = Matrix::from_fn(n, 4, |row, column| {
@@ -206,29 +209,6 @@ impl GraphWaves<'_> {
             half_spaces: self.modes.half_spaces,
             reflected: self.orders(&self.above, reflected, shift)?,
             transmitted: self.orders(&self.below, transmitted, shift)?,
-        })
-    }
-
-    /// Matrix of the unknowns E_y, then H_y, on the interface. Continuity of H_u gives the first n rows, of E_u the
-    /// others, both times the γ² of both media, of which `weight` holds that of the other medium:
-    ///
-    /// ```text
-    /// γ² H_u = −k_y αH_y − εq(E_y)          γ² E_u = −k_y αE_y + q(H_y)
-    /// ```
-    fn equations(&self, weight: [Complex64; 2]) -> Matrix {
-        let interface = &self.modes.interface;
-        let n = interface.orders();
-        Matrix::from_fn(2 * n, 2 * n, |row, column| {
-            let [i, j] = [row % n, column % n];
-            if (row < n) == (column < n) {
-                let factor = |k: usize| if row < n { weight[k] * self.media[k].epsilon } else { weight[k] };
-                factor(0) * self.above.outgoing[(i, j)] - factor(1) * self.below.outgoing[(i, j)]
-            } else if i == j {
-                let coupling = (weight[0] - weight[1]) * self.ky * interface.alpha(i);
-                if row < n { coupling } else { -coupling }
-            } else {
-                Complex64::ZERO
-            }
         })
     }
 
@@ -255,4 +235,27 @@ impl GraphWaves<'_> {
         let finite = |order: &Order| order.jones.as_flattened().iter().all(|amplitude| amplitude.is_finite());
         if orders.iter().all(finite) { Ok(orders) } else { Err(WaveError::Singular) }
     }
+}
+
+/// Matrix of the unknowns E_y, then H_y, on the interface. Continuity of H_u gives the first n rows, of E_u the others,
+/// both times the γ² of both media, of which `weight` holds that of the other medium:
+///
+/// ```text
+/// γ² H_u = −k_y αH_y − εq(E_y)          γ² E_u = −k_y αE_y + q(H_y)
+/// ```
+fn equations(interface: &Interface, ky: f64, media: [Medium; 2], [above, below]: [&HalfSpace; 2]) -> Matrix {
+    let weight = [media[1].gamma2, media[0].gamma2];
+    let n = interface.orders();
+    Matrix::from_fn(2 * n, 2 * n, |row, column| {
+        let [i, j] = [row % n, column % n];
+        if (row < n) == (column < n) {
+            let factor = |k: usize| if row < n { weight[k] * media[k].epsilon } else { weight[k] };
+            factor(0) * above.outgoing[(i, j)] - factor(1) * below.outgoing[(i, j)]
+        } else if i == j {
+            let coupling = (weight[0] - weight[1]) * ky * interface.alpha(i);
+            if row < n { coupling } else { -coupling }
+        } else {
+            Complex64::ZERO
+        }
+    })
 }
