@@ -10,15 +10,12 @@
 
 use std::f64::consts::TAU;
 
-use faer::Accum;
 use num_complex::Complex64;
 
 use crate::error::WaveError;
 use crate::fields::{admittance, forward_root, off_anomaly, vertical};
 use crate::fourier::toeplitz;
-use crate::linear::{
-    Eigen, Matrix, eigen, hermitian_eigen, inverse, multiply_into, product, scale_columns, scale_rows, solve,
-};
+use crate::linear::{Eigen, Matrix, eigen, hermitian_eigen, inverse, product, scale_columns, scale_rows, solve};
 
 /// Pattern of media along x that does not change with height, at one k_x0.
 #[derive(Debug)]
@@ -62,10 +59,11 @@ pub(super) struct Modal {
     /// D = ⟦1/ε⟧⁻¹ φ.
     pub d: Matrix,
     pub d_inverse: Matrix,
-    /// G = ⟦ε⟧⁻¹ K D / κ² of the first kind.
-    pub g: Matrix,
-    /// L = K ψ / κ² of the second kind.
-    pub l: Matrix,
+    /// ψ⁻¹ K φ. With κ² of the second kind, G = ⟦ε⟧⁻¹ K D / κ² of the first kind is ψ (1/κ²) ψ⁻¹ K φ, by the equations
+    /// of both kinds.
+    pub phi_in_psi: Matrix,
+    /// D⁻¹ K ψ, so that L = K ψ / κ² is D (D⁻¹ K ψ) / κ².
+    pub psi_in_d: Matrix,
 }
 
 impl Modal {
@@ -85,17 +83,13 @@ impl Modal {
         let lossless = epsilon.iter().all(|epsilon| epsilon.im == 0.0 && epsilon.re > 0.0);
 
         let e = toeplitz(1.0, edges, &epsilon, max_order);
-        let e_inverse_k = {
-            let mut of = inverse(&e)?;
-            scale_columns(&mut of, &k);
-            of
-        };
         // I − K E⁻¹ K.
-        let curl = {
-            let mut of = e_inverse_k.clone();
-            scale_rows(&mut of, &k);
-            Matrix::from_fn(k.len(), k.len(), |i, j| Complex64::from(if i == j { 1.0 } else { 0.0 }) - of[(i, j)])
-        };
+        let mut curl = -inverse(&e)?;
+        scale_columns(&mut curl, &k);
+        scale_rows(&mut curl, &k);
+        for i in 0..k.len() {
+            curl[(i, i)] += 1.0;
+        }
         let mut helmholtz = e;
         for (i, k) in k.iter().enumerate() {
             helmholtz[(i, i)] -= k * k;
@@ -131,23 +125,11 @@ impl Modal {
         }
         let off = |values: &[Complex64]| values.iter().map(|&value| off_anomaly(value, largest)).collect::<Vec<_>>();
         let kappa_squared = [off(&first.values), off(&second.values)];
-        let reciprocals = kappa_squared.each_ref().map(|values| values.iter().map(|v| v.inv()).collect::<Vec<_>>());
-        let mut g = product(e_inverse_k.as_ref(), d.as_ref());
-        scale_columns(&mut g, &reciprocals[0]);
-        let mut l = second.vectors.clone();
-        scale_rows(&mut l, &k);
-        scale_columns(&mut l, &reciprocals[1]);
-        Ok(Self {
-            kappa_squared,
-            phi: first.vectors,
-            phi_inverse,
-            psi: second.vectors,
-            psi_inverse,
-            d,
-            d_inverse,
-            g,
-            l,
-        })
+        let (phi, psi) = (first.vectors, second.vectors);
+        let between = |left: &Matrix, right: &Matrix| product(left.as_ref(), rows(right, &k).as_ref());
+        let phi_in_psi = between(&psi_inverse, &phi);
+        let psi_in_d = between(&d_inverse, &psi);
+        Ok(Self { kappa_squared, phi, phi_inverse, psi, psi_inverse, d, d_inverse, phi_in_psi, psi_in_d })
     }
 
     /// Modes of the pattern moved along x by `shift` periods: each order of each mode gets a phase.
@@ -156,16 +138,8 @@ impl Modal {
         let phase = |i: usize| Complex64::cis(-TAU * shift * (i as f64 - (n / 2) as f64));
         let phases: Vec<Complex64> = (0..n).map(phase).collect();
         let conjugates: Vec<Complex64> = phases.iter().map(Complex64::conj).collect();
-        let rows = |matrix: &Matrix| {
-            let mut of = matrix.clone();
-            scale_rows(&mut of, &phases);
-            of
-        };
-        let columns = |matrix: &Matrix| {
-            let mut of = matrix.clone();
-            scale_columns(&mut of, &conjugates);
-            of
-        };
+        let rows = |matrix: &Matrix| rows(matrix, &phases);
+        let columns = |matrix: &Matrix| columns(matrix, &conjugates);
         Self {
             kappa_squared: self.kappa_squared.clone(),
             phi: rows(&self.phi),
@@ -174,10 +148,29 @@ impl Modal {
             psi_inverse: columns(&self.psi_inverse),
             d: rows(&self.d),
             d_inverse: columns(&self.d_inverse),
-            g: rows(&self.g),
-            l: rows(&self.l),
+            phi_in_psi: self.phi_in_psi.clone(),
+            psi_in_d: self.psi_in_d.clone(),
         }
     }
+
+    /// 1/κ² of the second kind.
+    fn reciprocals(&self) -> Vec<Complex64> {
+        self.kappa_squared[1].iter().map(|kappa| kappa.inv()).collect()
+    }
+}
+
+/// Copy of `matrix` with each row multiplied by its factor.
+fn rows(matrix: &Matrix, factors: &[Complex64]) -> Matrix {
+    let mut of = matrix.clone();
+    scale_rows(&mut of, factors);
+    of
+}
+
+/// Copy of `matrix` with each column multiplied by its factor.
+fn columns(matrix: &Matrix, factors: &[Complex64]) -> Matrix {
+    let mut of = matrix.clone();
+    scale_columns(&mut of, factors);
+    of
 }
 
 /// Waves of a pattern at one k_y. The first N are the modes of the first kind, or E_x of uniform media; the others the
@@ -190,41 +183,43 @@ pub(super) struct Waves {
     pub electric: Vec<Complex64>,
     /// Inverse of `electric`.
     pub from_electric: Vec<Complex64>,
-    /// (h₁, h₂) of each row from δ of both halves.
-    pub magnetic: Vec<[[Complex64; 2]; 2]>,
-    /// Inverse of `magnetic`.
-    pub from_magnetic: Vec<[[Complex64; 2]; 2]>,
+    pub magnetic: Magnetic,
+}
+
+/// (h₁, h₂) of each row from δ of both halves.
+#[derive(Debug)]
+pub(super) enum Magnetic {
+    /// Any matrices, and their inverses: uniform media.
+    Full(Vec<[[[Complex64; 2]; 2]; 2]>),
+    /// h₁ = δ₂ and h₂ = the factor times δ₁, with the inverses of the factors: modes.
+    Crossed(Vec<[Complex64; 2]>),
 }
 
 impl Waves {
     pub fn new(spectrum: &Spectrum, kx: &[f64], ky: f64) -> Self {
         let n = kx.len();
-        let (vertical, electric, magnetic): (Vec<_>, Vec<_>, Vec<_>) = match spectrum {
+        let (vertical, electric, magnetic) = match spectrum {
             Spectrum::Uniform(eta) => {
                 let half: Vec<Complex64> = kx.iter().map(|&kx| vertical(*eta, [kx, ky])).collect();
-                let magnetic = kx.iter().zip(&half).map(|(&kx, &kz)| admittance([kx, ky], kz)).collect();
+                let both = |(&kx, &kz): (&f64, &Complex64)| {
+                    let forward @ [[a, b], [c, d]] = admittance([kx, ky], kz);
+                    let factor = (a * d - b * c).inv();
+                    [forward, [[d * factor, -b * factor], [-c * factor, a * factor]]]
+                };
+                let magnetic = Magnetic::Full(kx.iter().zip(&half).map(both).collect());
                 (half.repeat(2), vec![-Complex64::ONE; n], magnetic)
             }
             Spectrum::Modal(kappa_squared) => {
                 let root = |&kappa: &Complex64| forward_root(off_anomaly(kappa - ky * ky, kappa));
                 let [first, second] = kappa_squared.each_ref().map(|kappa| kappa.iter().map(root).collect::<Vec<_>>());
-                let over = |i: usize, kz: &[Complex64]| {
-                    kz.iter().zip(&kappa_squared[i]).map(|(kz, k)| kz / k).collect::<Vec<_>>()
-                };
-                let magnetic =
-                    over(0, &first).into_iter().map(|h| [[Complex64::ZERO, Complex64::ONE], [h, Complex64::ZERO]]);
-                let magnetic = magnetic.collect();
-                let electric = over(1, &second);
+                let both = |(kz, kappa): (&Complex64, &Complex64)| [kz / kappa, kappa / kz];
+                let magnetic = Magnetic::Crossed(first.iter().zip(&kappa_squared[0]).map(both).collect());
+                let electric = second.iter().zip(&kappa_squared[1]).map(|(kz, kappa)| kz / kappa).collect();
                 ([first, second].concat(), electric, magnetic)
             }
         };
-        let from_magnetic = magnetic.iter().map(|[[a, b], [c, d]]: &[[Complex64; 2]; 2]| {
-            let factor = (a * d - b * c).inv();
-            [[d * factor, -b * factor], [-c * factor, a * factor]]
-        });
-        let from_magnetic = from_magnetic.collect();
         let from_electric = electric.iter().map(|factor| factor.inv()).collect();
-        Self { vertical, electric, from_electric, magnetic, from_magnetic }
+        Self { vertical, electric, from_electric, magnetic }
     }
 }
 
@@ -242,37 +237,51 @@ pub(super) struct Interface {
 }
 
 impl Interface {
-    /// Interface of two patterns; `None` between uniform media, where nothing changes.
-    pub fn new(above: &Pattern, below: &Pattern) -> Option<Self> {
+    /// Interface of two patterns; `None` between uniform media, where nothing changes. `kx` are the tangential
+    /// wavevectors of the orders along x.
+    pub fn new(above: &Pattern, below: &Pattern, kx: &[f64]) -> Option<Self> {
         let times = |left: &Matrix, right: &Matrix| product(left.as_ref(), right.as_ref());
+        let k = || kx.iter().map(|&k| Complex64::from(k)).collect::<Vec<_>>();
+        // `second` times 1/κ² of the modes below less 1/κ² of those above, which is 0 in uniform media, gives both cross
+        // terms: ψ⁻¹ of the pattern above times the difference of G, and D⁻¹ times that of L.
         match (above, below) {
             (Pattern::Uniform(_), Pattern::Uniform(_)) => None,
-            (Pattern::Uniform(_), Pattern::Modal(below)) => Some(Self {
-                e1: below.phi.clone(),
-                second: below.psi.clone(),
-                e_cross: below.g.clone(),
-                h2: below.d.clone(),
-                h_cross: -&below.l,
-            }),
-            (Pattern::Modal(above), Pattern::Uniform(_)) => Some(Self {
-                e1: above.phi_inverse.clone(),
-                second: above.psi_inverse.clone(),
-                e_cross: -times(&above.psi_inverse, &times(&above.g, &above.phi_inverse)),
-                h2: above.d_inverse.clone(),
-                h_cross: times(&above.d_inverse, &times(&above.l, &above.psi_inverse)),
-            }),
+            (Pattern::Uniform(_), Pattern::Modal(below)) => {
+                let change = columns(&below.psi, &below.reciprocals());
+                Some(Self {
+                    e1: below.phi.clone(),
+                    second: below.psi.clone(),
+                    e_cross: times(&change, &below.phi_in_psi),
+                    h2: below.d.clone(),
+                    h_cross: -rows(&change, &k()),
+                })
+            }
+            (Pattern::Modal(above), Pattern::Uniform(_)) => {
+                let change = -rows(&above.psi_inverse, &above.reciprocals());
+                Some(Self {
+                    e1: above.phi_inverse.clone(),
+                    second: above.psi_inverse.clone(),
+                    e_cross: columns(&change, &k()),
+                    h2: above.d_inverse.clone(),
+                    h_cross: -times(&above.psi_in_d, &change),
+                })
+            }
             (Pattern::Modal(above), Pattern::Modal(below)) => {
-                let less = |left: &Matrix, from: &Matrix, right: &Matrix| {
-                    let mut of = left.clone();
-                    multiply_into(of.as_mut(), Accum::Add, from.as_ref(), right.as_ref(), -Complex64::ONE);
-                    of
-                };
-                let e1 = times(&above.phi_inverse, &below.phi);
                 let second = times(&above.psi_inverse, &below.psi);
-                let e_cross = times(&above.psi_inverse, &less(&below.g, &above.g, &e1));
-                let h2 = times(&above.d_inverse, &below.d);
-                let h_cross = -times(&above.d_inverse, &less(&below.l, &above.l, &second));
-                Some(Self { e1, second, e_cross, h2, h_cross })
+                let mut change = second.clone();
+                let from = above.reciprocals();
+                for (column, to) in below.reciprocals().iter().enumerate() {
+                    for (element, from) in change.col_as_slice_mut(column).iter_mut().zip(&from) {
+                        *element *= to - from;
+                    }
+                }
+                Some(Self {
+                    e1: times(&above.phi_inverse, &below.phi),
+                    e_cross: times(&change, &below.phi_in_psi),
+                    second,
+                    h2: times(&above.d_inverse, &below.d),
+                    h_cross: -times(&above.psi_in_d, &change),
+                })
             }
         }
     }

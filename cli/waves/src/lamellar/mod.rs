@@ -97,7 +97,7 @@ impl Modes {
             let pair = [upper, lower];
             let joint = pairs.iter().position(|known| *known == pair).unwrap_or_else(|| {
                 pairs.push(pair);
-                interfaces.push(Interface::new(&patterns[upper], &patterns[lower]));
+                interfaces.push(Interface::new(&patterns[upper], &patterns[lower], &kx));
                 pairs.len() - 1
             });
             joints.push(joint);

@@ -2,12 +2,16 @@
 
 use std::ops::Range;
 
-use faer::Accum;
+use faer::{Accum, MatMut};
 use num_complex::Complex64;
 
-use super::medium::{Interface, Waves};
+use super::medium::{Interface, Magnetic, Waves};
 use crate::error::WaveError;
 use crate::linear::{Matrix, Rows, multiply_into, product, scale_rows};
+
+/// Growth of evanescent waves over several layers up to which their reflection matrix is not found layer by layer.
+/// Amplitudes lose as many digits as it has.
+const MAX_GROWTH: f64 = 1e3;
 
 /// Amplitudes of the waves of a pattern for one incident polarisation.
 pub(super) type Column = Vec<Complex64>;
@@ -39,19 +43,46 @@ impl Layer<'_> {
     }
 }
 
-/// Waves at the lower side of a layer per light d that goes down below it: 2u = `up` d goes up, 2d' = `down` d down.
-/// Its matrices serve one interface after another.
+/// Waves at one height: `up` c goes up where `down` c goes down, for any c. So what lies below reflects `up` `down`⁻¹.
 struct Meeting {
     up: Matrix,
     down: Matrix,
-    /// Values of `up` and `down` on the other side of the interface.
+    /// Values of `up` and `down` on the other side of an interface.
     across: [Matrix; 2],
 }
 
 impl Meeting {
+    /// Waves at the top of a substrate, of which none go up.
     fn new(waves: usize) -> Self {
         let empty = || Matrix::zeros(waves, waves);
-        Self { up: empty(), down: empty(), across: [empty(), empty()] }
+        Self { up: empty(), down: Matrix::identity(waves, waves), across: [empty(), empty()] }
+    }
+
+    /// From the bottom to the top of a layer by its `phases`, as halves.
+    fn rise(&mut self, phases: &[Complex64]) {
+        let (up, down): (Vec<_>, Vec<_>) = phases.iter().map(|phase| (phase * 0.5, phase.inv() * 0.5)).unzip();
+        scale_rows(&mut self.up, &up);
+        scale_rows(&mut self.down, &down);
+    }
+
+    /// From the bottom to the top of a layer by its `phases`, with a new c: what goes down at the top. Writes
+    /// the transpose of `down` at the bottom to `factors`, in triangular factors.
+    fn rise_anew(&mut self, phases: &[Complex64], mut factors: MatMut<'_, Complex64>) -> Result<Rows, WaveError> {
+        factors.copy_from(self.down.transpose());
+        let rows = Rows::factor(factors.as_mut());
+        let [turned, _] = &mut self.across;
+        turned.copy_from(self.up.transpose());
+        rows.solve_in_place(factors.as_ref(), turned.as_mut());
+        let mut sum = Complex64::ZERO;
+        self.down.fill(Complex64::ZERO);
+        for (j, right) in phases.iter().enumerate() {
+            for (i, (element, left)) in self.up.col_as_slice_mut(j).iter_mut().zip(phases).enumerate() {
+                *element = turned[(j, i)] * (left * right);
+                sum += *element;
+            }
+            self.down[(j, j)] = Complex64::ONE;
+        }
+        if sum.is_finite() { Ok(rows) } else { Err(WaveError::Singular) }
     }
 }
 
@@ -73,7 +104,7 @@ pub(super) fn propagate(
         _ if row == n + arriving => light[polarisation][1],
         _ => Complex64::ZERO,
     });
-    climb(stack, substrate, 0..2 * n, light, |layer, below, r, meeting| join(layer, below, ky, r, meeting))
+    climb(stack, substrate, 0..2 * n, light, |layer, below, meeting| join(layer, below, ky, meeting))
 }
 
 /// Waves that leave the stack as in [`propagate`], at k_y = 0, where s and p do not mix.
@@ -95,8 +126,8 @@ pub(super) fn propagate_apart(
                 if row == arriving { light[polarisation][half] } else { Complex64::ZERO }
             },
         );
-        climb(stack, substrate, half * n..(half + 1) * n, light, |layer, below, r, meeting| {
-            join_half(half, layer, below, r, meeting);
+        climb(stack, substrate, half * n..(half + 1) * n, light, |layer, below, meeting| {
+            join_half(half, layer, below, meeting);
         })
     });
     let (p, s) = (p?, s?);
@@ -107,88 +138,62 @@ pub(super) fn propagate_apart(
     Ok(Leaving { up: both(p.up, s.up), down: both(p.down, s.down) })
 }
 
-/// Follows the reflection matrix of all that lies below up the stack, then `light` down. `join` takes the matrix at the
-/// top of the waves below through the lower side of a layer; `waves` are those of each pattern that take part.
+/// Follows the waves up the stack, then `light` down. `join` takes waves from the top of those below through the lower
+/// side of a layer, and doubles them; `waves` are those of each pattern that take part.
 fn climb(
     stack: &[Layer<'_>],
     substrate: &Waves,
     waves: Range<usize>,
     light: Matrix,
-    join: impl Fn(&Layer<'_>, &Waves, &Matrix, &mut Meeting),
+    join: impl Fn(&Layer<'_>, &Waves, &mut Meeting),
 ) -> Result<Leaving, WaveError> {
-    let n = waves.len();
+    let (top, layers) = stack.split_first().ok_or(WaveError::Singular)?;
     let mut below = substrate;
-    let mut r = Matrix::zeros(n, n);
+    let n = waves.len();
     let mut meeting = Meeting::new(n);
-    // Triangular factors of all `down`, side by side from the substrate upwards, in one allocation.
-    let mut factors = Matrix::zeros(n, n * stack.len());
-    let mut passed: Vec<(Rows, Vec<Complex64>)> = Vec::with_capacity(stack.len());
-    for (i, layer) in stack.iter().rev().enumerate() {
-        join(layer, below, &r, &mut meeting);
-        let mut down = factors.subcols_mut(i * n, n);
-        down.copy_from(&meeting.down);
-        let rows = Rows::factor(down.as_mut());
+    let mut growth = 1.0;
+    // Triangular factors side by side from the substrate upwards, in one allocation.
+    let mut factors = Matrix::zeros(n, n * layers.len());
+    let mut passed: Vec<(Rows, Vec<Complex64>)> = Vec::with_capacity(layers.len());
+    for layer in layers.iter().rev() {
+        join(layer, below, &mut meeting);
         let phases = layer.phases(waves.clone());
-        if i + 1 < stack.len() {
-            std::mem::swap(&mut r, &mut meeting.up);
-            rows.solve_left_in_place(down.as_ref(), r.as_mut());
-            if !scale(&mut r, &phases).is_finite() {
-                return Err(WaveError::Singular);
-            }
+        growth *= phases.iter().fold(1.0, |most: f64, phase| most.max(phase.norm_sqr().recip())).sqrt();
+        if growth <= MAX_GROWTH {
+            meeting.rise(&phases);
+        } else {
+            let factors = factors.subcols_mut(passed.len() * n, n);
+            passed.push((meeting.rise_anew(&phases, factors)?, phases));
+            growth = 1.0;
         }
-        passed.push((rows, phases));
         below = layer.waves;
     }
-    let mut down = light;
-    let mut up = None;
+    join(top, below, &mut meeting);
+    // `meeting` is of twice the light.
+    let twice = faer::Scale(Complex64::from(2.0));
+    let mut down = light * twice;
+    Rows::factor(meeting.down.as_mut()).solve_in_place(meeting.down.as_ref(), down.as_mut());
+    let up = product(meeting.up.as_ref(), down.as_ref()) * faer::Scale(Complex64::from(0.5));
     for (i, (rows, phases)) in passed.iter().enumerate().rev() {
         scale_rows(&mut down, phases);
-        rows.solve_in_place(factors.subcols(i * n, n), down.as_mut());
-        up = up.or_else(|| Some(product(meeting.up.as_ref(), down.as_ref())));
-        // `down` is twice the light.
-        down *= faer::Scale(Complex64::from(2.0));
+        rows.solve_left_in_place(factors.subcols(i * n, n), down.as_mut().transpose_mut());
+        down *= twice;
     }
     let columns = |matrix: &Matrix| [0, 1].map(|column| matrix.col_as_slice(column).to_vec());
-    Ok(Leaving { up: columns(&up.ok_or(WaveError::Singular)?), down: columns(&down) })
+    Ok(Leaving { up: columns(&up), down: columns(&down) })
 }
 
-/// Multiplies the element (i, j) by the factors i and j. Returns the sum of all elements.
-fn scale(matrix: &mut Matrix, factors: &[Complex64]) -> Complex64 {
-    let mut sum = Complex64::ZERO;
-    for (column, right) in factors.iter().enumerate() {
-        for (element, left) in matrix.col_as_slice_mut(column).iter_mut().zip(factors) {
-            *element *= left * right;
-            sum += *element;
-        }
-    }
-    sum
-}
-
-/// Takes the reflection matrix `r` at the top of `below` through the interface at the lower side of `layer`.
-fn join(layer: &Layer<'_>, below: &Waves, ky: f64, r: &Matrix, meeting: &mut Meeting) {
+/// Takes waves at the top of `below` through the interface at the lower side of `layer`, and doubles them.
+fn join(layer: &Layer<'_>, below: &Waves, ky: f64, meeting: &mut Meeting) {
     let n = below.electric.len();
     let Meeting { up: e, down: h, across } = meeting;
-    // (e₁, e₂) from s = I + R, and (−h₁, −h₂) from −δ = I − R, below the interface.
-    for column in 0..2 * n {
-        let (r1, r2) = r.col_as_slice(column).split_at(n);
-        let (e1, e2) = e.col_as_slice_mut(column).split_at_mut(n);
-        let (h1, h2) = h.col_as_slice_mut(column).split_at_mut(n);
-        mix(&below.magnetic, [r1, r2], [h1, h2], -1.0);
-        e1.copy_from_slice(r1);
-        for ((to, from), factor) in e2.iter_mut().zip(r2).zip(&below.electric) {
-            *to = from * factor;
-        }
-        let row = column % n;
-        let [[xx, xy], [yx, yy]] = below.magnetic[row];
-        if column < n {
-            e1[row] += 1.0;
-            h1[row] += xx;
-            h2[row] += yx;
-        } else {
-            e2[row] += below.electric[row];
-            h1[row] += xy;
-            h2[row] += yy;
-        }
+    // (e₁, e₂) from s = u + d, and (−h₁, −h₂) from −δ = d − u, below the interface.
+    match &below.magnetic {
+        Magnetic::Full(factors) => to_fields(below, e, h, |i, x, y| {
+            let [[[xx, xy], [yx, yy]], _] = factors[i];
+            [xx * x + xy * y, yx * x + yy * y]
+        }),
+        Magnetic::Crossed(factors) => to_fields(below, e, h, |i, x, y| [y, factors[i][0] * x]),
     }
     if let Some(interface) = layer.floor {
         let (one, ky) = (Complex64::ONE, Complex64::from(ky));
@@ -206,50 +211,69 @@ fn join(layer: &Layer<'_>, below: &Waves, ky: f64, r: &Matrix, meeting: &mut Mee
         std::mem::swap(h, h_above);
     }
     // Back to s and −δ, then to 2u and 2d.
-    let mut delta = vec![Complex64::ZERO; 2 * n];
+    match &layer.waves.magnetic {
+        Magnetic::Full(factors) => to_waves(layer.waves, e, h, |i, x, y| {
+            let [_, [[xx, xy], [yx, yy]]] = factors[i];
+            [xx * x + xy * y, yx * x + yy * y]
+        }),
+        Magnetic::Crossed(factors) => to_waves(layer.waves, e, h, |i, x, y| [factors[i][1] * y, x]),
+    }
+}
+
+/// Replaces the waves that go up and down by their fields (e₁, e₂) and (−h₁, −h₂). `magnetic` gives h from δ in a row.
+fn to_fields(
+    waves: &Waves,
+    up: &mut Matrix,
+    down: &mut Matrix,
+    magnetic: impl Fn(usize, Complex64, Complex64) -> [Complex64; 2],
+) {
+    let n = waves.electric.len();
     for column in 0..2 * n {
-        let (first, second) = delta.split_at_mut(n);
-        let (h1, h2) = h.col_as_slice(column).split_at(n);
-        mix(&layer.waves.from_magnetic, [h1, h2], [first, second], 1.0);
-        for (element, factor) in e.col_as_slice_mut(column)[n..].iter_mut().zip(&layer.waves.from_electric) {
-            *element *= factor;
+        let (u1, u2) = up.col_as_slice_mut(column).split_at_mut(n);
+        let (d1, d2) = down.col_as_slice_mut(column).split_at_mut(n);
+        let first = u1.iter_mut().zip(d1);
+        for (i, ((u1, d1), (u2, d2))) in first.zip(u2.iter_mut().zip(d2)).enumerate() {
+            let [h1, h2] = magnetic(i, *d1 - *u1, *d2 - *u2);
+            (*u1, *u2) = (*u1 + *d1, (*u2 + *d2) * waves.electric[i]);
+            (*d1, *d2) = (h1, h2);
         }
-        combine(e.col_as_slice_mut(column), h.col_as_slice_mut(column), &delta);
     }
 }
 
-/// Writes s − (−δ) to `s` and s + (−δ) to `down`.
-fn combine(s: &mut [Complex64], down: &mut [Complex64], minus_delta: &[Complex64]) {
-    for ((s, down), delta) in s.iter_mut().zip(down).zip(minus_delta) {
-        (*s, *down) = (*s - delta, *s + delta);
-    }
-}
-
-/// Applies a 2 × 2 matrix times `sign` to each pair of elements.
-fn mix(factors: &[[[Complex64; 2]; 2]], from: [&[Complex64]; 2], to: [&mut [Complex64]; 2], sign: f64) {
-    let [to_x, to_y] = to;
-    for (((to_x, to_y), (x, y)), [[xx, xy], [yx, yy]]) in
-        to_x.iter_mut().zip(to_y).zip(from[0].iter().zip(from[1])).zip(factors)
-    {
-        *to_x = (xx * x + xy * y) * sign;
-        *to_y = (yx * x + yy * y) * sign;
+/// Replaces the fields (e₁, e₂) and (−h₁, −h₂) by twice the waves that go up and down. `magnetic` gives δ from h.
+fn to_waves(
+    waves: &Waves,
+    e: &mut Matrix,
+    h: &mut Matrix,
+    magnetic: impl Fn(usize, Complex64, Complex64) -> [Complex64; 2],
+) {
+    let n = waves.electric.len();
+    for column in 0..2 * n {
+        let (e1, e2) = e.col_as_slice_mut(column).split_at_mut(n);
+        let (h1, h2) = h.col_as_slice_mut(column).split_at_mut(n);
+        let first = e1.iter_mut().zip(h1);
+        for (i, ((e1, h1), (e2, h2))) in first.zip(e2.iter_mut().zip(h2)).enumerate() {
+            let (s1, s2) = (*e1, *e2 * waves.from_electric[i]);
+            let [delta1, delta2] = magnetic(i, *h1, *h2);
+            (*e1, *e2) = (s1 - delta1, s2 - delta2);
+            (*h1, *h2) = (s1 + delta1, s2 + delta2);
+        }
     }
 }
 
 /// [`join`] at k_y = 0 for one half of the waves: e₁ and h₂ of the first half, e₂ and h₁ of the second.
-fn join_half(half: usize, layer: &Layer<'_>, below: &Waves, r: &Matrix, meeting: &mut Meeting) {
-    let n = below.electric.len();
+fn join_half(half: usize, layer: &Layer<'_>, below: &Waves, meeting: &mut Meeting) {
     let Meeting { up: e, down: h, across } = meeting;
-    let factors = |waves: &Waves, i: usize| match half {
-        0 => [Complex64::ONE, waves.magnetic[i][1][0]],
-        _ => [waves.electric[i], waves.magnetic[i][0][1]],
+    let factors = |waves: &Waves, i: usize| match (half, &waves.magnetic) {
+        (0, Magnetic::Full(factors)) => [Complex64::ONE, factors[i][0][1][0]],
+        (0, Magnetic::Crossed(factors)) => [Complex64::ONE, factors[i][0]],
+        (_, Magnetic::Full(factors)) => [waves.electric[i], factors[i][0][0][1]],
+        (_, Magnetic::Crossed(_)) => [waves.electric[i], Complex64::ONE],
     };
-    for j in 0..n {
-        for i in 0..n {
-            let unit = if i == j { Complex64::ONE } else { Complex64::ZERO };
-            let [electric, magnetic] = factors(below, i);
-            e[(i, j)] = (unit + r[(i, j)]) * electric;
-            h[(i, j)] = (unit - r[(i, j)]) * magnetic;
+    for i in 0..below.electric.len() {
+        let [electric, magnetic] = factors(below, i);
+        for (u, d) in e.row_mut(i).iter_mut().zip(h.row_mut(i).iter_mut()) {
+            (*u, *d) = ((*d + *u) * electric, (*d - *u) * magnetic);
         }
     }
     if let Some(interface) = layer.floor {
@@ -261,11 +285,11 @@ fn join_half(half: usize, layer: &Layer<'_>, below: &Waves, r: &Matrix, meeting:
         std::mem::swap(e, e_above);
         std::mem::swap(h, h_above);
     }
-    for i in 0..n {
+    for i in 0..below.electric.len() {
         let [electric, magnetic] = factors(layer.waves, i).map(|factor| factor.inv());
-        for j in 0..n {
-            let (s, minus_delta) = (e[(i, j)] * electric, h[(i, j)] * magnetic);
-            (e[(i, j)], h[(i, j)]) = (s - minus_delta, s + minus_delta);
+        for (e, h) in e.row_mut(i).iter_mut().zip(h.row_mut(i).iter_mut()) {
+            let (s, minus_delta) = (*e * electric, *h * magnetic);
+            (*e, *h) = (s - minus_delta, s + minus_delta);
         }
     }
 }
