@@ -35,11 +35,11 @@ pub(super) enum Spectrum {
     Modal([Vec<Complex64>; 2]),
 }
 
-impl From<Pattern> for Spectrum {
-    fn from(pattern: Pattern) -> Self {
+impl From<&Pattern> for Spectrum {
+    fn from(pattern: &Pattern) -> Self {
         match pattern {
-            Pattern::Uniform(eta) => Self::Uniform(eta),
-            Pattern::Modal(modal) => Self::Modal(modal.kappa_squared),
+            Pattern::Uniform(eta) => Self::Uniform(*eta),
+            Pattern::Modal(modal) => Self::Modal(modal.kappa_squared.clone()),
         }
     }
 }

@@ -35,11 +35,11 @@ pub struct Modes {
     /// Tangential wavevectors along x of orders −M…M, in units of k₀.
     kx: Vec<f64>,
     decompositions: usize,
-    /// Spectra of the different patterns; the first two are of the half-spaces.
+    /// Spectra of patterns that differ by more than a shift along x; the first two are of the half-spaces.
     spectra: Vec<Spectrum>,
     /// Interfaces between different pairs of patterns, `None` between two uniform media.
     interfaces: Vec<Option<Interface>>,
-    /// Layers from the top between the half-spaces: pattern, and thickness in units of 1/k₀.
+    /// Layers from the top between the half-spaces: spectrum, and thickness in units of 1/k₀.
     layers: Vec<(usize, f64)>,
     /// Interface at the top of each layer and of the substrate.
     joints: Vec<usize>,
@@ -60,6 +60,8 @@ impl Modes {
         let step = wavelength_nm / profile.period_nm;
         let kx: Vec<f64> = indices(max_order).map(|m| f64::from(m).mul_add(step, kx0)).collect();
         let mut patterns = vec![Pattern::Uniform(Complex64::from(profile.above)), Pattern::Uniform(profile.below)];
+        let mut spectra: Vec<Spectrum> = patterns.iter().map(Spectrum::from).collect();
+        let mut spectrum_of = vec![0, 1];
         let mut layers: Vec<(usize, f64)> = Vec::new();
         let mut shapes: Vec<Shape> = Vec::new();
         let mut decompositions = 0;
@@ -69,17 +71,23 @@ impl Modes {
             let index = if let Some(found) = shifts().position(|shift| shift == Some(0.0)) {
                 found + 2
             } else {
+                let mut spectrum = spectra.len();
                 patterns.push(if shape.media.len() == 1 {
                     Pattern::Uniform(shape.media[0].1)
                 } else if let Some((found, shift)) = shifts().enumerate().find_map(|(i, shift)| Some((i, shift?)))
                     && let Pattern::Modal(known) = &patterns[found + 2]
                 {
+                    spectrum = spectrum_of[found + 2];
                     Pattern::Modal(Box::new(known.shifted(shift)))
                 } else {
                     decompositions += 1;
                     let (edges, eta): (Vec<f64>, Vec<Complex64>) = shape.media.iter().copied().unzip();
                     Pattern::Modal(Box::new(Modal::new(&edges, &eta, &kx)?))
                 });
+                if spectrum == spectra.len() {
+                    spectra.extend(patterns.last().map(Spectrum::from));
+                }
+                spectrum_of.push(spectrum);
                 shapes.push(shape);
                 patterns.len() - 1
             };
@@ -109,9 +117,9 @@ impl Modes {
             max_order,
             kx,
             decompositions,
-            spectra: patterns.into_iter().map(Spectrum::from).collect(),
+            spectra,
             interfaces,
-            layers,
+            layers: layers.into_iter().map(|(pattern, thickness)| (spectrum_of[pattern], thickness)).collect(),
             joints,
         })
     }
@@ -149,8 +157,8 @@ impl Modes {
         let tops = [(0, 0.0)].into_iter().chain(self.layers.iter().copied());
         let stack: Vec<Layer<'_>> = tops
             .zip(&self.joints)
-            .map(|((pattern, thickness), &joint)| Layer {
-                waves: &waves[pattern],
+            .map(|((spectrum, thickness), &joint)| Layer {
+                waves: &waves[spectrum],
                 thickness,
                 floor: self.interfaces[joint].as_ref(),
             })
