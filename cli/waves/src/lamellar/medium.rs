@@ -10,12 +10,16 @@
 
 use std::f64::consts::TAU;
 
+use faer::reborrow::ReborrowMut;
+use faer::{Accum, MatMut, MatRef};
 use num_complex::Complex64;
 
 use crate::error::WaveError;
 use crate::fields::{admittance, forward_root, off_anomaly, vertical};
 use crate::fourier::toeplitz;
-use crate::linear::{Eigen, Matrix, eigen, hermitian_eigen, inverse, product, scale_columns, scale_rows, solve};
+use crate::linear::{
+    Eigen, Matrix, eigen, hermitian_eigen, inverse, multiply_into, product, scale_columns, scale_rows, solve,
+};
 
 /// Pattern of media along x that does not change with height, at one k_x0.
 #[derive(Debug)]
@@ -224,64 +228,75 @@ impl Waves {
 }
 
 /// Matrices that take (e₁, e₂, h₁, h₂) from the pattern below to that above, without k_y.
-#[derive(Debug)]
-pub(super) struct Interface {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interface<'a> {
     /// e₁ above = `e1` e₁ below.
-    pub e1: Matrix,
+    pub e1: MatRef<'a, Complex64>,
     /// e₂ above = `second` e₂ + k_y `e_cross` e₁ below, and h₁ above = `second` h₁ below.
-    pub second: Matrix,
-    pub e_cross: Matrix,
+    pub second: MatRef<'a, Complex64>,
+    pub e_cross: MatRef<'a, Complex64>,
     /// h₂ above = `h2` h₂ + k_y `h_cross` h₁ below.
-    pub h2: Matrix,
-    pub h_cross: Matrix,
+    pub h2: MatRef<'a, Complex64>,
+    pub h_cross: MatRef<'a, Complex64>,
 }
 
-impl Interface {
-    /// Interface of two patterns; `None` between uniform media, where nothing changes. `kx` are the tangential
-    /// wavevectors of the orders along x.
-    pub fn new(above: &Pattern, below: &Pattern, kx: &[f64]) -> Option<Self> {
-        let times = |left: &Matrix, right: &Matrix| product(left.as_ref(), right.as_ref());
+impl<'a> Interface<'a> {
+    /// Number of the matrices, which lie side by side in memory.
+    pub const MATRICES: usize = 5;
+
+    /// Interface whose matrices are `all`.
+    pub fn of(all: MatRef<'a, Complex64>) -> Self {
+        let n = all.nrows();
+        let [e1, second, e_cross, h2, h_cross] = std::array::from_fn(|i| all.subcols(i * n, n));
+        Self { e1, second, e_cross, h2, h_cross }
+    }
+
+    /// Writes the matrices of the interface of two patterns to `all`, unless both are uniform: there nothing changes.
+    /// `kx` are the tangential wavevectors of the orders along x.
+    pub fn write(above: &Pattern, below: &Pattern, kx: &[f64], all: MatMut<'_, Complex64>) {
+        let n = kx.len();
+        let (e1, rest) = all.split_at_col_mut(n);
+        let (mut second, rest) = rest.split_at_col_mut(n);
+        let (mut e_cross, rest) = rest.split_at_col_mut(n);
+        let (h2, mut h_cross) = rest.split_at_col_mut(n);
+        let write = |mut to: MatMut<'_, Complex64>, from: &Matrix| to.copy_from(from);
+        let multiply = |to: MatMut<'_, Complex64>, left: &Matrix, right: &Matrix, sign: f64| {
+            multiply_into(to, Accum::Replace, left.as_ref(), right.as_ref(), Complex64::from(sign));
+        };
         let k = || kx.iter().map(|&k| Complex64::from(k)).collect::<Vec<_>>();
         // `second` times 1/κ² of the modes below less 1/κ² of those above, which is 0 in uniform media, gives both cross
         // terms: ψ⁻¹ of the pattern above times the difference of G, and D⁻¹ times that of L.
         match (above, below) {
-            (Pattern::Uniform(_), Pattern::Uniform(_)) => None,
+            (Pattern::Uniform(_), Pattern::Uniform(_)) => (),
             (Pattern::Uniform(_), Pattern::Modal(below)) => {
                 let change = columns(&below.psi, &below.reciprocals());
-                Some(Self {
-                    e1: below.phi.clone(),
-                    second: below.psi.clone(),
-                    e_cross: times(&change, &below.phi_in_psi),
-                    h2: below.d.clone(),
-                    h_cross: -rows(&change, &k()),
-                })
+                write(e1, &below.phi);
+                write(second, &below.psi);
+                multiply(e_cross, &change, &below.phi_in_psi, 1.0);
+                write(h2, &below.d);
+                h_cross.copy_from(-rows(&change, &k()));
             }
             (Pattern::Modal(above), Pattern::Uniform(_)) => {
-                let change = -rows(&above.psi_inverse, &above.reciprocals());
-                Some(Self {
-                    e1: above.phi_inverse.clone(),
-                    second: above.psi_inverse.clone(),
-                    e_cross: columns(&change, &k()),
-                    h2: above.d_inverse.clone(),
-                    h_cross: -times(&above.psi_in_d, &change),
-                })
+                let change = rows(&above.psi_inverse, &above.reciprocals());
+                write(e1, &above.phi_inverse);
+                write(second, &above.psi_inverse);
+                e_cross.copy_from(-columns(&change, &k()));
+                write(h2, &above.d_inverse);
+                multiply(h_cross, &above.psi_in_d, &change, 1.0);
             }
             (Pattern::Modal(above), Pattern::Modal(below)) => {
-                let second = times(&above.psi_inverse, &below.psi);
-                let mut change = second.clone();
+                multiply(e1, &above.phi_inverse, &below.phi, 1.0);
+                multiply(second.rb_mut(), &above.psi_inverse, &below.psi, 1.0);
+                let mut change = second.to_owned();
                 let from = above.reciprocals();
                 for (column, to) in below.reciprocals().iter().enumerate() {
                     for (element, from) in change.col_as_slice_mut(column).iter_mut().zip(&from) {
                         *element *= to - from;
                     }
                 }
-                Some(Self {
-                    e1: times(&above.phi_inverse, &below.phi),
-                    e_cross: times(&change, &below.phi_in_psi),
-                    second,
-                    h2: times(&above.d_inverse, &below.d),
-                    h_cross: -times(&above.psi_in_d, &change),
-                })
+                multiply(e_cross, &change, &below.phi_in_psi, 1.0);
+                multiply(h2, &above.d_inverse, &below.d, 1.0);
+                multiply(h_cross, &above.psi_in_d, &change, -1.0);
             }
         }
     }

@@ -12,6 +12,7 @@ use num_complex::Complex64;
 
 use crate::error::WaveError;
 use crate::fields::{Tangential, admittance, incident, order, vertical};
+use crate::linear::Matrix;
 use crate::profile::{Profile, Slice};
 use crate::response::{Order, Response};
 
@@ -37,12 +38,12 @@ pub struct Modes {
     decompositions: usize,
     /// Spectra of patterns that differ by more than a shift along x; the first two are of the half-spaces.
     spectra: Vec<Spectrum>,
-    /// Interfaces between different pairs of patterns, `None` between two uniform media.
-    interfaces: Vec<Option<Interface>>,
+    /// Matrices of the interfaces between different pairs of patterns, side by side in one allocation.
+    interfaces: Matrix,
     /// Layers from the top between the half-spaces: spectrum, and thickness in units of 1/k₀.
     layers: Vec<(usize, f64)>,
-    /// Interface at the top of each layer and of the substrate.
-    joints: Vec<usize>,
+    /// Interface at the top of each layer and of the substrate, `None` between two uniform media.
+    joints: Vec<Option<usize>>,
 }
 
 impl Modes {
@@ -98,18 +99,24 @@ impl Modes {
             }
         }
         let mut pairs: Vec<[usize; 2]> = Vec::new();
-        let mut interfaces = Vec::new();
         let mut joints = Vec::with_capacity(layers.len() + 1);
         let mut upper = 0;
         for lower in layers.iter().map(|(index, _)| *index).chain([1]) {
             let pair = [upper, lower];
-            let joint = pairs.iter().position(|known| *known == pair).unwrap_or_else(|| {
-                pairs.push(pair);
-                interfaces.push(Interface::new(&patterns[upper], &patterns[lower], &kx));
-                pairs.len() - 1
-            });
-            joints.push(joint);
+            let uniform = pair.iter().all(|&index| matches!(patterns[index], Pattern::Uniform(_)));
+            joints.push((!uniform).then(|| {
+                pairs.iter().position(|known| *known == pair).unwrap_or_else(|| {
+                    pairs.push(pair);
+                    pairs.len() - 1
+                })
+            }));
             upper = lower;
+        }
+        let columns = Interface::MATRICES * kx.len();
+        let mut interfaces = Matrix::zeros(kx.len(), columns * pairs.len());
+        for (i, [upper, lower]) in pairs.into_iter().enumerate() {
+            let all = interfaces.subcols_mut(i * columns, columns);
+            Interface::write(&patterns[upper], &patterns[lower], &kx, all);
         }
         Ok(Self {
             above: profile.above,
@@ -154,13 +161,14 @@ impl Modes {
             return Err(WaveError::Light);
         }
         let waves: Vec<Waves> = self.spectra.iter().map(|spectrum| Waves::new(spectrum, &self.kx, ky)).collect();
+        let columns = Interface::MATRICES * self.kx.len();
         let tops = [(0, 0.0)].into_iter().chain(self.layers.iter().copied());
         let stack: Vec<Layer<'_>> = tops
             .zip(&self.joints)
             .map(|((spectrum, thickness), &joint)| Layer {
                 waves: &waves[spectrum],
                 thickness,
-                floor: self.interfaces[joint].as_ref(),
+                floor: joint.map(|joint| Interface::of(self.interfaces.subcols(joint * columns, columns))),
             })
             .collect();
         let light = incident(self.above, q0, incident_vertical).map(|wave| wave.electric);

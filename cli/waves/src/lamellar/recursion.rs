@@ -32,7 +32,7 @@ pub(super) struct Layer<'a> {
     /// Thickness in units of 1/k₀; 0 for the half-space above.
     pub thickness: f64,
     /// `None` between uniform media.
-    pub floor: Option<&'a Interface>,
+    pub floor: Option<Interface<'a>>,
 }
 
 impl Layer<'_> {
@@ -197,16 +197,16 @@ fn join(layer: &Layer<'_>, below: &Waves, ky: f64, meeting: &mut Meeting) {
     }
     if let Some(interface) = layer.floor {
         let (one, ky) = (Complex64::ONE, Complex64::from(ky));
-        let lift = |below: &Matrix, above: &mut Matrix, first: &Matrix, second: &Matrix, cross: &Matrix| {
+        let lift = |below: &Matrix, above: &mut Matrix, first, second, cross| {
             let (b1, b2) = below.as_ref().split_at_row(n);
             let (a1, mut a2) = above.as_mut().split_at_row_mut(n);
-            multiply_into(a1, Accum::Replace, first.as_ref(), b1, one);
-            multiply_into(a2.as_mut(), Accum::Replace, second.as_ref(), b2, one);
-            multiply_into(a2, Accum::Add, cross.as_ref(), b1, ky);
+            multiply_into(a1, Accum::Replace, first, b1, one);
+            multiply_into(a2.as_mut(), Accum::Replace, second, b2, one);
+            multiply_into(a2, Accum::Add, cross, b1, ky);
         };
         let [e_above, h_above] = across;
-        lift(e, e_above, &interface.e1, &interface.second, &interface.e_cross);
-        lift(h, h_above, &interface.second, &interface.h2, &interface.h_cross);
+        lift(e, e_above, interface.e1, interface.second, interface.e_cross);
+        lift(h, h_above, interface.second, interface.h2, interface.h_cross);
         std::mem::swap(e, e_above);
         std::mem::swap(h, h_above);
     }
@@ -278,10 +278,10 @@ fn join_half(half: usize, layer: &Layer<'_>, below: &Waves, meeting: &mut Meetin
     }
     if let Some(interface) = layer.floor {
         let (electric, magnetic) =
-            if half == 0 { (&interface.e1, &interface.h2) } else { (&interface.second, &interface.second) };
+            if half == 0 { (interface.e1, interface.h2) } else { (interface.second, interface.second) };
         let [e_above, h_above] = across;
-        multiply_into(e_above.as_mut(), Accum::Replace, electric.as_ref(), e.as_ref(), Complex64::ONE);
-        multiply_into(h_above.as_mut(), Accum::Replace, magnetic.as_ref(), h.as_ref(), Complex64::ONE);
+        multiply_into(e_above.as_mut(), Accum::Replace, electric, e.as_ref(), Complex64::ONE);
+        multiply_into(h_above.as_mut(), Accum::Replace, magnetic, h.as_ref(), Complex64::ONE);
         std::mem::swap(e, e_above);
         std::mem::swap(h, h_above);
     }
