@@ -174,7 +174,7 @@ fn options_that_do_not_apply_are_refused() {
         ("estimate bumps.toml -o t.exr --incident 4x3 --bins 4x8", "multiple"),
         ("estimate bumps.toml -o t.exr --wavelengths auto", "name the wavelengths"),
         ("estimate bumps.toml -o t.exr --target-error 0", "--target-error"),
-        ("estimate bumps.toml -o t.exr --coherence cell", "use orders"),
+        ("estimate bumps.toml -o t.exr --coherence cell --rays 64", "computed by waves"),
         ("scatter bumps.toml --wavelengths auto", "name the wavelengths"),
         ("orders bumps.toml --wavelengths auto", "name the wavelengths"),
         ("estimate paper-fig4 -o t.exr --rays 64", "--rays"),
@@ -182,6 +182,8 @@ fn options_that_do_not_apply_are_refused() {
     ] {
         user.refused(line, 2, &[says]);
     }
+    let period = ["period of 20000 × 20000 nm", "orders at 380 nm", "for each direction and layer"];
+    user.refused("estimate bumps.toml -o t.exr --coherence cell", 1, &period);
 }
 
 #[test]
@@ -223,20 +225,25 @@ fn scatter_takes_several_wavelengths() {
     assert_eq!(parse(&both), serde_json::Value::Array(vec![parse(&one("450")), parse(&one("550"))]));
 }
 
-/// The ridges of `morpho-ridges` at 45 degrees, where the power of waves between the shelves does not balance.
+/// Ridges of two shelves a side, half a wavelength wide.
+const RIDGES: &str = "[cell]\nperiod_nm = [700.0, 700.0]\n\
+    surface = { kind = \"lamellae\", shelves = 2, width_nm = 400.0, top_width_nm = 250.0, shelf_nm = 60.0, \
+    gap_nm = 130.0, trunk_nm = 60.0, stagger_nm = 65.0 }\n[interface.cuticle]\nabove = \"air\"\nbelow = [1.56, 0.06]\n";
+
+/// Ridges at 45 degrees, where the power of waves between the shelves does not balance.
 #[test]
 fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
-    let user = User::new();
+    let user = User::with(&[("ridges.toml", RIDGES)]);
     let light = "--theta 45 --phi 20 --rays 256 --bins 2x4";
-    let ran = user.ok(&format!("scatter morpho-ridges {light}"));
+    let ran = user.ok(&format!("scatter ridges.toml {light}"));
     let report: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
     let warning = report["warnings"][0].as_str().expect("a warning");
     assert!(warning.contains("power balances only to -0.1") && ran.stderr.contains(warning), "{}", ran.stderr);
-    let quiet = user.ok(&format!("scatter morpho-ridges {light} --coherence none --quiet"));
+    let quiet = user.ok(&format!("scatter ridges.toml {light} --coherence none --quiet"));
     assert!(quiet.stdout.contains("\"warnings\": []") && quiet.stderr.is_empty());
 
     let options = "--incident 2x2 --bins 2x4 --rays 256 --wavelengths 550";
-    let ran = user.ok(&format!("estimate morpho-ridges -o ray.exr {options}"));
+    let ran = user.ok(&format!("estimate ridges.toml -o ray.exr {options}"));
     assert!(ran.stderr.contains("power balances only to") && ran.stderr.contains("imbalance ≤ "), "{}", ran.stderr);
     let ray = table(&user, "ray.exr");
     let warning = ray.metadata.get("warning").unwrap();
@@ -244,16 +251,16 @@ fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
     assert!(ray.energy.iter().any(|energy| energy.without_interference > 0.01));
     assert!(ray.metadata.get("imbalance_max").unwrap().parse::<f64>().unwrap().abs() > 0.05);
     assert!(ray.energy.iter().any(|energy| energy.imbalance.value.abs() > 0.05));
-    user.ok(&format!("estimate morpho-ridges -o none.exr {options} --coherence none"));
+    user.ok(&format!("estimate ridges.toml -o none.exr {options} --coherence none"));
     let none = table(&user, "none.exr");
     assert!(none.metadata.get("warning").is_none() && none.energy.iter().all(|e| e.imbalance.value.abs() < 1e-4));
 }
 
 /// Waves that find no slot or ring for ever fall back to paths without interference, so their light is not left out.
 #[test]
-fn a_preset_of_shelves_leaves_out_no_light() {
-    let user = User::new();
-    let ran = user.ok("scatter morpho-ridges --theta 20 --phi 20 --rays 256 --bins 2x4 -q");
+fn shelves_leave_out_no_light() {
+    let user = User::with(&[("ridges.toml", RIDGES)]);
+    let ran = user.ok("scatter ridges.toml --theta 20 --phi 20 --rays 256 --bins 2x4 -q");
     let report: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
     let of = |key: &str| report[key]["value"].as_f64().expect("a number");
     assert!(of("truncated") <= 1e-3 && of("without_interference") > 0.0, "{}", ran.stdout);

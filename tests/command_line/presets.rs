@@ -242,7 +242,7 @@ const LEFT_OUT: f64 = 1e-4;
 #[test]
 fn mesh_presets_scatter_all_of_the_light() {
     let user = User::new();
-    assert_eq!(mesh_presets().count(), 9);
+    assert_eq!(mesh_presets().count(), 13);
     for name in mesh_presets() {
         let light = "--theta 20 --phi 30 --wavelength 550 --coherence none --rays 1024 --json -";
         let report = user.ok(&format!("scatter {name} {light}")).stdout;

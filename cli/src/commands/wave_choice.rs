@@ -19,11 +19,7 @@ pub(super) fn wave_cell<'s>(
         (Some(OrderMethod::Waves), Some(option)) => {
             return Err(Error::usage(format_args!("{option}: is of rays, and waves have none; leave it out")));
         }
-        (Some(OrderMethod::Rays), _) => return Ok(None),
-        (None, Some(option)) => {
-            note(quiet, format_args!("{}: by rays, since {option} is given; waves are the default", scene.name));
-            return Ok(None);
-        }
+        (Some(OrderMethod::Rays), _) | (None, Some(_)) => return Ok(None),
         (_, None) => {}
     }
     if let Shape::Stack { .. } = scene.shape {

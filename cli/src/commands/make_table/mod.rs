@@ -7,8 +7,8 @@ mod waves;
 
 use std::path::Path;
 
-use crate::commands::args::EstimateArgs;
-use crate::scene::{Scene, Shape};
+use crate::commands::args::{Bins, EstimateArgs};
+use crate::scene::{Periods, Scene, Shape};
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::grid::Wavelengths;
 use crate::solve::scatter::Coherence;
@@ -20,6 +20,10 @@ const RAYS_IN_MEMORY: u32 = 512;
 
 /// Step of the wavelengths of a table of waves that is only drawn.
 const STEP_IN_MEMORY_NM: f64 = 20.0;
+/// Error bar of the efficiencies of a table of waves that is only drawn.
+const ERROR_IN_MEMORY: f64 = 5e-3;
+/// Numbers of directions of the light, β × α, of a table of orders that is only drawn.
+const NODES_IN_MEMORY: [u32; 2] = [5, 13];
 
 /// Makes the table of a scene; also returns its summary, and the checkpoint with its finished parts if it has an
 /// output.
@@ -50,7 +54,13 @@ pub(super) fn make_table_in_memory(scene: &Scene, quiet: bool) -> Result<(Table,
     args.computing.running.quiet = quiet;
     if matches!(scene.shape, Shape::Mesh(_)) {
         match coherence(&args, scene) {
-            Coherence::Cell => args.wavelengths = Some(Wavelengths::every(STEP_IN_MEMORY_NM)),
+            Coherence::Cell => {
+                args.wavelengths = Some(Wavelengths::every(STEP_IN_MEMORY_NM));
+                args.cell.target_error = Some(ERROR_IN_MEMORY);
+                if scene.periods != Some(Periods::Random) {
+                    args.cell.incident = Some(Bins(NODES_IN_MEMORY));
+                }
+            }
             _ => args.cell.rays = Some(RAYS_IN_MEMORY),
         }
     }

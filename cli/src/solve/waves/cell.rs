@@ -203,7 +203,7 @@ impl<'s> WaveCell<'s> {
         };
         Err(Error::failed(format_args!(
             "{}: a period of {x} × {y} nm needs at least {orders} orders at {wavelength_nm} nm, some {time} for each direction and \
-             layer; waves take periods of up to {:.0} wavelengths here; use --method rays",
+             layer; waves take periods of up to {:.0} wavelengths here; orders --method rays takes any",
             self.scene.name,
             0.9 * allowed as f64,
         )))
