@@ -1,7 +1,7 @@
 //! Fourier modal method for profiles that do not depend on y, at any incidence.
 //!
 //! Layers are joined from the substrate upwards by the reflection matrix of all that lies below, so that no exponential
-//! grows: opaque and thick layers are safe.
+//! grows far: opaque and thick layers are safe.
 
 mod medium;
 mod recursion;

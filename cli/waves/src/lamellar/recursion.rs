@@ -9,8 +9,8 @@ use super::medium::{Interface, Magnetic, Waves};
 use crate::error::WaveError;
 use crate::linear::{Matrix, Rows, multiply_into, product, scale_rows};
 
-/// Growth of evanescent waves over several layers up to which their reflection matrix is not found layer by layer.
-/// Amplitudes lose as many digits as it has.
+/// Growth of waves, in a layer's evanescent ones or over several layers, up to which their reflection matrix is not yet
+/// found. Amplitudes lose at most as many digits as it has.
 const MAX_GROWTH: f64 = 1e3;
 
 /// Amplitudes of the waves of a pattern for one incident polarisation.
@@ -56,6 +56,16 @@ impl Meeting {
     fn new(waves: usize) -> Self {
         let empty = || Matrix::zeros(waves, waves);
         Self { up: empty(), down: Matrix::identity(waves, waves), across: [empty(), empty()] }
+    }
+
+    /// Largest element of `down` after [`Meeting::rise`]; 1 where `down` was found anew.
+    fn growth(&self, phases: &[Complex64]) -> f64 {
+        let factors: Vec<f64> = phases.iter().map(|phase| phase.norm_sqr().recip()).collect();
+        let largest = |column: &[Complex64]| {
+            column.iter().zip(&factors).fold(0.0, |most: f64, (down, factor)| most.max(down.norm_sqr() * factor))
+        };
+        let columns = (0..self.down.ncols()).map(|column| largest(self.down.col_as_slice(column)));
+        0.5 * columns.fold(0.0, f64::max).sqrt()
     }
 
     /// From the bottom to the top of a layer by its `phases`, as halves.
@@ -151,20 +161,17 @@ fn climb(
     let mut below = substrate;
     let n = waves.len();
     let mut meeting = Meeting::new(n);
-    let mut growth = 1.0;
     // Triangular factors side by side from the substrate upwards, in one allocation.
     let mut factors = Matrix::zeros(n, n * layers.len());
     let mut passed: Vec<(Rows, Vec<Complex64>)> = Vec::with_capacity(layers.len());
     for layer in layers.iter().rev() {
         join(layer, below, &mut meeting);
         let phases = layer.phases(waves.clone());
-        growth *= phases.iter().fold(1.0, |most: f64, phase| most.max(phase.norm_sqr().recip())).sqrt();
-        if growth <= MAX_GROWTH {
+        if meeting.growth(&phases) <= MAX_GROWTH {
             meeting.rise(&phases);
         } else {
             let factors = factors.subcols_mut(passed.len() * n, n);
             passed.push((meeting.rise_anew(&phases, factors)?, phases));
-            growth = 1.0;
         }
         below = layer.waves;
     }
