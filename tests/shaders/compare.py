@@ -1,7 +1,7 @@
 """Runs the three shaders of tests/shaders/run on a texture, and compares them with the library's own look-up.
 
-Arguments: the folder of the shaders, the texture (.exr or .png), and the command that looks up points. Its lines are R, G,
-B, and for diffraction orders the size of the terms that add up.
+Arguments: the folder of the shaders, the texture (.exr or .png), and the command that looks up points. Its lines are R,
+G, B, and for diffraction orders the size of the terms that add up.
 """
 import os
 import subprocess

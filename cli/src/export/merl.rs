@@ -43,7 +43,8 @@ fn directions(h: usize, d: usize, p: usize) -> [DVec3; 2] {
 /// The bytes of the MERL file of a table.
 ///
 /// # Errors
-/// An anisotropic table, one of diffraction orders, a table without colours, or a roughness that is missing or has no use.
+/// An anisotropic table, one of diffraction orders, a table without colours, or a roughness that is missing or has no
+/// use.
 pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
     if matches!(table, Table::Orders(_)) {
         return Err(Error::failed(

@@ -2,8 +2,8 @@
 //!
 //! The texture holds strengths (see [`OrderTable`]) at a few wavelengths, four of them in each texel. It consists of
 //! tiles of the table's nodes, α along x and β along y: order k and wavelengths 4g to 4g + 3 have the tile in column k
-//! and row g. A function emitted with its constants looks one environment up for each order and wavelength, in the exact
-//! direction.
+//! and row g. A function, emitted with its constants, looks the environment up for each order and wavelength, in the
+//! exact direction.
 
 use std::collections::BTreeMap;
 use std::fmt::{Display, Write};

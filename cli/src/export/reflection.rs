@@ -39,9 +39,9 @@ pub enum ReflectionKind {
 /// Widths of lobes that the user gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LobeWidth {
-    /// For mirror-like tables: α of a GGX lobe.
+    /// α of the GGX lobe of a mirror-like table.
     pub roughness: Option<f64>,
-    /// For diffraction orders: standard deviation of a Gaussian lobe, in degrees.
+    /// Standard deviation of the Gaussian lobe of a diffraction order, in degrees.
     pub spread_deg: Option<f64>,
 }
 

@@ -7,8 +7,8 @@
 //! viewer's.
 //!
 //! A mirror-like table becomes GGX facets: D and σ are those of the lobe, and the remaining factor is smooth. For
-//! tilted facets and diffraction orders D = 1 and σ = 1/4. The warp only decides where the BRDF is sampled ([`grid`]); `luminance` alone makes
-//! samples follow the BRDF.
+//! tilted facets and diffraction orders D = 1 and σ = 1/4. The warp only decides where the BRDF is sampled ([`grid`]);
+//! `luminance` alone makes samples follow the BRDF.
 
 pub mod density;
 pub mod grid;
