@@ -93,8 +93,8 @@ fn a_table_of_orders_loads_with_its_wavelengths() {
         let (view, rounded) = (read.view(wo).unwrap(), rounded.view(wo).unwrap());
         for (w, order) in (0..4).flat_map(|w| (0..3).map(move |order| (w, order))) {
             let Some(light) = view.light(w, order) else { continue };
-            let cosines = if order == 1 { 1.0 } else { wo.z * light.direction.z };
-            let expected = table.unpolarised()[table.first(w, node) + order] * cosines;
+            let factor = goniochrome::table::match_factor(wo.z, light.direction.z);
+            let expected = table.unpolarised()[table.first(w, node) + order] * factor;
             // The angles themselves are rounded.
             assert!((light.efficiency - expected).abs() < 1e-5, "{light:?} for {expected}");
             assert!((rounded.light(w, order).unwrap().efficiency - expected).abs() < 1e-5 + HALF);

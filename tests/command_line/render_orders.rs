@@ -41,7 +41,7 @@ fn grating_colour(wo: DVec3, lamp: DVec3, diameter_deg: f64) -> [f64; 3] {
         let edge =
             ((DVec3::new(x, y, z).dot(lamp).acos().to_degrees() / (0.5 * diameter_deg) - 0.75) / 0.5).clamp(0.0, 1.0);
         let light = 0.1 + 60.0 / diameter_deg * (1.0 - edge * edge * (3.0 - 2.0 * edge));
-        let efficiency = strength(m, nm) * if m == 0 { 1.0 } else { z * wo.z };
+        let efficiency = strength(m, nm) * 4.0 * z * wo.z / (z + wo.z).powi(2);
         if z > 0.0 {
             xyz += DVec3::from(*weight) * efficiency * light
         };
@@ -123,7 +123,8 @@ fn lossless() -> OrderTable {
             let (nm, wo) = (lossless.wavelength_nm[i / count], lossless.layout.direction(i % count));
             let left = (-3..=3).filter(|&m| m != 0).fold(1.0, |left, m| {
                 let up = 1.0 - (f64::from(m) * nm / 400.0 - wo.x).powi(2) - wo.y * wo.y;
-                left - SHARE * wo.z * up.max(0.0).sqrt()
+                let (i, o) = (wo.z, up.max(0.0).sqrt());
+                left - SHARE * 4.0 * i * o / (i + o).powi(2)
             });
             (-3..=3).map(move |m| if m == 0 { left as f32 } else { SHARE as f32 })
         })

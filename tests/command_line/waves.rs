@@ -84,17 +84,16 @@ fn tables_of_orders_hold_what_orders_prints_and_do_not_depend_on_threads() {
             let wavelength = usize::from(row[2] == 600.0);
             let order = table.orders.iter().position(|index| index.map(f64::from) == [row[0], row[1]]).unwrap();
             let place = table.first(wavelength, node) + order;
-            let cosines = |theta: f64| if row[0] == 0.0 { 1.0 } else { wi.z * theta.to_radians().cos() };
+            let factor = |k_o: f64| 4.0 * wi.z * k_o / (wi.z + k_o).powi(2);
             for (found, strength) in [(row[4], table.reflected.s[place]), (row[5], table.reflected.p[place])] {
                 if !found.is_nan() {
-                    let expected = f64::from(strength) * cosines(row[3]);
+                    let expected = f64::from(strength) * factor(row[3].to_radians().cos());
                     // Single precision, and six digits of an angle that may be near 90°.
                     assert!((found - expected).abs() < 1e-6, "{node} {row:?}: {found} {expected}");
                 }
             }
             if !row[7].is_nan() {
-                let cos_t = row[6].to_radians().cos();
-                let expected = f64::from(table.transmitted.s[place]) * wi.z * cos_t;
+                let expected = f64::from(table.transmitted.s[place]) * factor(1.5 * row[6].to_radians().cos());
                 assert!((row[7] - expected).abs() < 1e-6, "{node} {row:?}: {expected}");
             }
         }

@@ -236,8 +236,7 @@ class Orders:
         t = scale * self.orders / self.period - wi[:2]
         up2 = 1 - (t**2).sum(-1)
         up = np.sqrt(np.maximum(up2, 0))  # 0 for orders that do not travel
-        zero = (self.orders == 0).all(-1)
-        efficiency = np.where(zero, strength, strength * up * wi[2]) * (up2 > 0)
+        efficiency = strength * 4 * up * wi[2] / (up + wi[2]) ** 2
         return np.concatenate([t, up[..., None]], -1), efficiency
 
     def albedo(self, wi):

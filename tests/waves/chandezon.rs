@@ -198,7 +198,8 @@ fn error_bar() {
     let disc = graph(740.0, 1.58, ALUMINIUM, &points);
     let q = [0.4, 0.3];
     let goal = Goal { target: 1e-3, first: enough_orders(&disc, 550.0).expect("orders"), limit: 60 };
-    let found = converge(goal, |max_order| Ok(vec![solve(&disc, 550.0, q, max_order)])).expect("response");
+    let found =
+        converge(goal, |max_order| Ok::<_, WaveError>(vec![solve(&disc, 550.0, q, max_order)])).expect("response");
     let error = largest_change(&found.responses[0], &solve(&disc, 550.0, q, 50));
     assert!(found.met && found.max_order <= 25, "{} {}", found.error_bar, found.max_order);
     assert!(error <= found.error_bar, "{error:.1e} {:.1e}", found.error_bar);

@@ -1,6 +1,7 @@
 //! Truncation of surfaces with two periods.
 
 use goniochrome_waves::Complex64;
+use goniochrome_waves::WaveError;
 use goniochrome_waves::convergence::{Converged, Goal, converge, largest_change};
 use goniochrome_waves::crossed::{CrossedModes, first_level, truncation};
 use goniochrome_waves::light::Light;
@@ -16,7 +17,7 @@ fn solve(profile: &CrossedProfile, light: &Light, level: usize) -> Vec<Response>
 
 fn converged(profile: &CrossedProfile, light: &Light, target: f64, limit: usize) -> Converged {
     let goal = Goal { target, first: first_level(profile, light), limit };
-    converge(goal, |level| Ok(solve(profile, light, level))).expect("responses")
+    converge(goal, |level| Ok::<_, WaveError>(solve(profile, light, level))).expect("responses")
 }
 
 /// Layer of one to three rectangles in air, of which later ones cover earlier ones.

@@ -1,5 +1,6 @@
 //! Error bars against four times the orders.
 
+use goniochrome_waves::WaveError;
 use goniochrome_waves::convergence::{Goal, converge, largest_change};
 use goniochrome_waves::lamellar::Modes;
 use goniochrome_waves::response::Response;
@@ -23,7 +24,8 @@ fn error_bars_of_random_profiles_are_true() {
         let wavelength = random.within(380.0, 780.0);
         let [kx, ky] = random.tangential(80.0);
         let ky = if case % 5 == 0 { 0.0 } else { ky };
-        let solve = |max_order: usize| Ok(vec![Modes::new(&profile, wavelength, kx, max_order)?.response(ky)?]);
+        let solve =
+            |max_order: usize| Ok::<_, WaveError>(vec![Modes::new(&profile, wavelength, kx, max_order)?.response(ky)?]);
         let found = converge(GOAL, solve).expect("a response");
         let reference = solve(4 * found.max_order).expect("a response");
         let error = largest_change(&found.responses, &reference);
@@ -49,10 +51,12 @@ fn response(max_order: usize) -> Vec<Response> {
 
 #[test]
 fn truncation_grows_until_the_target_or_the_limit() {
-    let met = converge(Goal { target: 1e-3, first: 4, limit: 1000 }, |m| Ok(response(m))).expect("a response");
+    let met = converge(Goal { target: 1e-3, first: 4, limit: 1000 }, |m| Ok::<_, WaveError>(response(m)))
+        .expect("a response");
     assert!(met.met && met.error_bar <= 1e-3 && met.max_order < 1000, "{met:?}");
     assert!((met.max_order as f64).powi(-2) <= met.error_bar, "{met:?}");
-    let limited = converge(Goal { target: 1e-6, first: 4, limit: 20 }, |m| Ok(response(m))).expect("a response");
+    let limited =
+        converge(Goal { target: 1e-6, first: 4, limit: 20 }, |m| Ok::<_, WaveError>(response(m))).expect("a response");
     assert!(!limited.met && limited.max_order == 20, "{limited:?}");
     assert!(20_f64.powi(-2) <= limited.error_bar, "{limited:?}");
     let alone = converge(Goal { target: 1e-6, first: 4, limit: 4 }, |m| Ok(response(m))).expect("a response");

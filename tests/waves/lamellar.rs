@@ -1,6 +1,7 @@
 //! The Fourier modal method against efficiencies from an independent program.
 
 use goniochrome_waves::Complex64;
+use goniochrome_waves::WaveError;
 use goniochrome_waves::convergence::{Goal, converge};
 use goniochrome_waves::lamellar::Modes;
 use goniochrome_waves::profile::{Profile, Slice};
@@ -120,7 +121,8 @@ fn error_bars_hold_for_the_recorded_cases() {
         for record in list(case, "data") {
             let [kx, ky] = tangential(number(record, "theta_deg"), number(record, "phi_deg"));
             let wavelength = number(record, "wavelength_nm");
-            let solve = |max_order| Ok(vec![Modes::new(&profile, wavelength, kx, max_order)?.response(ky)?]);
+            let solve =
+                |max_order| Ok::<_, WaveError>(vec![Modes::new(&profile, wavelength, kx, max_order)?.response(ky)?]);
             let found = converge(Goal { target, first, limit }, solve).expect("a response");
             let error = largest_difference(&found.responses[0], record);
             let known = number(record, "change_between_truncations");

@@ -43,7 +43,7 @@ float3 goniochrome_orders(Texture2D strengths, SamplerState strengths_sampler, f
                     float up = sqrt(up_squared);
                     float3 direction = t.x * tangent + t.y * binormal + up * normal;
                     float width = GONIOCHROME_STEP_NM * length(grating) / up;
-                    sum += up * o.z * weight * goniochrome_environment(direction, width);
+                    sum += 4.0 * up * o.z / ((up + o.z) * (up + o.z)) * weight * goniochrome_environment(direction, width);
                 }
             }
         }

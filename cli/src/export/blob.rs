@@ -73,6 +73,7 @@ fn largest_angle(table: &MirrorTable) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use goniochrome::colour::Illuminant;
+    use goniochrome::table::match_factor;
 
     use super::*;
     use crate::table::metadata::MetadataKey;
@@ -97,9 +98,9 @@ mod tests {
             let view = read.view(glam::Vec3::Z).unwrap();
             for (order, strength) in strengths.iter().enumerate() {
                 let light = view.light(w, order).unwrap();
-                let cos = if order == 1 { 1.0 } else { light.direction.z };
+                let factor = match_factor(1.0, light.direction.z);
                 // Rounding of the angles to single precision, times the differences of neighbouring nodes.
-                assert!((light.efficiency - strength * cos).abs() < 1e-6, "{light:?} for {strength}");
+                assert!((light.efficiency - strength * factor).abs() < 1e-6, "{light:?} for {strength}");
             }
         }
         table.wavelength_nm = vec![1200.0, 1300.0];

@@ -9,7 +9,7 @@
 
 use glam::{DVec3, Mat3, Vec3};
 use goniochrome::colour::Quadrature;
-use goniochrome::table::{OrderTable as Lookup, OrderView};
+use goniochrome::table::{OrderTable as Lookup, OrderView, match_factor};
 
 use super::channels::Channels;
 use super::environment::Environment;
@@ -221,7 +221,7 @@ impl Seen<'_> {
     fn weighted(&self, weight: Mat3, (direction, strength): Place) -> Vec3 {
         match direction {
             Some(direction) if strength > 0.0 && weight != Mat3::ZERO => {
-                weight * self.look(direction) * (strength * direction.z * self.cos)
+                weight * self.look(direction) * (strength * match_factor(direction.z, self.cos))
             }
             _ => Vec3::ZERO,
         }

@@ -12,10 +12,11 @@ use crate::table::scatter::MAX_VALUES;
 /// strengths.
 ///
 /// An order's efficiency e is its power through a plane parallel to the surface, as a share of the power that arrives
-/// through that plane. Its strength is e/(cos θ_i cos θ_o), for light at θ_i and an order that leaves at θ_o in its own
-/// half-space. The strength of the reflected order (0, 0) is e itself. Where a reflected order is evanescent, its
-/// strength continues the formula e = |E|² cos θ_o/cos θ_i. Light has no such order, but neighbouring nodes are
-/// interpolated through it.
+/// through that plane. Its strength is e over 4 k_i k_o/(k_i + k_o)², for the vertical wavevectors k_i = n_i cos θ_i of the
+/// light and k_o = n_o cos θ_o of the order in its own half-space: the factor of the library's
+/// [`match_factor`](goniochrome::table::match_factor), 1 for the reflected order (0, 0). Where an order is evanescent, the
+/// strength continues the formula with k_o = 0, up to 1. Light has no such order, but neighbouring nodes are interpolated
+/// through it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrderTable {
     /// Grid of directions towards the light.

@@ -23,6 +23,6 @@ pub use error::{MAX_MAGNITUDE, TableError};
 pub use layout::{GridNode, ScatterLayout};
 pub use mirror::MirrorTable;
 pub use order_layout::{OrderLayout, Periodicity};
-pub use orders::{DiffractedLight, OrderArrays, OrderSample, OrderTable, OrderView};
+pub use orders::{DiffractedLight, OrderArrays, OrderSample, OrderTable, OrderView, match_factor};
 pub use sampler::ScatterSampler;
 pub use scatter::ScatterTable;

@@ -6,6 +6,15 @@ use super::order_layout::{OrderLayout, Periodicity};
 use super::values::Values;
 use glam::Vec3;
 
+/// Efficiency over strength of an order: 4 cos θ_i cos θ_o/(cos θ_i + cos θ_o)², for the cosines of the light and of the
+/// order, both positive. It is the transmittance of a step between two impedances, at most 1, and 1 for order (0, 0).
+#[must_use]
+#[inline]
+pub fn match_factor(cos_i: f32, cos_o: f32) -> f32 {
+    let sum = cos_i + cos_o;
+    4.0 * cos_i * cos_o / (sum * sum)
+}
+
 /// Reflection of a periodic surface into diffraction orders.
 ///
 /// Light from the unit vector `wi` leaves in order (m, n) along `wo`, of tangential components wo_t = −wi_t + (λ/n)
@@ -14,9 +23,10 @@ use glam::Vec3;
 /// from `wo` itself and leaves along `wi`. The surface element, the cosines and the solid angles cancel, so that
 /// radiance is L(wo, λ) = Σ e L(wi, λ): a sum of mirror-like terms, one for each order.
 ///
-/// The table holds strengths, not efficiencies. For orders other than (0, 0) the strength is e/(cos θ_i cos θ_o): it
-/// passes smoothly through the directions in which an order begins or ends, where e itself has a kink. The strength of
-/// order (0, 0) is e. Strengths are linear between the nodes of an [`OrderLayout`] and between wavelengths.
+/// The table holds strengths, not efficiencies: e over [`match_factor`], the power that passes between waves of these
+/// directions at best. It passes smoothly through the directions in which an order begins or ends, where e itself has a
+/// kink. The strength of order (0, 0) is e. Strengths are linear between the nodes of an [`OrderLayout`] and between
+/// wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderTable<'a> {
     layout: OrderLayout,
@@ -259,9 +269,8 @@ impl<'a> OrderView<'a> {
         let between = Between { first: wavelength, next: (wavelength + 1).min(last), t: t.clamp(0.0, 1.0) };
         let [nm, index] = [self.table.wavelength_nm, self.table.index].map(|values| between.mix(|w| values.at(w)));
         let direction = self.towards(order, nm / index)?;
-        let cosines = if self.table.numbers(order)? == [0.0; 2] { 1.0 } else { direction.z * self.wo.z };
         let strength = between.mix(|wavelength| self.strength(wavelength, order));
-        Some(DiffractedLight { direction, efficiency: strength * cosines })
+        Some(DiffractedLight { direction, efficiency: strength * match_factor(direction.z, self.wo.z) })
     }
 
     /// Unit vector towards the light of an order, for any wavelength in the medium above. `None` where the order is

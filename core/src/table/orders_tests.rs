@@ -104,7 +104,7 @@ fn light_returns_by_the_order_by_which_it_came() {
 }
 
 #[test]
-fn efficiencies_are_strengths_times_both_cosines_except_that_of_the_mirror_direction() {
+fn efficiencies_are_strengths_times_the_factor_of_both_directions() {
     for arrays in ALL.map(Arrays::new) {
         let table = arrays.table();
         for node in 0..table.layout().count() {
@@ -117,7 +117,8 @@ fn efficiencies_are_strengths_times_both_cosines_except_that_of_the_mirror_direc
                     let strength =
                         arrays.strength[(wavelength * table.layout().count() + node) * table.order_count() + order];
                     let mirror = table.order(order) == [0, 0];
-                    let expected = strength * if mirror { 1.0 } else { wo.z * light.direction.z };
+                    let (i, o) = (wo.z, light.direction.z);
+                    let expected = strength * 4.0 * i * o / (i + o).powi(2);
                     // Weights of the node, which sum to 1, are right within the rounding of angles: 1e-4 at most
                     // (see `nodes_interpolate_to_themselves`).
                     assert!((light.efficiency - expected).abs() < 1e-4, "{light:?} for {expected}");

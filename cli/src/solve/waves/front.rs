@@ -110,7 +110,9 @@ impl FrontFace {
                     continue;
                 };
                 power.efficiency[polarisation] = over_cosine * cos_o;
-                power.strength[polarisation] = over_cosine / cos_i;
+                // e over 4 c_i c_o/(c_i + c_o)², with c_o = 0 beyond the horizon.
+                let strength = over_cosine * (cos_i + cos_o).powi(2) / (4.0 * cos_i);
+                power.strength[polarisation] = if cos_o > 0.0 { strength } else { strength.min(1.0) };
                 if order.number == 0 {
                     power.efficiency[polarisation] += 1.0 - entering[polarisation];
                     power.strength[polarisation] = power.efficiency[polarisation];
@@ -133,8 +135,7 @@ impl FrontFace {
         for (from, meeting) in structure.iter().zip(meeting) {
             for order in from.response.transmitted.iter().filter(|order| order.vertical.re > 0.0) {
                 let index = from.number + number(order);
-                let below = from.response.half_spaces[1];
-                let cos_t = order.vertical.re / below.re;
+                let (k_i, k_t) = (self.outside * cos_i, order.vertical.re);
                 let [s, p] = from.response.transmitted_efficiency(order);
                 let found = s * meeting[0] + p * meeting[1];
                 let place = match powers.transmitted.iter().position(|power| power.index[0] == index) {
@@ -145,7 +146,7 @@ impl FrontFace {
                     }
                 };
                 powers.transmitted[place].efficiency[polarisation] += found;
-                powers.transmitted[place].strength[polarisation] += found / (cos_i * cos_t);
+                powers.transmitted[place].strength[polarisation] += found * (k_i + k_t).powi(2) / (4.0 * k_i * k_t);
             }
         }
     }

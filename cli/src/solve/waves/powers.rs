@@ -27,12 +27,12 @@ impl DirectionPowers {
         let reflected = |order: &Order| OrderPower {
             index: order.index,
             efficiency: response.reflected_efficiency(order),
-            strength: reflected_strength(response, order),
+            strength: strength(response, order),
         };
         let transmitted = |order: &Order| OrderPower {
             index: order.index,
             efficiency: response.transmitted_efficiency(order),
-            strength: transmitted_strength(response, order),
+            strength: strength(response, order),
         };
         Self {
             reflected: response.reflected.iter().map(reflected).collect(),
@@ -41,18 +41,14 @@ impl DirectionPowers {
     }
 }
 
-/// Strength of a reflected order: e/(cos θ_i cos θ_o) with e = |E|² cos θ_o/cos θ_i, or e itself of order (0, 0).
-fn reflected_strength(response: &Response, order: &Order) -> [f64; 2] {
-    if order.index == [0, 0] {
-        return response.reflected_efficiency(order);
-    }
-    let cos = response.incident_vertical / response.half_spaces[0].re;
-    order.jones.map(|[s, p]| (s.norm_sqr() + p.norm_sqr()) / (cos * cos))
-}
-
-/// Strength of a transmitted order: e/(cos θ_i cos θ_t) with e = |E|² n_t cos θ_t/(n_i cos θ_i).
-fn transmitted_strength(response: &Response, order: &Order) -> [f64; 2] {
-    let [above, below] = response.half_spaces.map(|eta| eta.re);
-    let cos = response.incident_vertical / above;
-    order.jones.map(|[s, p]| (s.norm_sqr() + p.norm_sqr()) * below / (above * cos * cos))
+/// Strength of an order: e = |E|² k_o/k_i over 4 k_i k_o/(k_i + k_o)². Where the order is evanescent, k_o is 0 and the
+/// strength at most 1.
+fn strength(response: &Response, order: &Order) -> [f64; 2] {
+    let (k_i, k_o) = (response.incident_vertical, order.vertical.re);
+    let travels = k_o > order.vertical.im.abs();
+    let k_o = if travels { k_o } else { 0.0 };
+    order.jones.map(|[s, p]| {
+        let strength = (s.norm_sqr() + p.norm_sqr()) * ((k_i + k_o) / (2.0 * k_i)).powi(2);
+        if travels { strength } else { strength.min(1.0) }
+    })
 }

@@ -31,8 +31,9 @@
 //! and then cos θ_o = √(1 − |wo_t|²). Its efficiency, the power through a plane parallel to the surface as a share of
 //! the power that arrives through it, is
 //!
-//! - e = strength for the reflected order (0, 0),
-//! - e = strength · cos θ_i · cos θ_o for every other order that travels, with cos θ_i = cos α cos β.
+//! e = strength · 4 k_i k_o/(k_i + k_o)²,
+//!
+//! with k_i = η_a cos θ_i, cos θ_i = cos α cos β, and k_o = η cos θ_o. The factor is 1 for the reflected order (0, 0).
 //!
 //! Interpolate strengths, not efficiencies: e has a kink where an order begins, the strength is smooth there. That is
 //! why there are strengths of orders that do not travel. No light leaves in these.

@@ -61,8 +61,9 @@ class OrderTable {
         if (up <= 0) return;
         const from = (w * this.orders.length + order) * count;
         const strength = near.reduce((sum, [node, share]) => sum + share * this.strengths[from + node], 0);
-        const cosines = m === 0 && n === 0 ? 1 : Math.sqrt(up) * wo[2];
-        visit(w, order, [x, y, Math.sqrt(up)], strength * cosines);
+        const sum = Math.sqrt(up) + wo[2];
+        const factor = (4 * Math.sqrt(up) * wo[2]) / (sum * sum);
+        visit(w, order, [x, y, Math.sqrt(up)], strength * factor);
       });
     });
   }

@@ -36,6 +36,10 @@ vec2 amongStrengths(vec2 place, int block) {
     return vec2(node.x, node.y + float(block) * nodes.y) / vec2(nodes.x, nodes.y * float(blocks));
 }
 
+// Efficiency over strength, as match_factor of the library.
+float matched(float i, float o) { return 4.0 * i * o / ((i + o) * (i + o)); }
+vec4 matched(vec4 i, float o) { return 4.0 * i * o / ((i + o) * (i + o)); }
+
 // Light of the lamp by one order of the step `by`, without its surroundings.
 vec3 fromLamp(vec3 wo, vec3 towards, vec2 by, vec2 place, int component) {
     // Tangential components of directions are no farther apart than their chords: |by λ − middle| ≤ reach.
@@ -59,7 +63,7 @@ vec3 fromLamp(vec3 wo, vec3 towards, vec2 by, vec2 place, int component) {
         if (light <= 0.0) continue;
         vec2 of = vec2((nm - range.x) / (range.y - range.x), 0.0);
         vec4 weight = textureLod(response, amongTexels(of, vec2(textureSize(response, 0))), 0.0);
-        sum += weight.rgb * (light * direction.z * textureLod(strengths, vec3(place, weight.a), 0.0)[component]);
+        sum += weight.rgb * (light * matched(direction.z, wo.z) * textureLod(strengths, vec3(place, weight.a), 0.0)[component]);
     }
     return sum * step;
 }
@@ -76,7 +80,7 @@ vec3 underLamp(vec3 wo, mat3 local, vec2 place, vec3 even, vec3 mirror) {
         sum += fromLamp(wo, towards, vec2(x.z, y.z), at, 2);
         sum += fromLamp(wo, towards, vec2(x.w, y.w), at, 3);
     }
-    return even * lamp.w + mirror * lampAt(distance(vec3(-wo.xy, wo.z), towards)) + sum * wo.z;
+    return even * lamp.w + mirror * lampAt(distance(vec3(-wo.xy, wo.z), towards)) + sum;
 }
 
 // Mean light around a direction, over looks that are `texels` apart.
@@ -117,7 +121,7 @@ void main() {
             vec4 up = 1.0 - x * x - y * y;
             if (max(max(up.x, up.y), max(up.z, up.w)) <= 0.0) continue;
             up = sqrt(max(up, 0.0));
-            vec4 part = up * textureLod(strengths, vec3(at, layers[i]), 0.0);
+            vec4 part = matched(up, wo.z) * textureLod(strengths, vec3(at, layers[i]), 0.0);
             vec3 seen = vec3(0.0);
             if (part.x > 0.0) seen += part.x * lookAt(local * vec3(x.x, y.x, up.x), widths.x / up.x);
             if (part.y > 0.0) seen += part.y * lookAt(local * vec3(x.y, y.y, up.y), widths.y / up.y);
@@ -126,5 +130,5 @@ void main() {
             sum += look.rgb * seen;
         }
     }
-    colour = vec4(sum * wo.z + mirror * lookAt(local * vec3(-wo.xy, wo.z), 0.0), 1.0);
+    colour = vec4(sum + mirror * lookAt(local * vec3(-wo.xy, wo.z), 0.0), 1.0);
 }
