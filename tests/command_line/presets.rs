@@ -254,7 +254,8 @@ fn mesh_presets_scatter_all_of_the_light() {
         let [reflected, transmitted, absorbed, truncated] =
             ["reflected", "transmitted", "absorbed", "truncated"].map(of);
         println!("{name}: {reflected} {transmitted} {absorbed} {truncated}");
-        assert!(reflected > 0.01 && transmitted > 0.01, "{name}: {reflected} {transmitted}");
+        // The least: pyramids of a moth's eye.
+        assert!(reflected > 1e-3 && transmitted > 0.01, "{name}: {reflected} {transmitted}");
         assert!(truncated <= LEFT_OUT, "{name}: {truncated}");
         let sum = reflected + transmitted + absorbed + truncated;
         assert!((sum - 1.0).abs() <= LEFT_OUT, "{name}: {sum}");

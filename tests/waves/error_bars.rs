@@ -59,6 +59,7 @@ fn truncation_grows_until_the_target_or_the_limit() {
         converge(Goal { target: 1e-6, first: 4, limit: 20 }, |m| Ok::<_, WaveError>(response(m))).expect("a response");
     assert!(!limited.met && limited.max_order == 20, "{limited:?}");
     assert!(20_f64.powi(-2) <= limited.error_bar, "{limited:?}");
-    let alone = converge(Goal { target: 1e-6, first: 4, limit: 4 }, |m| Ok(response(m))).expect("a response");
+    let alone =
+        converge(Goal { target: 1e-6, first: 4, limit: 4 }, |m| Ok::<_, WaveError>(response(m))).expect("a response");
     assert!(!alone.met && alone.error_bar.is_infinite(), "{alone:?}");
 }

@@ -25,7 +25,13 @@ pub(super) fn wave_cell<'s>(
     if let Shape::Stack { .. } = scene.shape {
         return Ok(None); // rays say what is wrong with it
     }
-    let usable = WaveCell::new(scene).and_then(|cell| cell.check_size(wavelength_nm, accuracy).map(|()| cell));
+    let usable = match WaveCell::new(scene) {
+        Ok(cell) => {
+            cell.check_media(wavelength_nm)?;
+            cell.check_size(wavelength_nm, accuracy).map(|()| cell)
+        }
+        Err(error) => Err(error),
+    };
     match usable {
         Ok(cell) => Ok(Some(cell)),
         Err(error) if method.is_some() => Err(error),

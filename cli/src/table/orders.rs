@@ -1,5 +1,6 @@
 //! Table of diffraction orders in memory.
 
+use glam::DVec3;
 use goniochrome::simd::complex::Polarised;
 use goniochrome::table::{OrderArrays, OrderLayout, OrderTable as Lookup, Periodicity};
 
@@ -65,6 +66,25 @@ impl OrderTable {
             rgb_weights: rgb_weights.into_iter().map(|rgb| rgb.map(|c| c as f32)).collect(),
             strength: self.unpolarised(),
         }
+    }
+
+    /// Largest sum of the reflected efficiencies for light from the middles between directions of the grid, where
+    /// strengths are interpolated. More than 1 says that the grid is too coarse.
+    ///
+    /// # Errors
+    /// A table that the library refuses.
+    pub fn worst_albedo(&self) -> Result<f64> {
+        let arrays = self.arrays(self.wavelength_nm.iter().map(|_| [0.0; 3]));
+        let lookup = arrays.table()?;
+        let [width, height] = self.layout.nodes().map(|n| n as usize);
+        let corners = |node: usize| [node, node + 1, node + width, node + width + 1];
+        let inner = (0..(height - 1) * width).filter(|node| node % width + 1 < width);
+        let middles = inner.map(|node| corners(node).map(|n| self.layout.direction(n)).into_iter().sum::<DVec3>());
+        let albedo = |middle: DVec3| {
+            let view = lookup.view(middle.normalize().as_vec3());
+            view.map_or(0.0, |view| (0..self.wavelength_nm.len()).map(|w| view.albedo(w)).fold(0.0, f32::max))
+        };
+        Ok(f64::from(middles.map(albedo).fold(0.0, f32::max)))
     }
 
     /// Largest error bar of an efficiency.

@@ -28,6 +28,9 @@ const NODES_LINES: [u32; 2] = [7, 25];
 /// Default numbers of directions of the light, β × α, for cells with two periods.
 const NODES_CROSSED: [u32; 2] = [7, 7];
 
+/// Largest sum of efficiencies between directions of the grid without a warning: a difference that is hardly seen.
+const MAX_ALBEDO: f64 = 1.02;
+
 /// Computes the table of a periodic cell; also returns its summary, and its checkpoint if it has an output.
 pub(super) fn wave_table(
     args: &EstimateArgs,
@@ -73,10 +76,20 @@ pub(super) fn wave_table(
         solve(&cell, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
     let error = table.worst_error();
-    let warnings: Vec<String> = (!met)
-        .then(|| format!("the error bar of efficiencies is up to {error:.1e}, more than {:.0e}", accuracy.target))
-        .into_iter()
-        .collect();
+    let mut warnings = Vec::new();
+    if !met {
+        let target = accuracy.target;
+        warnings.push(format!("the error bar of efficiencies is up to {error:.1e}, more than {target:.0e}"));
+    }
+    let albedo = table.worst_albedo()?;
+    if albedo > MAX_ALBEDO {
+        warnings.push(format!(
+            "between directions of the grid orders add up to {albedo:.2} of the light; name more directions, as \
+             --incident {}x{}",
+            2 * across,
+            2 * along
+        ));
+    }
     warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
     let metadata = wave_metadata(args, scene, periods, error, &warnings);
     let count = wavelength_nm.len();

@@ -172,6 +172,21 @@ impl<'s> WaveCell<'s> {
         accuracy.max_order.unwrap_or(if crossed { MAX_ORDER_CROSSED } else { MAX_ORDER_LINES })
     }
 
+    /// Refuses wavelengths at which a medium has no data or light cannot arrive.
+    ///
+    /// # Errors
+    /// Names the medium and the wavelength.
+    pub fn check_media(&self, wavelength_nm: &[f64]) -> Result<()> {
+        for &nm in wavelength_nm {
+            self.index_above(nm)?;
+            self.index_at_cell(nm)?;
+            for medium in 0..self.scene.media.len() {
+                self.eta(medium as MediumIndex, nm)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses wavelengths at which waves need more orders than are allowed.
     ///
     /// # Errors
