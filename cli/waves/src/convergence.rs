@@ -27,11 +27,11 @@ pub struct Goal {
     pub limit: usize,
 }
 
-/// Responses at the largest truncation that was used, with what is known of their error.
+/// Answer at the largest truncation that was used, with what is known of its error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Converged {
-    /// Responses, in the sequence in which the solver gave them.
-    pub responses: Vec<Response>,
+pub struct Converged<T = Vec<Response>> {
+    /// Responses, in the sequence in which the solver gave them, or what was made of them.
+    pub responses: T,
     /// Truncation M of the responses.
     pub max_order: usize,
     /// Largest change of any efficiency in the last step of the truncation; infinite if there was no step.
@@ -48,6 +48,18 @@ pub struct Converged {
 /// # Errors
 /// What `solve` returns.
 pub fn converge<E>(goal: Goal, solve: impl Fn(usize) -> Result<Vec<Response>, E>) -> Result<Converged, E> {
+    converge_by(goal, solve, |coarse, fine| largest_change(coarse, fine))
+}
+
+/// As [`converge`], of any answer, of which `change` gives the largest change of an efficiency between two truncations.
+///
+/// # Errors
+/// What `solve` returns.
+pub fn converge_by<T, E>(
+    goal: Goal,
+    solve: impl Fn(usize) -> Result<T, E>,
+    largest_change: impl Fn(&T, &T) -> f64,
+) -> Result<Converged<T>, E> {
     let mut max_order = goal.first.max(1).min(goal.limit.max(1));
     let mut responses = solve(max_order)?;
     let (mut change, mut error_bar) = (f64::INFINITY, f64::INFINITY);

@@ -8,11 +8,9 @@ use goniochrome::table::Periodicity;
 use goniochrome_waves::Complex64;
 
 use crate::scene::Scene;
+use crate::solve::waves::powers::is_opaque;
 use crate::solve::waves::sections::Sections;
 use crate::support::error::{Error, Result};
-
-/// Smallest index of absorption k, relative to n, at which the medium below counts as opaque.
-const MAX_TRANSPARENT: f64 = 1e-3;
 
 /// When a result is good enough, and when to give up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,7 +145,7 @@ impl<'s> WaveCell<'s> {
     /// A medium without data at the wavelength.
     pub fn index_below(&self, wavelength_nm: f64) -> Result<f64> {
         let eta = self.eta(self.sections.below, wavelength_nm)?;
-        Ok(if eta.im <= MAX_TRANSPARENT * eta.re { eta.re } else { 0.0 })
+        Ok(if is_opaque(eta) { 0.0 } else { eta.re })
     }
 
     /// Least number |m| of orders with which waves may be computed: those that travel in the densest medium that does not

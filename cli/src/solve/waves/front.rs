@@ -9,7 +9,7 @@
 
 use goniochrome_waves::response::{Order, Response};
 
-use crate::solve::waves::powers::{DirectionPowers, OrderPower};
+use crate::solve::waves::powers::{DirectionPowers, OrderPower, is_opaque};
 
 /// Share of the light that a repeated reflection may still carry when the sum ends.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -53,11 +53,10 @@ impl FrontFace {
         self.transmittance_over_cosine(tangential).map(|t| t * outside)
     }
 
-    /// Powers of orders outside for light that arrives outside in order 0; also how much light meets the structure, as a
-    /// multiple of the light that arrives, by which errors of the structure's efficiencies count.
-    pub fn seen(self, structure: &[OrderResponse]) -> (DirectionPowers, f64) {
+    /// Powers of orders outside for light that arrives outside in order 0.
+    pub fn seen(self, structure: &[OrderResponse]) -> DirectionPowers {
         let Some(arriving) = structure.iter().position(|order| order.number == 0) else {
-            return (DirectionPowers::default(), 0.0);
+            return DirectionPowers::default();
         };
         let tangential = structure[arriving].tangential;
         let [cos_i, _] = self.cosines(tangential);
@@ -86,7 +85,6 @@ impl FrontFace {
         let mut numbers: Vec<i32> = structure.iter().map(|order| order.number).collect();
         numbers.sort_unstable();
         powers.reflected.extend(numbers.iter().map(|&number| blank(number)));
-        let mut met = 0.0_f64;
         for polarisation in 0..2 {
             let mut on_structure = vec![[0.0; 2]; structure.len()];
             on_structure[arriving][polarisation] = entering[polarisation];
@@ -101,7 +99,6 @@ impl FrontFace {
                     break;
                 }
             }
-            met = met.max(total(&meeting));
             for (order, leaving) in structure.iter().zip(&leaving) {
                 let [cos_o, _] = self.cosines(order.tangential);
                 let per_cosine = self.transmittance_over_cosine(order.tangential);
@@ -120,7 +117,7 @@ impl FrontFace {
             }
             self.transmit(structure, &meeting, polarisation, cos_i, &mut powers);
         }
-        (powers, met)
+        powers
     }
 
     /// Adds the orders that leave below, for light in one polarisation of which `meeting` meets the structure.
@@ -133,6 +130,9 @@ impl FrontFace {
         powers: &mut DirectionPowers,
     ) {
         for (from, meeting) in structure.iter().zip(meeting) {
+            if is_opaque(from.response.half_spaces[1]) {
+                return;
+            }
             for order in from.response.transmitted.iter().filter(|order| order.vertical.re > 0.0) {
                 let index = from.number + number(order);
                 let (k_i, k_t) = (self.outside * cos_i, order.vertical.re);
@@ -190,7 +190,7 @@ mod tests {
                 let back = order.response.reflected_efficiency(&order.response.reflected[1]);
                 let face = FrontFace { outside, plate };
                 let front = face.transmittance(tangential).map(|t| 1.0 - t);
-                let (powers, _) = face.seen(&[order]);
+                let powers = face.seen(&[order]);
                 for p in 0..2 {
                     let (r, s) = (front[p], back[p]);
                     // The geometric series of a thick plate.

@@ -2,8 +2,8 @@
 //! orders and scattering of cells whose periods differ at random.
 
 mod sections;
-mod cell;
 mod powers;
+mod cell;
 mod front;
 mod solvers;
 pub mod one_direction;

@@ -1,5 +1,6 @@
 //! Powers of diffraction orders, as tables and commands take them.
 
+use goniochrome_waves::Complex64;
 use goniochrome_waves::response::{Order, Response};
 
 /// Power of an order for light in s and in p.
@@ -22,7 +23,26 @@ pub(super) struct DirectionPowers {
 }
 
 impl DirectionPowers {
-    /// Powers of a solver's response.
+    /// Largest change of an efficiency between two truncations. An order that the coarser lacks counts wholly.
+    pub fn largest_change(coarse: &[Self], fine: &[Self]) -> f64 {
+        let of = |coarse: &[OrderPower], fine: &[OrderPower]| {
+            let mut largest = 0.0_f64;
+            for order in fine {
+                let known = coarse.iter().find(|known| known.index == order.index);
+                let before = known.map_or([0.0; 2], |known| known.efficiency);
+                for (now, before) in order.efficiency.iter().zip(before) {
+                    largest = largest.max((now - before).abs());
+                }
+            }
+            largest
+        };
+        let changes = coarse.iter().zip(fine).map(|(coarse, fine)| {
+            of(&coarse.reflected, &fine.reflected).max(of(&coarse.transmitted, &fine.transmitted))
+        });
+        changes.fold(0.0, f64::max)
+    }
+
+    /// Powers of a solver's response; none below where that half-space is opaque.
     pub fn of(response: &Response) -> Self {
         let reflected = |order: &Order| OrderPower {
             index: order.index,
@@ -36,9 +56,21 @@ impl DirectionPowers {
         };
         Self {
             reflected: response.reflected.iter().map(reflected).collect(),
-            transmitted: response.transmitted.iter().map(transmitted).collect(),
+            transmitted: if is_opaque(response.half_spaces[1]) {
+                Vec::new()
+            } else {
+                response.transmitted.iter().map(transmitted).collect()
+            },
         }
     }
+}
+
+/// Least k of a half-space below, relative to n, with which it counts as opaque: no light leaves in orders.
+const OPAQUE: f64 = 1e-3;
+
+/// Whether a half-space absorbs what enters it.
+pub(super) fn is_opaque(eta: Complex64) -> bool {
+    eta.im > OPAQUE * eta.re
 }
 
 /// Strength of an order: e = |E|² k_o/k_i over 4 k_i k_o/(k_i + k_o)². Where the order is evanescent, k_o is 0 and the

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use goniochrome::table::Periodicity;
 use goniochrome_waves::chandezon::{GraphModes, enough_orders, suits};
-use goniochrome_waves::convergence::{Converged, Goal, converge};
+use goniochrome_waves::convergence::{Converged, Goal, converge_by};
 use goniochrome_waves::crossed::{CrossedModes, truncation};
 use goniochrome_waves::lamellar::Modes;
 use goniochrome_waves::light::Light;
@@ -32,10 +32,6 @@ enum Solver {
 
 /// Least |m| to begin with in cells with two periods: a change from 2 to 3 says little.
 const MIN_CROSSED: usize = 3;
-/// Light that meets a structure under a front face, as a multiple of the light that arrives: with less, the error bar
-/// meets its target at once. Discs have 1.3; the bar is true whatever it is.
-const MET_AGAIN: f64 = 1.5;
-
 /// Orders of one wavelength for light from several directions of one wavevector component along the first axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct WaveOrders {
@@ -136,46 +132,47 @@ impl WaveCell<'_> {
         let limit = self.limit(accuracy);
         self.refuse_large(wavelength_nm, least, limit)?;
         let counts = Cell::new([0; 2]);
-        let first_order = self.first_order(wavelength_nm, least, limit)?;
-        // Light that a front face sends back meets the structure again, with its error.
-        let target = if face.is_some() { accuracy.target / MET_AGAIN } else { accuracy.target };
-        let goal = Goal { target, first: first_order, limit };
-        let found = converge(goal, |max| self.responses(wavelength_nm, first, &arrivals, max, &counts))?;
-        let Converged { responses, max_order, mut error_bar, .. } = found;
-        let mut responses = responses.into_iter();
-        let mut directions = Vec::with_capacity(seconds.len());
-        let mut most = 0.0_f64;
-        for arrival in &arrivals {
-            let of_direction = responses.by_ref().take(arrival.numbers.len());
-            let Some(face) = face else {
-                directions.extend(of_direction.map(|response| DirectionPowers::of(&response)));
-                continue;
-            };
-            let structure: Vec<OrderResponse> = arrival
-                .numbers
-                .iter()
-                .zip(of_direction)
-                .map(|(&number, response)| OrderResponse {
-                    number,
-                    tangential: self.along_first(wavelength_nm, first, number).hypot(arrival.second),
-                    response,
-                })
-                .collect();
-            let (powers, met) = face.seen(&structure);
-            most = most.max(met);
-            directions.push(powers);
-        }
-        if face.is_some() {
-            error_bar *= most;
-        }
+        let goal = Goal { target: accuracy.target, first: self.first_order(wavelength_nm, least, limit)?, limit };
+        let solve = |max| {
+            let responses = self.responses(wavelength_nm, first, &arrivals, max, &counts)?;
+            Ok(self.powers(wavelength_nm, first, &arrivals, face, responses))
+        };
+        let found = converge_by(goal, solve, |coarse, fine| DirectionPowers::largest_change(coarse, fine))?;
+        let Converged { responses: mut directions, max_order, error_bar, met, .. } = found;
         if self.periodicity() == Periodicity::Y {
             for powers in &mut directions {
                 powers.reflected.iter_mut().chain(&mut powers.transmitted).for_each(|order| order.index.swap(0, 1));
             }
         }
         let [decompositions, layers] = counts.get();
-        let met = error_bar <= accuracy.target;
         Ok(WaveOrders { directions, error: error_bar, max_order, met, decompositions, layers })
+    }
+
+    /// Powers of the orders for each arrival, seen through the front face if there is one.
+    fn powers(
+        &self,
+        wavelength_nm: f64,
+        first: f64,
+        arrivals: &[Arrival],
+        face: Option<FrontFace>,
+        responses: Vec<Response>,
+    ) -> Vec<DirectionPowers> {
+        let Some(face) = face else { return responses.iter().map(DirectionPowers::of).collect() };
+        let mut responses = responses.into_iter();
+        let seen = |arrival: &Arrival| {
+            let structure: Vec<OrderResponse> = arrival
+                .numbers
+                .iter()
+                .zip(responses.by_ref())
+                .map(|(&number, response)| OrderResponse {
+                    number,
+                    tangential: self.along_first(wavelength_nm, first, number).hypot(arrival.second),
+                    response,
+                })
+                .collect();
+            face.seen(&structure)
+        };
+        arrivals.iter().map(seen).collect()
     }
 
     /// First component of the wavevector of an order.
