@@ -1,5 +1,8 @@
-//! Tests of `view`: pages of tables of both kinds, and refusals. `tests/browser/run` tests the page itself.
+//! Tests of `view`: pages of tables of all kinds, and refusals. `tests/browser/run` tests the page itself.
 
+use goniochrome_cli::table::file;
+
+use crate::discs::compact_disc;
 use crate::user::User;
 
 /// Largest size of the page of a 2D table, which fits into an e-mail.
@@ -30,6 +33,20 @@ fn a_table_of_a_cell_becomes_a_page() {
     user.ok("estimate bumpy-glass -o t.exr --incident 2x2 --bins 4x8 --rays 32 --wavelengths 450:650:50 -q");
     user.ok("view t.exr -o view.html");
     assert!(text(&user, "view.html").contains("\"kind\":\"scatter\""));
+}
+
+#[test]
+fn a_table_of_orders_becomes_a_page_with_a_width() {
+    let user = User::new();
+    file::write(&user.at("cd.exr"), &compact_disc().into(), 1).unwrap();
+    user.ok("view cd.exr -o view.html");
+    let page = text(&user, "view.html");
+    assert!(page.contains("\"kind\":\"orders\"") && page.contains("\"spread\":null") && page.len() <= MAX_BYTES);
+    user.ok("view cd.exr -o soft.html --spread 1.5");
+    assert!(text(&user, "soft.html").contains("\"spread\":{\"concentration\":"));
+    user.refused("view cd.exr -o view.html --spread 31", 2, &["--spread 31", "from 0.25 to 30 degrees"]);
+    user.ok("estimate paper-fig4 -o t.exr --angles 4 --wavelengths 400:700:100 --quiet");
+    user.refused("view t.exr -o view.html --spread 1", 2, &["--spread", "no diffraction orders"]);
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub(super) struct OrderSurface {
     zeroth: usize,
     /// From an even environment's RGB to the RGB of a reflectance of 1 at each wavelength.
     even: Vec<Mat3>,
-    /// The same for places between wavelengths, by the binary logarithm of the number of steps of an interval.
+    /// Rules of quadrature between wavelengths, by the binary logarithm of the number of steps of an interval.
     rules: Vec<Rule>,
 }
 

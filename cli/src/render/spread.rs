@@ -205,8 +205,7 @@ mod tests {
     fn spread_light_keeps_its_power_and_has_the_width_that_was_asked_for() {
         // Quadrature of the lamp over cells.
         const POWER: f64 = 1e-3;
-        // By a pole texels are narrow and blur less than the kernel leaves out: texel²/4 of 2 σ². Its end at 4.5 σ costs
-        // 0.1 %.
+        // By a pole texels are narrow and blur less than the kernel leaves out: texel²/4 of 2 σ². Its end costs 0.1 %.
         const VARIANCE: f64 = 0.25 / (2.0 * ROWS_BY_SPREAD * ROWS_BY_SPREAD) + 1e-3;
         for (elevation, degrees) in [(20.0, 1.0), (88.0, 2.0), (-50.0, 6.0)] {
             let lamp = Lamp::new(elevation, 30.0, 1.0).unwrap();

@@ -48,7 +48,7 @@ const SHADERS: [(&str, &str); 14] = [
     ("mirror", include_str!("shaders/mirror.frag")),
     ("scatter", include_str!("shaders/scatter.frag")),
     ("orders", include_str!("shaders/orders.frag")),
-    ("cube", include_str!("shaders/cube.frag")),
+    ("around", include_str!("shaders/around.frag")),
     ("bake", include_str!("shaders/bake.frag")),
     ("spread", include_str!("shaders/spread.frag")),
     ("background", include_str!("shaders/background.frag")),
@@ -75,11 +75,12 @@ pub fn page(table: &Table, spread: Option<Spread>) -> Result<String> {
         "shaders": shaders,
     });
     let html = include_str!("page/page.html")
-        .replace("{{name}}", &escape(table.name()))
+        // Neither a name nor data can be taken for a place in the page.
+        .replace("{{name}}", &escape(table.name()).replace("{{", "&#123;{"))
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
         .replace("{{style}}", include_str!("page/style.css"))
         // Escaped, no text of a table can end the script that holds it.
-        .replace("{{data}}", &text::json(&data.to_string()).replace('<', "\\u003c"))
+        .replace("{{data}}", &text::json(&data.to_string()).replace('<', "\\u003c").replace("{{", "\\u007b{"))
         .replace("{{script}}", &SCRIPTS.concat());
     if html.len() > MAX_BYTES {
         return Err(Error::failed(format_args!(
@@ -143,7 +144,7 @@ mod tests {
         let orders = crate::table::orders::tests::sample().into();
         for table in [mirror(), crate::table::scatter::tests::sample().into(), orders] {
             let html = page(&table, None).unwrap();
-            assert!(html.len() < MAX_BYTES_2D, "{}", html.len());
+            assert!(html.len() < MAX_BYTES_2D, "{}: {}", table.name(), html.len());
             // A place in the page itself is not an address.
             let html = html.replace("url(#", "");
             for part in ["http:", "https:", "src=\"", "@import", "url(", "{{name}}", "{{style}}", "{{script}}"] {

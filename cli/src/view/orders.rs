@@ -85,17 +85,17 @@ pub(super) fn packed(table: &OrderTable, facts: &Value) -> Result<Value> {
         "response": pack::floats(response),
         "range": range,
         "albedoNodes": albedo_nodes,
-        "albedo": pack::floats(albedo),
-        "mirrored": pack::floats(mirrored),
+        "albedo": pack::halves(albedo),
+        "mirrored": pack::halves(mirrored),
         "groups": GROUPS,
         "pictures": PICTURES,
         "strengths": pack::halves(places.map(strength)),
     }))
 }
 
-/// R, G, B and 1 of a reflectance at each wavelength.
-fn coloured(weights: &[[f64; 3]], reflectance: impl Fn(usize) -> f32) -> [f32; 4] {
-    let mut sum = [0.0, 0.0, 0.0, 1.0];
+/// Linear RGB of a reflectance at each wavelength.
+fn coloured(weights: &[[f64; 3]], reflectance: impl Fn(usize) -> f32) -> [f32; 3] {
+    let mut sum = [0.0; 3];
     for (w, weight) in weights.iter().enumerate() {
         let reflectance = f64::from(reflectance(w));
         (0..3).for_each(|c| sum[c] += weight[c] * reflectance);

@@ -14,7 +14,7 @@ class OrderTable {
     this.range = data.range;
     [this.groups, this.pictures] = [data.groups, data.pictures];
     /** Colours in even light, and of order (0, 0), over α and β. */
-    [this.albedoNodes, this.albedo, this.mirrored] = [data.albedoNodes, floats(data.albedo), floats(data.mirrored)];
+    [this.albedoNodes, this.albedo, this.mirrored] = [data.albedoNodes, halves(data.albedo), halves(data.mirrored)];
     this.max = 1;
     this.label = "Albedo";
     const grid = `${this.nodes.join(" × ")} directions × ${this.wavelength.length} wavelengths`;

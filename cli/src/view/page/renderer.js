@@ -38,9 +38,9 @@ class Renderer {
     };
     [this.studio, this.lamp, this.spread] = [data.studio, data.lamp, data.spread];
     if (this.orders) {
-      this.programs.cube = this.program(screen, common + light + shaders.cube);
-      /** Cube maps of lights by their name. */
-      this.cubes = {};
+      this.programs.around = this.program(screen, common + light + shaders.around);
+      /** Lights on an octahedron, by their name. */
+      this.octahedra = {};
     }
     if (this.spread) {
       this.programs.bake = this.program(screen, common + light + shaders.bake);
@@ -52,10 +52,11 @@ class Renderer {
       this.tables = { atlas: this.list(table.packed(), 4), cumulative: this.list(table.cumulative, 1) };
     } else if (this.orders) {
       const wide = ([width, height], values) => this.texture(gl.RGBA16F, width, height, values, true);
+      const opaque = (rgb) => Float32Array.from({ length: (rgb.length / 3) * 4 }, (_, i) => (i % 4 < 3 ? rgb[3 * (i >> 2) + (i % 4)] : 1));
       this.tables = {
         strengths: this.volume(table),
-        albedo: wide(table.albedoNodes, table.albedo),
-        mirrored: wide(table.nodes, table.mirrored),
+        albedo: wide(table.albedoNodes, opaque(table.albedo)),
+        mirrored: wide(table.nodes, opaque(table.mirrored)),
         response: wide([table.response.length / 4, 1], table.response),
       };
     } else {
@@ -179,9 +180,9 @@ class Renderer {
     gl.deleteTexture(this.surroundings);
     this.surroundings = this.texture(gl.RGBA16F, across, down, values, true);
     this.rows = down;
-    if (this.cubes?.image) {
-      gl.deleteTexture(this.cubes.image);
-      delete this.cubes.image;
+    if (this.octahedra?.image) {
+      gl.deleteTexture(this.octahedra.image);
+      delete this.octahedra.image;
     }
     this.restart();
   }
@@ -260,37 +261,28 @@ class Renderer {
     return done.texture;
   }
 
-  /** A light as a cube map, in which a surface with orders looks around; spread, if its orders are. */
-  cube(name) {
-    if (this.cubes[name]) return this.cubes[name];
+  /** A light on an octahedron, in which a surface with orders looks around; spread, if its orders are. */
+  octahedron(name) {
+    if (this.octahedra[name]) return this.octahedra[name];
     const { gl, programs, spread } = this;
     gl.disable(gl.DEPTH_TEST);
     const latLong = spread ? this.spreadLight(name) : null;
-    // Faces span as many texels as 90° of the image; edges of the studio are soft.
+    // Texels are as small as those of the image, or more; edges of the studio are soft.
     const rows = spread ? spread.rows : name === "image" ? this.rows : 256;
-    const side = 2 ** clamp(Math.ceil(Math.log2(rows / 2)), 4, 10);
-    const texture = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE5);
-    gl.bindTexture(gl.TEXTURE_CUBE_MAP, texture);
-    gl.texStorage2D(gl.TEXTURE_CUBE_MAP, Math.log2(side) + 1, gl.RGBA16F, side, side);
-    const buffer = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+    const side = 2 ** clamp(Math.ceil(Math.log2(1.2 * rows)), 5, 11);
+    const { texture, buffer } = this.drawable(side, side);
     gl.viewport(0, 0, side, side);
-    gl.useProgram(programs.cube.program);
-    this.lighten(programs.cube, { light: name, turn: 0 }, latLong);
-    gl.uniform1f(programs.cube.at("side"), side);
-    for (let face = 0; face < 6; face += 1) {
-      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, texture, 0);
-      gl.uniform1i(programs.cube.at("face"), face);
-      this.screen();
-    }
+    gl.useProgram(programs.around.program);
+    this.lighten(programs.around, { light: name, turn: 0 }, latLong);
+    gl.uniform1f(programs.around.at("side"), side);
+    this.screen();
     gl.deleteFramebuffer(buffer);
     if (latLong) gl.deleteTexture(latLong);
-    gl.activeTexture(gl.TEXTURE5);
-    gl.generateMipmap(gl.TEXTURE_CUBE_MAP);
-    gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_NEAREST);
-    gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
-    this.cubes[name] = texture;
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    this.octahedra[name] = texture;
     return texture;
   }
 
@@ -315,7 +307,7 @@ class Renderer {
     const { gl, programs } = this;
     const [width, height] = this.size;
     const looksAround = this.orders && state.light !== "white" && (this.spread || state.light !== "lamp");
-    const cube = looksAround ? this.cube(state.light) : null;
+    const around = looksAround ? this.octahedron(state.light) : null;
     const seen = camera.at(width, height);
     // The first two numbers of Roberts' R4 sequence; the shader takes the other two. The first point is the middle of
     // the pixel.
@@ -341,7 +333,7 @@ class Renderer {
     const { at } = programs.surface;
     gl.useProgram(programs.surface.program);
     this.lighten(programs.surface, state);
-    if (cube) gl.uniform1i(at("light"), LIGHTS.image);
+    if (around) gl.uniform1i(at("light"), LIGHTS.image);
     aim(programs.surface);
     gl.uniform3fv(at("eye"), seen.eye);
     gl.uniform2f(at("depths"), Math.max(seen.distance - 1.05, 0.02), seen.distance + 1.05);
@@ -349,7 +341,7 @@ class Renderer {
     Object.entries(this.tables).forEach(([name, texture], i) => {
       this.bind(i < 3 ? i : 4, texture, at(name), name === "strengths" ? gl.TEXTURE_3D : gl.TEXTURE_2D);
     });
-    if (this.orders) this.look(at, cube);
+    if (this.orders) this.look(at, around);
     if (this.scatters) {
       gl.uniform2iv(at("incident"), this.incident);
       gl.uniform2iv(at("bins"), this.bins);
@@ -376,9 +368,9 @@ class Renderer {
   }
 
   /** Sets the wavelengths at which the next picture looks. */
-  look(at, cube) {
+  look(at, around) {
     const { gl, orders } = this;
-    this.bind(5, cube, at("around"), gl.TEXTURE_CUBE_MAP);
+    this.bind(5, around, at("around"));
     const { looks, layers, interval } = orders.looksOf(this.drawn);
     gl.uniform4fv(at("looks"), looks);
     gl.uniform1fv(at("layers"), layers);

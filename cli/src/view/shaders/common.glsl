@@ -3,6 +3,5 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp sampler3D;
-precision highp samplerCube;
 const float PI = 3.14159265358979;
 const float TAU = 6.28318530717959;

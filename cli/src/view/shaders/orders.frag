@@ -3,14 +3,15 @@
 // In even light a surface has the colour of `albedo`. Order (0, 0) leaves in one direction and has the colour of
 // `mirrored`. For the others, a picture looks into the light at `lookCount` wavelengths along exact directions; later
 // pictures look between them, so that their mean is the integral. The wavelengths at which an order meets the lamp
-// follow from the grating equation; there, every picture integrates. Other lights are held by a cube map.
+// follow from the grating equation; there, every picture integrates. Other lights are held by an
+// octahedron, unfolded to a square, which is faster to look up than a sphere or a cube.
 const int MAX_LOOKS = 16;
 const int MAX_BLOCKS = 32;
 const int LAMP_LOOKS = 24;
-uniform sampler3D strengths; // four orders a texel; nodes along α, blocks of nodes along β for each four orders, wavelengths
+uniform sampler3D strengths; // four orders a texel, over α, β in a block for each four orders, and wavelengths
 uniform sampler2D albedo, mirrored; // over α and β
 uniform sampler2D response; // over the wavelength in the medium: RGB of a reflectance of 1, per nanometre; layer
-uniform samplerCube around;
+uniform sampler2D around;
 uniform vec4 looks[MAX_LOOKS]; // RGB of a reflectance of 1; wavelength in the medium above
 uniform float layers[MAX_LOOKS]; // the wavelength's place among the layers of `strengths`
 uniform vec4 stepsX[MAX_BLOCKS], stepsY[MAX_BLOCKS]; // m/Λx and n/Λy
@@ -83,9 +84,12 @@ vec3 underLamp(vec3 wo, mat3 local, vec2 place, vec3 even, vec3 mirror) {
     return even * lamp.w + mirror * lampAt(distance(vec3(-wo.xy, wo.z), towards)) + sum;
 }
 
-// Mean light around a direction, over looks that are `texels` apart.
-vec3 lookAt(vec3 direction, float texels) {
-    return textureLod(around, direction, log2(max(texels, 1.0))).rgb;
+// Mean light around a direction, at a level of detail.
+vec3 lookAt(vec3 direction, float level) {
+    vec2 at = direction.xy / (abs(direction.x) + abs(direction.y) + abs(direction.z));
+    vec2 folded = (1.0 - abs(at.yx)) * vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0);
+    at = direction.z < 0.0 ? folded : at;
+    return textureLod(around, 0.5 * at + 0.5, level).rgb;
 }
 
 void main() {
@@ -108,13 +112,13 @@ void main() {
         colour = vec4(underLamp(wo, local, place, even, mirror), 1.0);
         return;
     }
-    // Texels of a cube map's face, 90° wide, over a look's width in radians.
-    float texels = interval * float(textureSize(around, 0).x) / (0.5 * PI);
+    // A texel of an octahedron of side 1 takes from 2 to 4 radians.
+    float texels = interval * float(textureSize(around, 0).x) / 3.0;
     vec3 sum = vec3(0.0);
     for (int block = 0; block < blocks; ++block) {
         vec2 at = amongStrengths(place, block);
         vec4 stepX = stepsX[block], stepY = stepsY[block];
-        vec4 widths = sqrt(stepX * stepX + stepY * stepY) * texels;
+        vec4 level = log2(max(sqrt(stepX * stepX + stepY * stepY) * texels, 1.0));
         for (int i = 0; i < lookCount; ++i) {
             vec4 look = looks[i];
             vec4 x = stepX * look.w - wo.x, y = stepY * look.w - wo.y;
@@ -123,10 +127,10 @@ void main() {
             up = sqrt(max(up, 0.0));
             vec4 part = matched(up, wo.z) * textureLod(strengths, vec3(at, layers[i]), 0.0);
             vec3 seen = vec3(0.0);
-            if (part.x > 0.0) seen += part.x * lookAt(local * vec3(x.x, y.x, up.x), widths.x / up.x);
-            if (part.y > 0.0) seen += part.y * lookAt(local * vec3(x.y, y.y, up.y), widths.y / up.y);
-            if (part.z > 0.0) seen += part.z * lookAt(local * vec3(x.z, y.z, up.z), widths.z / up.z);
-            if (part.w > 0.0) seen += part.w * lookAt(local * vec3(x.w, y.w, up.w), widths.w / up.w);
+            if (part.x > 0.0) seen += part.x * lookAt(local * vec3(x.x, y.x, up.x), level.x);
+            if (part.y > 0.0) seen += part.y * lookAt(local * vec3(x.y, y.y, up.y), level.y);
+            if (part.z > 0.0) seen += part.z * lookAt(local * vec3(x.z, y.z, up.z), level.z);
+            if (part.w > 0.0) seen += part.w * lookAt(local * vec3(x.w, y.w, up.w), level.w);
             sum += look.rgb * seen;
         }
     }
