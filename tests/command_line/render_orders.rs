@@ -43,7 +43,7 @@ fn grating_colour(wo: DVec3, lamp: DVec3, diameter_deg: f64) -> [f64; 3] {
         let light = 0.1 + 60.0 / diameter_deg * (1.0 - edge * edge * (3.0 - 2.0 * edge));
         let efficiency = strength(m, nm) * 4.0 * z * wo.z / (z + wo.z).powi(2);
         if z > 0.0 {
-            xyz += DVec3::from(*weight) * efficiency * light
+            xyz += DVec3::from(*weight) * efficiency * light;
         };
     }
     RgbSpace::Srgb.from_xyz(xyz.to_array())
