@@ -1,5 +1,5 @@
-//! Tests of the direction of flow in the core, its C interface, the solvers of waves and the command line: a module uses
-//! only modules declared above it.
+//! Tests of the direction of flow in the core, its C interface, the solvers of waves and the command line: a module
+//! uses only modules declared above it.
 //!
 //! The order is that of the `mod` lines in `lib.rs` and in each `mod.rs`. A module may use all modules inside it, or be
 //! used by them, but not both at once. Tests and documentation may use everything.

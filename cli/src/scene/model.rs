@@ -24,8 +24,8 @@ pub struct Scene {
     pub shape: Shape,
     /// Coherence between the periods of a cell, if the scene names it.
     pub periods: Option<Periods>,
-    /// Medium in front of a thick plate, if the cell's uppermost medium is one: light arrives in it, through the plate's
-    /// plane front face.
+    /// Medium in front of a thick plate, if the cell's uppermost medium is one: light arrives in it, through the
+    /// plate's plane front face.
     pub front: Option<MediumIndex>,
     /// Every file that was read, canonical, so that writing over an input can be refused.
     pub files: Vec<PathBuf>,

@@ -13,11 +13,11 @@ use crate::table::scatter::MAX_VALUES;
 /// strengths.
 ///
 /// An order's efficiency e is its power through a plane parallel to the surface, as a share of the power that arrives
-/// through that plane. Its strength is e over 4 k_i k_o/(k_i + k_o)², for the vertical wavevectors k_i = n_i cos θ_i of the
-/// light and k_o = n_o cos θ_o of the order in its own half-space: the factor of the library's
-/// [`match_factor`](goniochrome::table::match_factor), 1 for the reflected order (0, 0). Where an order is evanescent, the
-/// strength continues the formula with k_o = 0, up to 1. Light has no such order, but neighbouring nodes are interpolated
-/// through it.
+/// through that plane. Its strength is e over 4 k_i k_o/(k_i + k_o)², for the vertical wavevectors k_i = n_i cos θ_i
+/// of the light and k_o = n_o cos θ_o of the order in its own half-space: the factor of the library's
+/// [`match_factor`](goniochrome::table::match_factor), 1 for the reflected order (0, 0). Where an order is evanescent,
+/// the strength continues the formula with k_o = 0, up to 1. Light has no such order, but neighbouring nodes are
+/// interpolated through it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrderTable {
     /// Grid of directions towards the light.

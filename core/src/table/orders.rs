@@ -6,8 +6,9 @@ use super::order_layout::{OrderLayout, Periodicity};
 use super::values::Values;
 use glam::Vec3;
 
-/// Efficiency over strength of an order: 4 cos θ_i cos θ_o/(cos θ_i + cos θ_o)², for the cosines of the light and of the
-/// order, both positive. It is the transmittance of a step between two impedances, at most 1, and 1 for order (0, 0).
+/// Efficiency over strength of an order: 4 cos θ_i cos θ_o/(cos θ_i + cos θ_o)², for the cosines of the light and of
+/// the order, both positive. It is the transmittance of a step between two impedances, at most 1, and 1 for order (0,
+/// 0).
 #[must_use]
 #[inline]
 pub fn match_factor(cos_i: f32, cos_o: f32) -> f32 {

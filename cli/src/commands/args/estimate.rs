@@ -77,8 +77,8 @@ pub struct CellSampling {
     /// [default: 0.002]
     #[arg(long, value_name = "ERROR")]
     pub target_error: Option<f64>,
-    /// Coherence cell: the largest number |m| of an order that waves take along before their error bar is accepted as it
-    /// is [default: 48 for lines, 4 for cells with two periods]
+    /// Coherence cell: the largest number |m| of an order that waves take along before their error bar is accepted as
+    /// it is [default: 48 for lines, 4 for cells with two periods]
     #[arg(long, value_name = "M", value_parser = clap::value_parser!(u16).range(1..=500))]
     pub max_harmonic: Option<u16>,
     /// Cells: start over and discard the finished part of an interrupted run; without this option the command resumes

@@ -10,7 +10,6 @@ use goniochrome::table::ScatterLayout;
 use crate::colour::visible_weights;
 use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
-use crate::commands::make_table::coherence;
 use crate::commands::make_table::metadata::scatter_metadata;
 use crate::commands::notes::{note_on_front, note_on_media};
 use crate::scene::Scene;
@@ -19,7 +18,7 @@ use crate::solve::cell_warnings::{not_converged, too_few, unbalanced};
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::grid::Wavelengths;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::scatter::ScatterRequest;
+use crate::solve::scatter::{Coherence, ScatterRequest};
 use crate::solve::spectra::Method;
 use crate::support::error::{Error, Result};
 use crate::support::progress::{bar, note};
@@ -32,6 +31,7 @@ const RAYS: u32 = 4096;
 pub(super) fn scatter_table(
     args: &EstimateArgs,
     scene: &Scene,
+    coherence: Coherence,
     output: Option<&Path>,
 ) -> Result<(Table, String, Option<Checkpoint>)> {
     let refuse =
@@ -58,7 +58,7 @@ pub(super) fn scatter_table(
         .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))?;
     let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
     let tracing = ScatterRequest {
-        coherence: coherence(args, scene),
+        coherence,
         rays: cell.rays.unwrap_or(RAYS),
         seed: cell.seed.unwrap_or(0),
         bins,
@@ -89,7 +89,6 @@ pub(super) fn scatter_table(
         checkpoint.map_or(Ok(()), Checkpoint::remove)?;
         return Err(error);
     }
-    let coherence = request.tracing.coherence;
     let imbalance = table.worst_imbalance(|imbalance| unbalanced(coherence, imbalance).is_some());
     let alone = table.energy.iter().map(|energy| energy.without_interference).fold(0.0, f64::max);
     let few = too_few(&mesh_scene, coherence, wavelength_nm);

@@ -33,8 +33,10 @@ pub(super) fn make_table(
     output: Option<&Path>,
 ) -> Result<(Table, String, Option<Checkpoint>)> {
     match &scene.shape {
-        Shape::Mesh(_) if coherence(args, scene) == Coherence::Cell => waves::wave_table(args, scene, output),
-        Shape::Mesh(_) => cell::scatter_table(args, scene, output),
+        Shape::Mesh(_) => match coherence(args, scene) {
+            Coherence::Cell => waves::wave_table(args, scene, output),
+            coherence => cell::scatter_table(args, scene, coherence, output),
+        },
         Shape::Stack { .. } | Shape::Planes(_) => {
             planar::mirror_table(args, scene).map(|(table, summary)| (table, summary, None))
         }

@@ -24,8 +24,8 @@ pub struct Accuracy {
 impl Accuracy {
     /// The accuracy of orders for one direction: an error bar of a thousandth of the light.
     pub const DEFAULT: Self = Self { target: 1e-3, max_order: None };
-    /// The accuracy of a table, for pictures. Sharp edges of metal converge slowly: a table says what it reaches with 97
-    /// orders.
+    /// The accuracy of a table, for pictures. Sharp edges of metal converge slowly: a table says what it reaches with
+    /// 97 orders.
     pub const TABLE: Self = Self { target: 2e-3, max_order: Some(48) };
     /// The accuracy of a table of a cell with two periods. Time grows with the sixth power of the largest order.
     pub const CROSSED_TABLE: Self = Self { target: 2e-3, max_order: Some(4) };
@@ -48,8 +48,8 @@ impl<'s> WaveCell<'s> {
     /// The cell of a scene.
     ///
     /// # Errors
-    /// One line that says why waves cannot be computed: a stack of layers, a perfect mirror, a coating of tilted facets, a
-    /// plate's front face over a cell with two periods.
+    /// One line that says why waves cannot be computed: a stack of layers, a perfect mirror, a coating of tilted
+    /// facets, a plate's front face over a cell with two periods.
     pub fn new(scene: &'s Scene) -> Result<Self> {
         let sections = Sections::new(scene)?;
         if scene.front.is_some() && !sections.periodicity.has_lines() {
@@ -94,7 +94,8 @@ impl<'s> WaveCell<'s> {
         self.sections.mirrors(self.scene)
     }
 
-    /// The order that light from a mirrored direction leaves in where light from the direction itself leaves in `order`.
+    /// The order that light from a mirrored direction leaves in where light from the direction itself leaves in
+    /// `order`.
     pub(super) fn mirrored_order(&self, order: [i32; 2], [first, second]: [bool; 2]) -> [i32; 2] {
         let flips = if self.periodicity() == Periodicity::Y { [second, first] } else { [first, second] };
         [0, 1].map(|axis| if flips[axis] { -order[axis] } else { order[axis] })
@@ -148,9 +149,9 @@ impl<'s> WaveCell<'s> {
         Ok(if is_opaque(eta) { 0.0 } else { eta.re })
     }
 
-    /// Least number |m| of orders with which waves may be computed: those that travel in the densest medium that does not
-    /// absorb, for light whose wavevector along the surface has a component of up to `along`. In cells with two periods it
-    /// is that of the level that `truncation` divides between the axes.
+    /// Least number |m| of orders with which waves may be computed: those that travel in the densest medium that does
+    /// not absorb, for light whose wavevector along the surface has a component of up to `along`. In cells with two
+    /// periods it is that of the level that `truncation` divides between the axes.
     pub(super) fn least_order(&self, wavelength_nm: f64, along: f64) -> Result<usize> {
         let mut densest = self.index_at_cell(wavelength_nm)?;
         for medium in 0..self.scene.media.len() {

@@ -1,11 +1,11 @@
 //! The plane front face of a thick plate over a structure, as over the tracks of a disc.
 //!
-//! The plate is much thicker than light is coherent, so that powers add. Light passes the face by Fresnel's formulas, with
-//! one wavevector along the surface on both sides, so that each order keeps its number. What the face sends back, wholly
-//! beyond the critical angle, meets the structure again in its order and is diffracted again: with b the powers that leave
-//! the structure and a those that first reach it, b = P (a + R b), for the efficiencies P of the structure between all
-//! orders and polarisations that travel in the plate, and the reflectances R of the face. s and p of an order add as
-//! powers, which leaves out how they interfere where an order meets the structure a second time.
+//! The plate is much thicker than light is coherent, so that powers add. Light passes the face by Fresnel's formulas,
+//! with one wavevector along the surface on both sides, so that each order keeps its number. What the face sends back,
+//! wholly beyond the critical angle, meets the structure again in its order and is diffracted again: with b the powers
+//! that leave the structure and a those that first reach it, b = P (a + R b), for the efficiencies P of the structure
+//! between all orders and polarisations that travel in the plate, and the reflectances R of the face. s and p of an
+//! order add as powers, which leaves out how they interfere where an order meets the structure a second time.
 
 use goniochrome_waves::response::{Order, Response};
 

@@ -40,8 +40,8 @@ pub struct WaveDiffraction {
 }
 
 impl WaveDiffraction {
-    /// Reflected orders in bins of directions, unpolarised. What neither goes up nor down is absorbed; in a medium below
-    /// that absorbs, all that is not reflected is. The error bar counts as truncated light.
+    /// Reflected orders in bins of directions, unpolarised. What neither goes up nor down is absorbed; in a medium
+    /// below that absorbs, all that is not reflected is. The error bar counts as truncated light.
     #[must_use]
     pub fn in_bins(&self, bins: DirectionBins) -> Scattered {
         let exact = |value: f64| MeanWithError { value, std_error: 0.0 };

@@ -8,10 +8,11 @@ use goniochrome_waves::response::{Order, Response};
 pub(super) struct OrderPower {
     /// The order (m, n).
     pub index: [i32; 2],
-    /// Power through a plane parallel to the surface, as a share of the power that arrives through it; 0 where the order
-    /// is evanescent.
+    /// Power through a plane parallel to the surface, as a share of the power that arrives through it; 0 where the
+    /// order is evanescent.
     pub efficiency: [f64; 2],
-    /// Strength, as [`OrderTable`](crate::table::orders::OrderTable) defines it, continued where the order is evanescent.
+    /// Strength, as [`OrderTable`](crate::table::orders::OrderTable) defines it, continued where the order is
+    /// evanescent.
     pub strength: [f64; 2],
 }
 

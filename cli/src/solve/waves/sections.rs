@@ -129,7 +129,8 @@ impl Sections {
     /// Cross-sections of a scene's cell.
     ///
     /// # Errors
-    /// One line that says why waves cannot be computed: a stack of layers, a perfect mirror, a coating of tilted facets.
+    /// One line that says why waves cannot be computed: a stack of layers, a perfect mirror, a coating of tilted
+    /// facets.
     pub fn new(scene: &Scene) -> Result<Self> {
         let refuse = |what: &dyn Display| Error::failed(format_args!("{}: {what}", scene.name));
         let medium = |below: Below| match below {
@@ -175,7 +176,7 @@ impl Sections {
                 wall.normal = exchange(wall.normal);
             }
         }
-        let highest = |wall: &&Wall| (!wall.is_vertical()).then(|| wall.range(2)[1]).unwrap_or(f64::NEG_INFINITY);
+        let highest = |wall: &&Wall| if wall.is_vertical() { f64::NEG_INFINITY } else { wall.range(2)[1] };
         let lowest = |wall: &&Wall| if wall.is_vertical() { f64::INFINITY } else { wall.range(2)[0] };
         let by = |of: &dyn Fn(&&Wall) -> f64, a: &&Wall, b: &&Wall| of(a).total_cmp(&of(b));
         let top = walls.iter().max_by(|a, b| by(&highest, a, b));
@@ -207,7 +208,8 @@ impl Sections {
         Ok(Self { periodicity, period_nm, above, below, walls, levels_nm: Vec::new(), flat: Some(flat) })
     }
 
-    /// Heights of horizontal facets, of the ends of vertical ones, and of the highest and the lowest vertex, from the top.
+    /// Heights of horizontal facets, of the ends of vertical ones, and of the highest and the lowest vertex, from the
+    /// top.
     fn levels(&self) -> Vec<f64> {
         let mut levels = Vec::new();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -408,8 +410,8 @@ impl Sections {
         Ok([first, second])
     }
 
-    /// The surface as one interface z = h(x): its corners over one period, x ascending from 0; two of one x are a vertical
-    /// wall. `None` if it is none: several media or sheets, overhangs, two periods.
+    /// The surface as one interface z = h(x): its corners over one period, x ascending from 0; two of one x are a
+    /// vertical wall. `None` if it is none: several media or sheets, overhangs, two periods.
     pub fn graph(&self) -> Option<Vec<[f64; 2]>> {
         if self.periodicity == Periodicity::Both || self.walls.is_empty() {
             return None;

@@ -1,5 +1,5 @@
-//! The solvers of `goniochrome-waves` at work on a cell: profiles from its layers, truncations that grow, light of several
-//! directions.
+//! The solvers of `goniochrome-waves` at work on a cell: profiles from its layers, truncations that grow, light of
+//! several directions.
 
 use std::cell::Cell;
 
@@ -80,7 +80,8 @@ impl WaveCell<'_> {
         Ok(if gains && suits(&graph, wavelength_nm) { Solver::Coordinates } else { Solver::Modes })
     }
 
-    /// The number |m| of orders to begin with. A truncation and one of half as many orders more give the first error bar.
+    /// The number |m| of orders to begin with. A truncation and one of half as many orders more give the first error
+    /// bar.
     fn first_order(&self, wavelength_nm: f64, least: usize, limit: usize) -> Result<usize> {
         let failed = |error: WaveError| Error::failed(format_args!("{}: {error}", self.scene().name));
         let first = match (self.solver(wavelength_nm)?, self.graph(wavelength_nm)?) {
@@ -259,8 +260,8 @@ impl WaveCell<'_> {
         Ok(found)
     }
 
-    /// The layers of the cell for waves of orders up to `max`: slopes are divided into steps as fine as the finest period
-    /// that these orders resolve, and half as fine in cells with two periods, where `max` is small.
+    /// The layers of the cell for waves of orders up to `max`: slopes are divided into steps as fine as the finest
+    /// period that these orders resolve, and half as fine in cells with two periods, where `max` is small.
     fn layers(&self, max: usize) -> Result<Vec<SectionLayer>> {
         let harmonics = (2 * max + 1) as f64;
         let per_harmonic = if self.periodicity() == Periodicity::Both { 2.0 } else { 1.0 };

@@ -79,8 +79,8 @@ impl Row {
     }
 }
 
-/// Computes the table of a cell. `progress` is called after each of [`steps`]. Parts that the checkpoint holds are taken
-/// from it, the others are added to it.
+/// Computes the table of a cell. `progress` is called after each of [`steps`]. Parts that the checkpoint holds are
+/// taken from it, the others are added to it.
 ///
 /// # Errors
 /// A table that is too large, a medium without data at a wavelength, bodies that overlap, a period that needs more

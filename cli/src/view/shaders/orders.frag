@@ -8,7 +8,12 @@
 const int MAX_LOOKS = 16;
 const int MAX_BLOCKS = 32;
 const int LAMP_LOOKS = 24;
+<<<<<<< HEAD
 uniform sampler3D strengths; // four orders a texel, over α, β in a block for each four orders, and wavelengths
+=======
+// Four orders a texel: nodes along α, blocks of nodes along β for each four orders, wavelengths.
+uniform sampler3D strengths;
+>>>>>>> a36a696 (wip lints)
 uniform sampler2D albedo, mirrored; // over α and β
 uniform sampler2D response; // over the wavelength in the medium: RGB of a reflectance of 1, per nanometre; layer
 uniform sampler2D around;
@@ -64,7 +69,8 @@ vec3 fromLamp(vec3 wo, vec3 towards, vec2 by, vec2 place, int component) {
         if (light <= 0.0) continue;
         vec2 of = vec2((nm - range.x) / (range.y - range.x), 0.0);
         vec4 weight = textureLod(response, amongTexels(of, vec2(textureSize(response, 0))), 0.0);
-        sum += weight.rgb * (light * matched(direction.z, wo.z) * textureLod(strengths, vec3(place, weight.a), 0.0)[component]);
+        float strength = textureLod(strengths, vec3(place, weight.a), 0.0)[component];
+        sum += weight.rgb * (light * matched(direction.z, wo.z) * strength);
     }
     return sum * step;
 }

@@ -264,8 +264,8 @@ impl<'a> Interface<'a> {
             multiply_into(to, Accum::Replace, left.as_ref(), right.as_ref(), Complex64::from(sign));
         };
         let k = || kx.iter().map(|&k| Complex64::from(k)).collect::<Vec<_>>();
-        // `second` times 1/κ² of the modes below less 1/κ² of those above, which is 0 in uniform media, gives both cross
-        // terms: ψ⁻¹ of the pattern above times the difference of G, and D⁻¹ times that of L.
+        // `second` times 1/κ² of the modes below less 1/κ² of those above, which is 0 in uniform media, gives both
+        // cross terms: ψ⁻¹ of the pattern above times the difference of G, and D⁻¹ times that of L.
         match (above, below) {
             (Pattern::Uniform(_), Pattern::Uniform(_)) => (),
             (Pattern::Uniform(_), Pattern::Modal(below)) => {
