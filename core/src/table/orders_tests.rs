@@ -186,9 +186,7 @@ fn between_wavelengths_directions_are_exact_and_strengths_linear() {
         assert!((light.direction.x - (m * nm / PERIOD[0] - wo.x)).abs() < ROUNDING);
         assert!((light.direction.y - (n * nm / PERIOD[1] - wo.y)).abs() < ROUNDING);
         let [Some(a), Some(b)] = [wavelength, next].map(|wavelength| view.light(wavelength, order)) else { return };
-        let strength = |light: DiffractedLight| {
-            if m == 0.0 && n == 0.0 { light.efficiency } else { light.efficiency / light.direction.z }
-        };
+        let strength = |light: DiffractedLight| light.efficiency / match_factor(light.direction.z, wo.z);
         let expected = strength(a) + t * (strength(b) - strength(a));
         assert!((strength(light) - expected).abs() < 16.0 * f32::EPSILON, "{light:?} between {a:?} and {b:?}");
     });
