@@ -41,7 +41,8 @@ vec3 goniochrome_orders(sampler2D strengths, vec3 tangent, vec3 binormal, vec3 n
                     float up = sqrt(up_squared);
                     vec3 direction = t.x * tangent + t.y * binormal + up * normal;
                     float width = GONIOCHROME_STEP_NM * length(grating) / up;
-                    sum += 4.0 * up * o.z / ((up + o.z) * (up + o.z)) * weight * goniochrome_environment(direction, width);
+                    float matched = 4.0 * up * o.z / ((up + o.z) * (up + o.z));
+                    sum += matched * weight * goniochrome_environment(direction, width);
                 }
             }
         }

@@ -43,7 +43,8 @@ float3 goniochrome_orders(Texture2D strengths, SamplerState strengths_sampler, f
                     float up = sqrt(up_squared);
                     float3 direction = t.x * tangent + t.y * binormal + up * normal;
                     float width = GONIOCHROME_STEP_NM * length(grating) / up;
-                    sum += 4.0 * up * o.z / ((up + o.z) * (up + o.z)) * weight * goniochrome_environment(direction, width);
+                    float matched = 4.0 * up * o.z / ((up + o.z) * (up + o.z));
+                    sum += matched * weight * goniochrome_environment(direction, width);
                 }
             }
         }

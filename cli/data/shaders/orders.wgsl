@@ -40,7 +40,8 @@ fn goniochrome_orders(strengths: texture_2d<f32>, strengths_sampler: sampler, ta
                     let up = sqrt(up_squared);
                     let direction = t.x * tangent + t.y * binormal + up * normal;
                     let width = GONIOCHROME_STEP_NM * length(grating) / up;
-                    sum += 4.0 * up * o.z / ((up + o.z) * (up + o.z)) * weight * goniochrome_environment(direction, width);
+                    let matched = 4.0 * up * o.z / ((up + o.z) * (up + o.z));
+                    sum += matched * weight * goniochrome_environment(direction, width);
                 }
             }
         }

@@ -42,9 +42,14 @@ fn options_of_commands_that_compute_mean_the_same() {
         let defaults: Vec<_> = argument.get_default_values().iter().map(|value| value.to_os_string()).collect();
         (argument.get_help().map(ToString::to_string), argument.get_short(), defaults)
     };
-    for option in ["threads", "quiet", "precision"] {
-        for name in ["colour", "estimate", "scatter", "orders", "compare", "sampling"] {
-            assert_eq!(help(name, option), help("spectrum", option), "{name} --{option}");
-        }
+    let planar = ["colour", "estimate", "compare", "sampling"];
+    let cells = ["scatter", "orders"];
+    let same = |option: &str, one: &str, other: &str| {
+        assert_eq!(help(one, option), help(other, option), "{one} --{option}");
+    };
+    for name in planar.into_iter().chain(cells) {
+        ["threads", "quiet"].iter().for_each(|option| same(option, name, "spectrum"));
     }
+    planar.iter().for_each(|name| same("precision", name, "spectrum"));
+    ["precision", "seed", "method", "max-harmonic"].iter().for_each(|option| same(option, "scatter", "orders"));
 }
