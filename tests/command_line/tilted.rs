@@ -180,9 +180,10 @@ fn light_that_loses_its_way_between_surfaces_that_cross_is_no_result() {
     let base = "v 0 0 20\nv 1000 0 20\nv 1000 800 20\nv 0 800 20\nusemtl base\nf 7 8 9 10\n";
     let user = user(SCENE, &(ROOF.to_owned() + base));
     let says = ["of the light was lost", "more than the 1e-3", "correct the mesh"];
-    for command in [ESTIMATE, "scatter s.toml --coherence none", "orders s.toml --max-order 1"] {
+    for command in [ESTIMATE, "scatter s.toml --coherence none", "orders s.toml --max-order 1 --method rays"] {
         user.refused(command, 1, &says);
     }
+    user.refused("orders s.toml --max-order 1", 1, &["bodies overlap near (", "correct the mesh"]);
     let interfering = ["of the light was lost", "use --coherence none"];
     user.refused("scatter s.toml --bins 1x1", 1, &interfering);
     user.refused("scatter s.toml --bins 1x1 --coherence bin --rays 64", 1, &interfering);

@@ -363,8 +363,13 @@ impl Sections {
         let count = crossings.len();
         for i in 0..count {
             let (next, (x, [_, after])) = (crossings[(i + 1) % count], crossings[i]);
-            if after != next.1[0] {
-                let [one, other] = [after, next.1[0]].map(|medium| &scene.media[usize::from(medium)].name);
+            let width = (next.0 - x).rem_euclid(period);
+            let width = if width > 0.0 { width } else { period };
+            let inside = DVec3::new((x + GENERIC * width).rem_euclid(period), y, z);
+            // The next facet along the line and the next one above say the same, unless surfaces cut through one another.
+            let others = [next.1[0], self.medium_at(inside)];
+            if let Some(&other) = others.iter().find(|&&other| other != after) {
+                let [one, other] = [after, other].map(|medium| &scene.media[usize::from(medium)].name);
                 return Err(Error::failed(format_args!(
                     "{}: bodies overlap near ({x:.3}, {y:.3}, {z:.3}): one facet says {one:?}, the next {other:?}; correct \
                      the mesh",
