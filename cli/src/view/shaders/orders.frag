@@ -8,12 +8,7 @@
 const int MAX_LOOKS = 16;
 const int MAX_BLOCKS = 32;
 const int LAMP_LOOKS = 24;
-<<<<<<< HEAD
 uniform sampler3D strengths; // four orders a texel, over α, β in a block for each four orders, and wavelengths
-=======
-// Four orders a texel: nodes along α, blocks of nodes along β for each four orders, wavelengths.
-uniform sampler3D strengths;
->>>>>>> a36a696 (wip lints)
 uniform sampler2D albedo, mirrored; // over α and β
 uniform sampler2D response; // over the wavelength in the medium: RGB of a reflectance of 1, per nanometre; layer
 uniform sampler2D around;
