@@ -366,7 +366,8 @@ impl Sections {
             let width = (next.0 - x).rem_euclid(period);
             let width = if width > 0.0 { width } else { period };
             let inside = DVec3::new((x + GENERIC * width).rem_euclid(period), y, z);
-            // The next facet along the line and the next one above say the same, unless surfaces cut through one another.
+            // The next facet along the line and the next one above say the same, unless surfaces cut through one
+            // another.
             let others = [next.1[0], self.medium_at(inside)];
             if let Some(&other) = others.iter().find(|&&other| other != after) {
                 let [one, other] = [after, other].map(|medium| &scene.media[usize::from(medium)].name);
