@@ -363,11 +363,9 @@ impl Sections {
         let count = crossings.len();
         for i in 0..count {
             let (next, (x, [_, after])) = (crossings[(i + 1) % count], crossings[i]);
-            let width = (next.0 - x).rem_euclid(period);
-            let width = if width > 0.0 { width } else { period };
-            let inside = DVec3::new((x + GENERIC * width).rem_euclid(period), y, z);
-            // The next facet along the line and the next one above say the same, unless surfaces cut through one
-            // another.
+            let to = if next.0 > x { next.0 } else { next.0 + period };
+            let inside = DVec3::new((x + GENERIC * (to - x)).rem_euclid(period), y, z);
+            // The next facet along the line and the next one above agree, unless surfaces cut through one another.
             let others = [next.1[0], self.medium_at(inside)];
             if let Some(&other) = others.iter().find(|&&other| other != after) {
                 let [one, other] = [after, other].map(|medium| &scene.media[usize::from(medium)].name);
