@@ -156,6 +156,9 @@ fn cells_that_waves_cannot_do_fall_back_or_are_refused() {
         &["needs at least", "orders at 550 nm", "orders --method rays"],
     );
     user.refused("estimate lines.toml -o t.exr --rays 64", 2, &["--rays: lines: coherence cell is computed by waves"]);
+    for error in ["0", "-1", "nan"] {
+        user.refused(&format!("estimate lines.toml -o t.exr --target-error={error}"), 2, &["--target-error"]);
+    }
     user.refused("scatter lines.toml --method waves", 2, &["--coherence cell"]);
     user.refused("orders lines.toml --method rays --target-error 0.1", 2, &["--target-error"]);
 }

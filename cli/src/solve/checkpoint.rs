@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 use base64::Engine;
 use sha2::{Digest, Sha256};
 
+use crate::scene::Scene;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 
@@ -42,6 +43,21 @@ impl Identity {
     pub fn of_program() -> Self {
         let (version, level) = (env!("CARGO_PKG_VERSION"), goniochrome::simd::lanes::simd_level());
         Self(format!("{TITLE}\nversion: goniochrome {version} ({level})\n"))
+    }
+
+    /// The identity of this program at work on a scene: its media and its geometry, wherever its files lie.
+    #[must_use]
+    pub fn of_scene(scene: &Scene) -> Self {
+        let identity = Self::of_program();
+        match scene.shape.polygons() {
+            None => identity.and("scene", &(&scene.media, &scene.shape)),
+            Some(cell) => {
+                let mesh = cell.mesh();
+                identity
+                    .and("scene", &(&scene.media, cell.period_nm(), cell.interfaces()))
+                    .and("mesh", &(&mesh.vertices, &mesh.triangles))
+            }
+        }
     }
 
     /// Adds the input that `what` names. Everything that matters of `value` must show when it is printed by `{:?}`.

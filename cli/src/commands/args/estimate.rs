@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, FromArgMatches as _};
 
 use crate::commands::args::shared::{Colouring, Computing};
-use crate::commands::args::values::Bins;
+use crate::commands::args::values::{Bins, positive};
 use crate::solve::grid::Wavelengths;
 use crate::solve::scatter::Coherence;
 
@@ -75,7 +75,7 @@ pub struct CellSampling {
     /// Cells: double the rays of each incident direction until the standard error of its albedo is at most this, up to
     /// 4194304 rays; coherence cell: take more orders along until the error bar of every efficiency is at most this
     /// [default: 0.002]
-    #[arg(long, value_name = "ERROR")]
+    #[arg(long, value_name = "ERROR", value_parser = positive)]
     pub target_error: Option<f64>,
     /// Coherence cell: the largest number |m| of an order that waves take along before their error bar is accepted as
     /// it is [default: 48 for lines, 4 for cells with two periods]

@@ -48,9 +48,6 @@ pub(super) fn scatter_table(
     let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
     let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
     let cell = &args.cell;
-    if cell.target_error.is_some_and(|error| error.is_nan() || error <= 0.0) {
-        return Err(Error::usage("--target-error must be positive"));
-    }
     let [theta, phi] = cell.incident.map_or([8, 16], |bins| bins.0);
     let [cos, around] = cell.bins.map_or([16, 32], |bins| bins.0);
     let bins = DirectionBins { cos, phi: around };

@@ -33,16 +33,6 @@ impl TableRequest<'_> {
         let Self { layout, tracing, target_error, weights, .. } = self;
         let ScatterRequest { coherence, rays, seed, bins, precision, threads: _ } = tracing;
         let options = (layout, coherence, rays, seed, bins, precision, target_error);
-        let identity = Identity::of_program();
-        let identity = match scene.shape.polygons() {
-            None => identity.and("scene", &(&scene.media, &scene.shape)),
-            Some(cell) => {
-                let mesh = cell.mesh();
-                identity
-                    .and("scene", &(&scene.media, cell.period_nm(), cell.interfaces()))
-                    .and("mesh", &(&mesh.vertices, &mesh.triangles))
-            }
-        };
-        identity.and("options", &options).and("wavelengths and illuminant", &(wavelength_nm, weights))
+        Identity::of_scene(scene).and("options", &options).and("wavelengths and illuminant", &(wavelength_nm, weights))
     }
 }

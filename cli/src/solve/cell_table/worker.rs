@@ -33,8 +33,7 @@ pub(super) fn table_sum(coherence: Coherence) -> Result<TableSum> {
         Adding::Powers(paths) => Ok(TableSum::Powers(paths)),
         Adding::Fields => Ok(TableSum::Fields),
         Adding::Orders => Err(Error::usage(format_args!(
-            "--coherence {}: a table holds no diffraction orders; use orders, or scatter with this option, for one direction of \
-             the light",
+            "--coherence {}: a table of scattered light holds no diffraction orders; waves make a table of them",
             coherence.name()
         ))),
     }

@@ -101,9 +101,10 @@ impl<'s> WaveCell<'s> {
         [0, 1].map(|axis| if flips[axis] { -order[axis] } else { order[axis] })
     }
 
-    /// Components of a vector along the axes of the solver.
-    pub(super) fn tangential(&self, w: DVec3) -> [f64; 2] {
-        if self.periodicity() == Periodicity::Y { [w.y, w.x] } else { [w.x, w.y] }
+    /// Wavevector along the axes of the solver, in units of k₀, of light from `wi` in a medium of this index.
+    pub(super) fn wavevector(&self, wi: DVec3, index: f64) -> [f64; 2] {
+        let [x, y] = self.order_tangential(wi, index, [0, 0], 0.0);
+        if self.periodicity() == Periodicity::Y { [y, x] } else { [x, y] }
     }
 
     /// Wavevector along x and y, in units of k₀, of an order for light from `wi` in a medium of this index.

@@ -92,7 +92,7 @@ pub fn wave_orders(
 
 fn of_wavelength(cell: &WaveCell<'_>, wi: DVec3, wavelength_nm: f64, accuracy: Accuracy) -> Result<WaveDiffraction> {
     let index = [cell.index_above(wavelength_nm)?, cell.index_below(wavelength_nm)?];
-    let [first, second] = cell.tangential(wi).map(|along| -index[0] * along);
+    let [first, second] = cell.wavevector(wi, index[0]);
     let mut found = cell.orders(wavelength_nm, first, &[second], accuracy)?;
     let DirectionPowers { reflected, transmitted } = found.directions.remove(0);
     let travelling = |orders: &[OrderPower], place: usize, up: f64| {

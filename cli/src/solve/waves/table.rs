@@ -31,7 +31,7 @@ impl OrderTableRequest {
     /// The identity of a checkpoint: everything that decides its numbers.
     #[must_use]
     pub fn identity(&self, scene: &Scene, wavelength_nm: &[f64]) -> Identity {
-        let identity = Identity::of_program().and("scene", &(&scene.media, &scene.shape));
+        let identity = Identity::of_scene(scene).and("front", &scene.front);
         identity.and("waves", &(self.layout, self.accuracy)).and("wavelengths", &wavelength_nm)
     }
 }
@@ -108,8 +108,8 @@ pub fn wave_table(
     let failure = OnceLock::new();
     let (decompositions, layers) = (AtomicUsize::new(0), AtomicUsize::new(0));
     // A surface that is its own mirror image sends light from −α into −m as it sends light from α into m.
-    let [symmetric, _] = cell.mirrors()?;
-    let mirrored = |part: usize| symmetric && part % columns >= columns.div_ceil(2);
+    let mirrors = cell.mirrors()?;
+    let mirrored = |part: usize| mirrors[0] && part % columns >= columns.div_ceil(2);
     let images = images(cell, &orders, [true, false]);
     let missing = rows.iter_mut().enumerate().filter(|(part, row)| row.is_none() && !mirrored(*part));
     parallel::for_each(
@@ -121,7 +121,7 @@ pub fn wave_table(
                 return; // the table is refused already
             }
             let (wavelength, column) = (part / columns, part % columns);
-            let found = row_of(cell, wavelength_nm[wavelength], column, &orders, request);
+            let found = row_of(cell, wavelength_nm[wavelength], column, &orders, mirrors, request);
             let kept = found.and_then(|(found, counts)| {
                 decompositions.fetch_add(counts[0], Ordering::Relaxed);
                 layers.fetch_add(counts[1], Ordering::Relaxed);
@@ -228,21 +228,20 @@ fn row_of(
     wavelength_nm: f64,
     column: usize,
     orders: &[[i32; 2]],
+    mirrors: [bool; 2],
     request: &OrderTableRequest,
 ) -> Result<(Row, [usize; 2])> {
     let layout = request.layout;
     let [columns, across] = layout.nodes().map(|n| n as usize);
     let lights: Vec<_> = (0..across).map(|beta| layout.direction(beta * columns + column)).collect();
     let index = cell.index_above(wavelength_nm)?;
-    let tangential = |wi| cell.tangential(wi).map(|along| -index * along);
-    let mut seconds: Vec<f64> = lights.iter().map(|&wi| tangential(wi)[1]).collect();
+    let mut seconds: Vec<f64> = lights.iter().map(|&wi| cell.wavevector(wi, index)[1]).collect();
     // Lines have one half of β alone.
-    let [_, symmetric] = cell.mirrors()?;
-    let halved = symmetric && !layout.periodicity().has_lines();
+    let halved = mirrors[1] && !layout.periodicity().has_lines();
     if halved {
         seconds.truncate(across.div_ceil(2));
     }
-    let found = cell.orders(wavelength_nm, tangential(lights[0])[0], &seconds, request.accuracy)?;
+    let found = cell.orders(wavelength_nm, cell.wavevector(lights[0], index)[0], &seconds, request.accuracy)?;
     let opaque = cell.index_below(wavelength_nm)? == 0.0;
     let blank = || vec![0.0; across * orders.len()];
     let mut strengths = [blank(), blank(), blank(), blank()];
@@ -274,4 +273,28 @@ fn row_of(
         }
     }
     Ok((Row { strengths, error: found.error as f32 }, [found.decompositions, found.layers]))
+}
+
+#[cfg(test)]
+mod tests {
+    use goniochrome::table::Periodicity;
+
+    use super::*;
+    use crate::scene::parse;
+
+    #[test]
+    fn a_front_face_makes_other_work() {
+        let scene = |front: &str| {
+            let cell = "surface = { kind = \"grooves\", points_nm = [[0, 0], [200, 90], [400, 0]] }";
+            let toml = format!(
+                "[cell]\nperiod_nm = [400, 400]\n{cell}\n{front}\n[interface.grooves]\nabove = 1.5\nbelow = \"air\"\n"
+            );
+            parse("lines", &toml).unwrap()
+        };
+        let layout = OrderLayout::new([3, 3], Periodicity::X, [400.0; 2]).unwrap();
+        let request = OrderTableRequest { layout, accuracy: Accuracy::TABLE, threads: 1 };
+        let identity = |front: &str| request.identity(&scene(front), &[550.0]);
+        assert_eq!(identity(""), identity("# a comment"));
+        assert_ne!(identity(""), identity("front = \"air\""));
+    }
 }
