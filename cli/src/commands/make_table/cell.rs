@@ -1,16 +1,14 @@
 //! The 4D table of a cell of tilted facets.
 
 use std::path::Path;
-use std::sync::Once;
 
 use goniochrome::colour::Quadrature;
-use goniochrome::measure::bins::DirectionBins;
-use goniochrome::table::ScatterLayout;
 
 use crate::colour::visible_weights;
 use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
 use crate::commands::make_table::metadata::scatter_metadata;
+use crate::commands::make_table::shared::{scatter_layout, ticking};
 use crate::commands::notes::{note_on_front, note_on_media};
 use crate::scene::Scene;
 use crate::solve::cell_table::{TableRequest, estimate};
@@ -48,17 +46,13 @@ pub(super) fn scatter_table(
     let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
     let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
     let cell = &args.cell;
-    let [theta, phi] = cell.incident.map_or([8, 16], |bins| bins.0);
-    let [cos, around] = cell.bins.map_or([16, 32], |bins| bins.0);
-    let bins = DirectionBins { cos, phi: around };
-    let layout = ScatterLayout::new(theta, phi, bins)
-        .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))?;
+    let layout = scatter_layout(args)?;
     let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
     let tracing = ScatterRequest {
         coherence,
         rays: cell.rays.unwrap_or(RAYS),
         seed: cell.seed.unwrap_or(0),
-        bins,
+        bins: layout.bins(),
         precision: args.computing.precision,
         threads: args.computing.request().threads,
     };
@@ -74,12 +68,7 @@ pub(super) fn scatter_table(
     };
     let quiet = args.computing.running.quiet;
     let progress = bar(&scene.name, layout.incident_count(), quiet);
-    // The first finished direction tells of the checkpoint: a request that is refused has nothing to resume.
-    let (message, told) = (checkpoint.as_ref().map(Checkpoint::says), Once::new());
-    let finished = || {
-        told.call_once(|| message.iter().for_each(|message| progress.suspend(|| note(quiet, message))));
-        progress.inc(1);
-    };
+    let finished = ticking(&progress, checkpoint.as_ref(), quiet);
     let mut table = estimate(&mesh_scene, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
     if let Err(error) = table.check() {
@@ -96,8 +85,12 @@ pub(super) fn scatter_table(
     table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, &warnings);
     let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);
     let summary = format!(
-        "{theta} × {phi} incident directions × {cos} × {around} bins × {} wavelengths; standard error of the albedo ≤ {:.1e}, \
+        "{} × {} incident directions × {} × {} bins × {} wavelengths; standard error of the albedo ≤ {:.1e}, \
          truncated ≤ {truncated:.1e}, imbalance ≤ {:.1e}",
+        layout.theta(),
+        layout.phi(),
+        layout.bins().cos,
+        layout.bins().phi,
         wavelength_nm.len(),
         table.worst_error(),
         imbalance.abs(),

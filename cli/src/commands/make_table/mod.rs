@@ -1,6 +1,7 @@
 //! The table of a scene, as `estimate` makes it.
 
 mod metadata;
+mod shared;
 mod planar;
 mod cell;
 mod waves;

@@ -1,16 +1,15 @@
 //! The tables of a periodic cell by waves: diffraction orders, or scattered light where its periods differ at random.
 
 use std::path::Path;
-use std::sync::Once;
 
 use goniochrome::colour::Quadrature;
-use goniochrome::measure::bins::DirectionBins;
-use goniochrome::table::{OrderLayout, ScatterLayout};
+use goniochrome::table::OrderLayout;
 
 use crate::colour::visible_weights;
 use crate::commands::args::{Bins, EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
 use crate::commands::make_table::metadata::wave_metadata;
+use crate::commands::make_table::shared::{scatter_layout, ticking};
 use crate::commands::notes::note_on_media;
 use crate::scene::{Periods, Scene};
 use crate::solve::checkpoint::Checkpoint;
@@ -59,6 +58,13 @@ pub(super) fn wave_table(
         OrderLayout::new([along, across], cell.periodicity(), cell.period_nm().map(|nm| nm as f32)).map_err(|_| {
             Error::usage(format_args!("--incident {across}x{along}: orders need 2 to 1024 directions each way"))
         })?;
+    let spread = match periods {
+        Periods::Coherent => None,
+        Periods::Random => {
+            let illuminant = args.colouring.illuminant.into();
+            Some((scatter_layout(args)?, visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?))
+        }
+    };
     note_on_media(scene, wavelength_nm, quiet);
     let request = OrderTableRequest { layout, accuracy, threads: args.computing.running.threads() };
     let checkpoint = match output {
@@ -66,12 +72,7 @@ pub(super) fn wave_table(
         None => None,
     };
     let progress = bar(&scene.name, steps(&layout, wavelength_nm.len()), quiet);
-    // The first finished part tells of the checkpoint: a request that is refused has nothing to resume.
-    let (message, told) = (checkpoint.as_ref().map(Checkpoint::says), Once::new());
-    let finished = || {
-        told.call_once(|| message.iter().for_each(|message| progress.suspend(|| note(quiet, message))));
-        progress.inc(1);
-    };
+    let finished = ticking(&progress, checkpoint.as_ref(), quiet);
     let WaveTable { mut table, met, decompositions, layers } =
         solve(&cell, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
@@ -93,8 +94,8 @@ pub(super) fn wave_table(
     warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
     let metadata = wave_metadata(args, scene, periods, error, &warnings);
     let count = wavelength_nm.len();
-    let (table, summary): (Table, String) = match periods {
-        Periods::Coherent => {
+    let (table, summary): (Table, String) = match spread {
+        None => {
             table.metadata = metadata;
             let summary = format!(
                 "{} diffraction orders × {along} × {across} directions × {count} wavelengths; error bar ≤ {error:.1e}; {decompositions} decompositions \
@@ -103,10 +104,7 @@ pub(super) fn wave_table(
             );
             (table.into(), summary)
         }
-        Periods::Random => {
-            let scatter_layout = scatter_layout(args)?;
-            let illuminant = args.colouring.illuminant.into();
-            let weights = visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?;
+        Some((scatter_layout, weights)) => {
             let mut table = scattered(&table, scatter_layout, &weights, args.colouring.space.into())?;
             table.metadata = metadata;
             let summary = format!(
@@ -121,14 +119,6 @@ pub(super) fn wave_table(
         }
     };
     Ok((table, summary, checkpoint))
-}
-
-/// The grid of a table of scattered light.
-fn scatter_layout(args: &EstimateArgs) -> Result<ScatterLayout> {
-    let [theta, phi] = args.cell.incident.map_or([8, 16], |bins| bins.0);
-    let [cos, around] = args.cell.bins.map_or([16, 32], |bins| bins.0);
-    ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around })
-        .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))
 }
 
 /// Refuses options that waves do not have.
