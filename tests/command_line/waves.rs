@@ -156,6 +156,9 @@ fn cells_that_waves_cannot_do_fall_back_or_are_refused() {
         &["needs at least", "orders at 550 nm", "orders --method rays"],
     );
     user.refused("estimate lines.toml -o t.exr --rays 64", 2, &["--rays: lines: coherence cell is computed by waves"]);
+    user.refused("scatter lines.toml --coherence cell --method rays --max-harmonic 9", 2, &["--max-harmonic"]);
+    user.refused("estimate lines.toml -o t.exr --coherence ray --max-harmonic 9", 2, &["--max-harmonic"]);
+    user.refused("estimate paper-fig4 -o t.exr --max-harmonic 9", 2, &["--max-harmonic"]);
     for error in ["0", "-1", "nan"] {
         user.refused(&format!("estimate lines.toml -o t.exr --target-error={error}"), 2, &["--target-error"]);
     }

@@ -6,7 +6,7 @@ use crate::commands::args::OrdersArgs;
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
 use crate::commands::csv_file::write_csv;
 use crate::commands::notes::{note_on_front, note_on_media, note_on_waves};
-use crate::commands::wave_choice::wave_cell;
+use crate::commands::wave_choice::{RAYS, first_given, wave_cell};
 use crate::scene::{Scene, load};
 use crate::solve::batches::BATCHES;
 use crate::solve::diffraction::{Diffraction, OrdersRequest, default_hits, orders};
@@ -18,9 +18,6 @@ use crate::solve::waves::one_direction::{WaveDiffraction, WaveOrder, wave_orders
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
-
-/// The default number of starting rays.
-const RAYS: u32 = 65_536;
 
 pub fn run(args: &OrdersArgs) -> Result<()> {
     let scene = load(&args.scene)?;
@@ -38,13 +35,12 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
 
 /// The first option of rays that the user gave.
 fn ray_option(args: &OrdersArgs) -> Option<&'static str> {
-    let given = [
+    first_given(&[
         ("--rays", args.rays.is_some()),
         ("--hits", args.hits.is_some()),
         ("--precision", args.precision.is_some()),
         ("--seed", args.seed.is_some()),
-    ];
-    given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+    ])
 }
 
 fn by_waves(args: &OrdersArgs, cell: &WaveCell<'_>, wi: DVec3, wavelengths: &[f64]) -> Result<()> {

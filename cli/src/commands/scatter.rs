@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::commands::args::{Diffracting, ScatterArgs, spelled};
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
 use crate::commands::notes::{note_on_front, note_on_media, note_on_waves};
-use crate::commands::wave_choice::wave_cell;
+use crate::commands::wave_choice::{RAYS, first_given, wave_cell};
 use crate::scene::{Scene, load};
 use crate::solve::cell_warnings::{not_converged, unbalanced};
 use crate::solve::mesh_scene::MeshScene;
@@ -47,14 +47,13 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
     output::write_text(&args.json, &(text::json(&text) + "\n"))
 }
 
-/// The default number of starting rays.
-const RAYS: u32 = 65_536;
-
 /// The first option of rays that the user gave.
 fn ray_option(args: &ScatterArgs) -> Option<&'static str> {
-    let given =
-        [("--rays", args.rays.is_some()), ("--precision", args.precision.is_some()), ("--seed", args.seed.is_some())];
-    given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+    first_given(&[
+        ("--rays", args.rays.is_some()),
+        ("--precision", args.precision.is_some()),
+        ("--seed", args.seed.is_some()),
+    ])
 }
 
 /// The bins of the options.
@@ -80,6 +79,9 @@ fn by_waves(args: &ScatterArgs, cell: &WaveCell<'_>, wi: DVec3, wavelengths: &[f
 }
 
 fn by_rays(args: &ScatterArgs, scene: &Scene, wi: DVec3, wavelengths: &[f64]) -> Result<Vec<Value>> {
+    if args.diffracting.max_harmonic.is_some() {
+        return Err(Error::usage("--max-harmonic: is of waves; give rays --rays"));
+    }
     let mesh_scene = MeshScene::new(scene)?;
     note_on_front(scene, args.running.quiet);
     let mut request = ScatterRequest {

@@ -5,6 +5,14 @@ use crate::solve::waves::{Accuracy, OrderMethod, WaveCell};
 use crate::support::error::{Error, Result};
 use crate::support::progress::note;
 
+/// Default number of starting rays for one direction of the light.
+pub(super) const RAYS: u32 = 65_536;
+
+/// The first of several options that the user gave.
+pub(super) fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
+    options.iter().find(|(_, given)| *given).map(|(option, _)| *option)
+}
+
 /// The cell for waves, if they are to be used: as `--method` says, else where the cell allows it and no option of rays
 /// is given. `ray_option` is the first option of rays that the user gave, if any.
 pub(super) fn wave_cell<'s>(

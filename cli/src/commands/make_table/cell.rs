@@ -43,6 +43,9 @@ pub(super) fn scatter_table(
     if args.computing.method != Method::Trace {
         return Err(refuse("--method", "they can only be traced"));
     }
+    if args.cell.max_harmonic.is_some() {
+        return Err(refuse("--max-harmonic", "it is for --coherence cell, which is computed by waves"));
+    }
     let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
     let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
     let cell = &args.cell;

@@ -32,6 +32,7 @@ pub(super) fn mirror_table(args: &EstimateArgs, scene: &Scene) -> Result<(Table,
         (cell.seed.is_some(), "seed"),
         (cell.reciprocal, "reciprocal"),
         (cell.target_error.is_some(), "target-error"),
+        (cell.max_harmonic.is_some(), "max-harmonic"),
     ] {
         if given {
             return Err(Error::usage(format_args!(

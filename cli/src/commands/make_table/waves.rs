@@ -84,12 +84,12 @@ pub(super) fn wave_table(
     }
     let albedo = table.worst_albedo()?;
     if albedo > MAX_ALBEDO {
-        warnings.push(format!(
-            "between directions of the grid orders add up to {albedo:.2} of the light; name more directions, as \
-             --incident {}x{}",
-            2 * across,
-            2 * along
-        ));
+        let remedy = match periods {
+            Periods::Coherent => format!("; name more directions, as --incident {}x{}", 2 * across, 2 * along),
+            // --incident names the directions of scattered light.
+            Periods::Random => String::new(),
+        };
+        warnings.push(format!("between directions of the grid orders add up to {albedo:.2} of the light{remedy}"));
     }
     warnings.iter().for_each(|warning| note(quiet, format_args!("{}: {warning}", scene.name)));
     let metadata = wave_metadata(args, scene, periods, error, &warnings);
