@@ -33,7 +33,8 @@ pub(super) fn table_sum(coherence: Coherence) -> Result<TableSum> {
         Adding::Powers(paths) => Ok(TableSum::Powers(paths)),
         Adding::Fields => Ok(TableSum::Fields),
         Adding::Orders => Err(Error::usage(format_args!(
-            "--coherence {}: a table of scattered light holds no diffraction orders; waves make a table of them",
+            "--coherence {}: a table of scattered light holds no diffraction orders; use orders, or scatter with this option, for \
+             one direction of the light, and estimate for a table of orders",
             coherence.name()
         ))),
     }
