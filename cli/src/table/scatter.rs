@@ -1,16 +1,17 @@
 //! BRDF table of a cell of tilted facets in memory.
 
-use goniochrome::table::ScatterLayout;
+use goniochrome::table::{FacetLobe, HalfVectorWarp, ScatterLayout, ScatterTable as Lookup};
 
 use crate::support::error::{Error, Result};
+use crate::support::memory::filled;
 use crate::table::metadata::Metadata;
 use crate::table::mirror::{MAX_WAVELENGTHS, check_wavelengths};
 use crate::table::statistics::MeanWithError;
 
-/// Maximum number of pairs of directions of a table: 16 × 32 incident by 64 × 128 outgoing.
-pub const MAX_PAIRS: usize = 1 << 22;
+/// Maximum number of values of a table in one channel: 16 × 32 incident directions by 64 × 128 nodes.
+pub const MAX_COUNT: usize = 1 << 22;
 
-/// Largest product of pairs of directions and wavelengths of a table: 512 MiB.
+/// Largest product of values and wavelengths of a table: 512 MiB.
 pub const MAX_VALUES: usize = 1 << 27;
 
 /// Energy balance of one incident direction: fractions of the incident light, weighted by luminance.
@@ -33,19 +34,25 @@ pub struct Energy {
     pub rays: u64,
 }
 
-/// BRDF table of a cell: f(wi, wo) on a grid of directions, spectral and RGB, in 1/sr, unpolarised. Values are means
-/// over each outgoing bin.
+/// BRDF table of a cell of facets, spectral and RGB, unpolarised: s = f(wi, wo) cos θ_i cos θ_o in 1/sr at the nodes of
+/// the layout's square of half vectors, and the fraction ρ of the light that each lobe of flat facets reflects.
+///
+/// Each incident direction has the places of [`ScatterLayout::places`]: nodes, then lobes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterTable {
     /// Grid of directions.
     pub layout: ScatterLayout,
+    /// Densities of the warp over u and over v, at equally spaced knots: see [`HalfVectorWarp`].
+    pub warp: [Vec<f32>; 2],
+    /// Lobes of flat facets, as many as the layout says.
+    pub lobes: Vec<FacetLobe>,
     /// Vacuum wavelengths in nanometres, strictly increasing and positive.
     pub wavelength_nm: Vec<f64>,
-    /// f, `[incident][wavelength][bin]`, row-major, not negative.
-    pub brdf: Vec<f32>,
-    /// Linear RGB of f, `[incident][bin]`; components may be negative.
+    /// s and ρ, `[incident][wavelength][place]`, row-major, not negative.
+    pub values: Vec<f32>,
+    /// Linear RGB of s and ρ, `[incident][place]`; components may be negative.
     pub rgb: Vec<[f32; 3]>,
-    /// Standard error of the luminance of f, `[incident][bin]`, not negative.
+    /// Standard error of the luminance of s and ρ, `[incident][place]`, not negative.
     pub luminance_error: Vec<f32>,
     /// Energy balance of each incident direction.
     pub energy: Vec<Energy>,
@@ -53,33 +60,111 @@ pub struct ScatterTable {
     pub metadata: Metadata,
 }
 
-impl ScatterTable {
-    /// f at each bin for one incident direction and wavelength.
-    #[must_use]
-    pub fn row(&self, incident: usize, wavelength: usize) -> &[f32] {
-        let bins = self.layout.bins().count();
-        &self.brdf[(incident * self.wavelength_nm.len() + wavelength) * bins..][..bins]
+/// Values of a [`ScatterTable`] in some channels, ready to be looked up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatterLookup {
+    layout: ScatterLayout,
+    /// Pairs of density and integral of the warp over u and over v.
+    pairs: [Vec<f32>; 2],
+    lobes: Vec<[f32; FacetLobe::LEN]>,
+    /// `[incident][place][channel]`.
+    values: Vec<f32>,
+    channels: usize,
+}
+
+impl ScatterLookup {
+    /// The table that looks the values up.
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    pub fn table(&self) -> Result<Lookup<'_>> {
+        let [u, v] = &self.pairs;
+        let warp = HalfVectorWarp::from_pairs(u, v).map_err(Error::failed)?;
+        Lookup::new(&self.values, self.layout, warp, &self.lobes, self.channels).map_err(Error::failed)
     }
 
-    /// f of one pair of directions at each wavelength, in 1/sr; pairs count as in `rgb`.
-    pub fn spectrum(&self, pair: usize) -> impl Iterator<Item = f32> {
-        let bins = self.layout.bins().count();
-        let (incident, bin) = (pair / bins, pair % bins);
-        (0..self.wavelength_nm.len()).map(move |wavelength| self.row(incident, wavelength)[bin])
+    /// Number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// All values, `[incident][place][channel]`.
+    #[must_use]
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+}
+
+/// Pairs of density and integral of the warp of these densities, over u and over v.
+///
+/// # Errors
+/// Densities that are too few or too many, not finite, or too small.
+pub(crate) fn warp_pairs([u, v]: &[Vec<f32>; 2]) -> Result<[Vec<f32>; 2]> {
+    let mut memory = vec![0.0; HalfVectorWarp::required_len([u.len(), v.len()])];
+    HalfVectorWarp::new([u, v], &mut memory).map_err(Error::failed)?;
+    let of_v = memory.split_off(2 * u.len());
+    Ok([memory, of_v])
+}
+
+impl ScatterTable {
+    /// Values at each place for one incident direction and wavelength.
+    #[must_use]
+    pub fn row(&self, incident: usize, wavelength: usize) -> &[f32] {
+        let places = self.layout.places();
+        &self.values[(incident * self.wavelength_nm.len() + wavelength) * places..][..places]
+    }
+
+    /// Values of one place at each wavelength; places count as in `rgb`.
+    pub fn spectrum(&self, place: usize) -> impl Iterator<Item = f32> {
+        let (incident, place) = (place / self.layout.places(), place % self.layout.places());
+        (0..self.wavelength_nm.len()).map(move |wavelength| self.row(incident, wavelength)[place])
+    }
+
+    /// The look-up of values in channels of the caller's, `[incident][place][channel]`.
+    ///
+    /// # Errors
+    /// A warp without sense.
+    pub fn lookup(&self, values: Vec<f32>, channels: usize) -> Result<ScatterLookup> {
+        let lobes = self.lobes.iter().map(FacetLobe::to_numbers).collect();
+        Ok(ScatterLookup { layout: self.layout, pairs: warp_pairs(&self.warp)?, lobes, values, channels })
+    }
+
+    /// The look-up of the table's own RGB.
+    ///
+    /// # Errors
+    /// A warp without sense.
+    pub fn rgb_lookup(&self) -> Result<ScatterLookup> {
+        self.lookup(self.rgb.as_flattened().to_vec(), 3)
+    }
+
+    /// The look-up of the wavelengths, a channel each.
+    ///
+    /// # Errors
+    /// A warp without sense, or too little memory.
+    pub fn spectral_lookup(&self) -> Result<ScatterLookup> {
+        let channels = self.wavelength_nm.len();
+        let mut values = filled(0.0, self.values.len(), "the spectra")?;
+        for (place, out) in values.chunks_mut(channels).enumerate() {
+            out.iter_mut().zip(self.spectrum(place)).for_each(|(out, value)| *out = value);
+        }
+        self.lookup(values, channels)
     }
 
     /// Checks sizes and values.
     ///
     /// # Errors
-    /// An empty or too large table, arrays whose lengths do not fit the layout, wavelengths that are not positive or do
-    /// not increase, a value or standard error that is negative or not finite, a colour or energy that is not finite.
+    /// An empty or too large table, arrays whose lengths do not fit the layout, a warp or lobes without sense,
+    /// wavelengths that are not positive or do not increase, a value or standard error that is negative or not finite,
+    /// a colour or energy that is not finite.
     pub fn check(&self) -> Result<()> {
         check_scatter_size(&self.layout, self.wavelength_nm.len())?;
-        let pairs = self.layout.count();
+        let count = self.layout.count();
         for (name, found, expected) in [
-            ("values", self.brdf.len(), pairs * self.wavelength_nm.len()),
-            ("RGB colours", self.rgb.len(), pairs),
-            ("errors", self.luminance_error.len(), pairs),
+            ("values", self.values.len(), count * self.wavelength_nm.len()),
+            ("RGB colours", self.rgb.len(), count),
+            ("errors", self.luminance_error.len(), count),
+            ("lobes", self.lobes.len(), self.layout.lobes()),
             ("energies", self.energy.len(), self.layout.incident_count()),
         ] {
             if found != expected {
@@ -87,7 +172,7 @@ impl ScatterTable {
             }
         }
         check_wavelengths(&self.wavelength_nm)?;
-        if let Some(value) = bad_value(&self.brdf) {
+        if let Some(value) = bad_value(&self.values) {
             return Err(Error::failed(format_args!("a value of the BRDF is {value}")));
         }
         if let Some(value) = bad_value(&self.luminance_error) {
@@ -96,6 +181,7 @@ impl ScatterTable {
         if self.rgb.iter().flatten().any(|c| !c.is_finite()) {
             return Err(Error::failed("a colour is not finite"));
         }
+        self.rgb_lookup()?.table()?;
         let numbers = |e: &Energy| {
             let (reflected, imbalance) = (e.reflected, e.imbalance);
             let rest =
@@ -135,11 +221,11 @@ pub(crate) fn check_scatter_size(layout: &ScatterLayout, wavelengths: usize) -> 
     if wavelengths == 0 {
         return Err(Error::failed("the table is empty: it has no wavelengths"));
     }
-    let pairs = layout.count();
-    if pairs > MAX_PAIRS || wavelengths > MAX_WAVELENGTHS || pairs.saturating_mul(wavelengths) > MAX_VALUES {
+    let count = layout.count();
+    if count > MAX_COUNT || wavelengths > MAX_WAVELENGTHS || count.saturating_mul(wavelengths) > MAX_VALUES {
         return Err(Error::failed(format_args!(
-            "{pairs} pairs of directions × {wavelengths} wavelengths are too many; \
-             limits are {MAX_PAIRS}, {MAX_WAVELENGTHS} and {MAX_VALUES} together"
+            "{count} values × {wavelengths} wavelengths are too many; \
+             limits are {MAX_COUNT}, {MAX_WAVELENGTHS} and {MAX_VALUES} together"
         )));
     }
     Ok(())
@@ -147,14 +233,14 @@ pub(crate) fn check_scatter_size(layout: &ScatterLayout, wavelengths: usize) -> 
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use goniochrome::measure::bins::DirectionBins;
+    use glam::{Mat3, Vec3};
 
     use super::*;
 
-    /// 2 × 2 incident directions, 2 × 4 bins, 2 wavelengths, every value its own.
+    /// 2 × 2 incident directions, 3 × 2 nodes and a lobe, 2 wavelengths, every value its own.
     pub(crate) fn sample() -> ScatterTable {
-        let layout = ScatterLayout::new(2, 2, DirectionBins { cos: 2, phi: 4 }).unwrap();
-        let pairs = layout.count();
+        let layout = ScatterLayout::new([2, 2], [3, 2], 1).unwrap();
+        let count = layout.count();
         let own = |i: usize| 1.0 / (i as f32 + 3.0);
         let energy = |i: usize| Energy {
             reflected: MeanWithError { value: 1.0 / (i as f64 + 3.0), std_error: 1e-3 / 7.0 },
@@ -167,10 +253,12 @@ pub(crate) mod tests {
         };
         ScatterTable {
             layout,
+            warp: [vec![0.5, 1.5, 1.0], vec![1.0, 2.0, 1.0]],
+            lobes: vec![FacetLobe { index: 1.5, matrix: Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0)) }],
             wavelength_nm: vec![435.833_333_333_333_3, 700.0],
-            brdf: (0..2 * pairs).map(own).collect(),
-            rgb: (0..pairs).map(|i| [own(i), -own(i), 2.0 * own(i)]).collect(),
-            luminance_error: (0..pairs).map(|i| 0.1 * own(i)).collect(),
+            values: (0..2 * count).map(own).collect(),
+            rgb: (0..count).map(|i| [own(i), -own(i), 2.0 * own(i)]).collect(),
+            luminance_error: (0..count).map(|i| 0.1 * own(i)).collect(),
             energy: (0..4).map(energy).collect(),
             metadata: [("scene", "bumps")].into_iter().collect(),
         }
@@ -184,11 +272,11 @@ pub(crate) mod tests {
             damage(&mut table);
             table.check().unwrap_err().to_string()
         };
-        assert_eq!(refusal(|t| t.brdf[5] = -1.0), "a value of the BRDF is -1");
+        assert_eq!(refusal(|t| t.values[5] = -1.0), "a value of the BRDF is -1");
         assert_eq!(refusal(|t| t.luminance_error[5] = f32::NAN), "a standard error is NaN");
         assert_eq!(refusal(|t| t.rgb[0][1] = f32::INFINITY), "a colour is not finite");
         assert_eq!(refusal(|t| t.energy[3].truncated = f64::NAN), "an energy is not finite");
-        assert_eq!(refusal(|t| t.rgb.truncate(3)), "the table has 3 RGB colours where 32 belong");
+        assert_eq!(refusal(|t| t.rgb.truncate(3)), "the table has 3 RGB colours where 28 belong");
         assert!(refusal(|t| t.wavelength_nm.clear()).contains("no wavelengths"));
         assert!(refusal(|t| t.wavelength_nm[1] = 1.0).contains("does not increase"));
         assert!(refusal(|t| t.wavelength_nm = vec![1.0; MAX_WAVELENGTHS + 1]).contains("too many"));

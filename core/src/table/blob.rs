@@ -11,45 +11,48 @@
 //! |---|---|---|
 //! | 0 | 8 | magic: 89 47 4F 4E 49 0D 0A 1A (hexadecimal; "GONI" between bytes that text conversion damages) |
 //! | 8 | 4 | u32 version: 1 |
-//! | 12 | 4 | u32 kind: 1 mirror, 2 scatter, 3 orders |
+//! | 12 | 4 | u32 kind: 1 mirror, 3 orders, 4 scatter |
 //! | 16 | 4 | u32 bytes of a value: 4 for IEEE 754 binary32, 2 for binary16 |
 //! | 20 | 4 | u32 channels C, at least 1; the first three are linear red, green, blue; orders: number of orders |
 //! | 24 | 4 | u32 rows T: mirror: angles, at least 2; scatter: rows of incident directions; orders: nodes along β |
 //! | 28 | 4 | u32 columns P of incident directions; mirror: 1; orders: nodes along α |
-//! | 32 | 4 | u32 rows N of outgoing bins; mirror: 1; orders: number of wavelengths |
-//! | 36 | 4 | u32 columns M of outgoing bins, a multiple of P; mirror: 1; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
-//! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: 0; orders: two binary32, the periods along x and y in nm |
+//! | 32 | 4 | u32 nodes U of half vectors along x; mirror: 1; orders: number of wavelengths N |
+//! | 36 | 4 | u32 nodes V along y; mirror: 1; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
+//! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: u32 number of lobes L, u16 knots K_u and K_v of the warp; orders: two binary32, the periods along x and y in nm |
 //! | 48 | 8 | u64 size of the whole blob |
 //! | 56 | 4 | u32 colour space of the first three channels, or of the RGB weights of orders: 0 unknown, 1 linear sRGB, 2 linear Rec. 2020, 3 ACEScg, 4 the paper's matrix ([`RgbSpace`]) |
 //! | 60 | 4 | u32 CRC-32 (of zlib, PNG and Ethernet) of all other bytes: those from 0 to 59, then those from 64 to the end |
-//! | 64 | T·P·N·M·C values; orders: N·T·P·C | mirror: ρ, `[angle][channel]`; scatter: f in 1/sr, `[incident][bin][channel]`; orders: strengths, `[wavelength][node][order]` |
+//! | 64 | T·C values; scatter: T·P·(U·V + L)·C; orders: N·T·P·C | mirror: ρ, `[angle][channel]`; scatter: s = f cos θ_i cos θ_o in 1/sr at the nodes, x fastest, then ρ of the lobes, `[incident][place][channel]`; orders: strengths, `[wavelength][node][order]` |
 //! | | 0 to 3 | zeros, up to a multiple of 4 |
-//! | | 4·T·P·(1 + N + N·M) | scatter only: binary32 for each incident direction: Σ over bins of \|f\| cos θ_o times the bin's solid angle, \|f\| the mean over channels; N cumulative probabilities of the rows of bins; in each row, M cumulative probabilities of its columns |
+//! | | 4·(2·(K_u + K_v) + 10·L + T·P·(1 + V + U·V)) | scatter only: binary32: normalised density and integral at each knot over u, then over v; index and matrix of each lobe, by columns ([`FacetLobe`]); for each incident direction: what it reflects without lobes, the mean of \|s\| over channels summed over the square, over cos θ_i; V cumulative probabilities of the rows of nodes; in each row, U cumulative probabilities of its nodes |
 //! | | 4·(2·C + 5·N) | orders only: binary32: m and n of each order; N vacuum wavelengths in nm; N refractive indices of the medium above; three RGB weights of each wavelength |
 //!
-//! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and bins are those of [`ScatterLayout`],
-//! columns running fastest. Scatter sides are at most 1024. Values are finite and their magnitudes at most 10³⁰, so
-//! that interpolated values are finite too. The first number of an incident direction is in [0, 4·10³⁰]. Cumulative
-//! probabilities do not decrease and end in exactly 1.
+//! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and nodes are those of [`ScatterLayout`],
+//! columns running fastest; the warp is [`HalfVectorWarp`]'s. Scatter sides are at most 1024, T and U at least 2; knots
+//! are from 2 to 1025. Values are finite and their magnitudes at most 10³⁰, so that interpolated values are finite too.
+//! The first number of an incident direction is in [0, 4·10³²]. Cumulative probabilities do not decrease and end in
+//! exactly 1; integrals of the warp increase from 0 to 1.
 //!
 //! The nodes of orders are those of [`OrderLayout`], α running fastest; [`OrderTable`] says what strengths are and how
 //! they are looked up. Sides are from 2 to 1024, and there are at most 2²⁰ orders. Strengths are not negative. m and n
 //! are whole numbers up to 10⁶, and 0 along an axis along which the surface does not repeat. Periods, wavelengths and
 //! indices are positive, and wavelengths increase.
 //!
-//! Nothing follows the last section. A reader refuses bytes that break any of these rules. Kind 3 came after kinds 1
-//! and 2, whose bytes it leaves as they were: a reader that does not know it refuses it for its kind.
+//! Nothing follows the last section. A reader refuses bytes that break any of these rules. Kind 2 held scatter tables of
+//! fixed outgoing bins before version 0.2; it is refused as [`BlobError::Retired`]. A reader that does not know kinds 3
+//! and 4 refuses them for their kind.
 
 use super::error::TableError;
 use super::layout::ScatterLayout;
+use super::lobe::FacetLobe;
 use super::mirror::MirrorTable;
 use super::order_layout::{OrderLayout, Periodicity};
 use super::orders::OrderTable;
 use super::sampler::ScatterSampler;
 use super::scatter::ScatterTable;
 use super::values::{Values, half_is_finite, to_half};
+use super::warp::HalfVectorWarp;
 use crate::colour::RgbSpace;
-use crate::measure::bins::DirectionBins;
 use crc32fast::Hasher;
 
 /// First bytes of every blob.
@@ -62,10 +65,12 @@ const HEADER: usize = 64;
 const CHECKSUM: usize = 60;
 /// Number of a mirror-like table's kind.
 const MIRROR: u32 = 1;
-/// Number of a scatter table's kind.
-const SCATTER: u32 = 2;
+/// Number of the kind of scatter tables in fixed outgoing bins, which are no longer read.
+const RETIRED: u32 = 2;
 /// Number of the kind of a table of diffraction orders.
 const ORDERS: u32 = 3;
+/// Number of a scatter table's kind.
+const SCATTER: u32 = 4;
 /// Periodicities in the order of their numbers, from 1.
 const PERIODICITIES: [Periodicity; 3] = [Periodicity::X, Periodicity::Y, Periodicity::Both];
 
@@ -139,6 +144,8 @@ pub enum BlobError {
         /// Offset of the field.
         offset: usize,
     },
+    /// The blob holds a scatter table of fixed outgoing bins, as versions before 0.2 wrote them: export the table anew.
+    Retired,
     /// The dimensions in the header do not fit the size that it states.
     Dimensions,
     /// The table or its sampler is not sound.
@@ -158,6 +165,9 @@ impl core::fmt::Display for BlobError {
             Self::Length { required } => write!(f, "the blob should have {required} bytes"),
             Self::Checksum => write!(f, "the blob is damaged: its checksum differs"),
             Self::Field { offset } => write!(f, "the blob's field at byte {offset} has no meaning"),
+            Self::Retired => {
+                write!(f, "the blob holds bins of a version before 0.2; estimate and export the table anew")
+            }
             Self::Dimensions => write!(f, "the blob's dimensions do not fit its size"),
             Self::Table(error) => error.fmt(f),
             Self::Range { index } => write!(f, "value {index} is too large for half precision or not finite"),
@@ -179,28 +189,48 @@ struct Dimensions {
     kind: u32,
     value_bytes: u32,
     channels: u32,
-    /// Sides T, P, N and M.
+    /// Sides T, P, U and V; of orders T, P, N and the periodicity.
     sides: [u32; 4],
+    /// Eight bytes from 40 on: the largest angle, the lobes and knots, or the periods.
+    extent: u64,
 }
 
 impl Dimensions {
     /// Number of values; `None` beyond 64 bits.
     fn count(&self) -> Option<u64> {
-        let [rows, columns, cos, phi] = self.sides.map(u64::from);
-        let last = if self.kind == ORDERS { 1 } else { phi };
-        [columns, cos, last, self.channels.into()].iter().try_fold(rows, |n, &side| n.checked_mul(side))
+        let [rows, columns, third, fourth] = self.sides.map(u64::from);
+        let places = match self.kind {
+            SCATTER => third.checked_mul(fourth)?.checked_add(self.lobes())?,
+            _ => third,
+        };
+        [columns, places, self.channels.into()].iter().try_fold(rows, |n, &side| n.checked_mul(side))
+    }
+
+    /// Number of lobes of a scatter table.
+    fn lobes(&self) -> u64 {
+        self.extent & 0xffff_ffff
+    }
+
+    /// Numbers of knots of a scatter table's warp.
+    fn knots(&self) -> [u64; 2] {
+        [self.extent >> 32 & 0xffff, self.extent >> 48]
     }
 
     /// Sizes of the two sections in bytes: values with their padding, and sampler or axes of orders; `None` beyond 64
     /// bits.
     fn sections(&self) -> Option<[u64; 2]> {
-        let [rows, columns, cos, phi] = self.sides.map(u64::from);
+        let [rows, columns, third, fourth] = self.sides.map(u64::from);
         let values = self.count()?.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
         let numbers = match self.kind {
             MIRROR => 0,
             // Sums of products of 32 bits.
-            ORDERS => 2 * u64::from(self.channels) + 5 * cos,
-            _ => rows.checked_mul(columns)?.checked_mul(cos.checked_mul(phi)?.checked_add(1 + cos)?)?,
+            ORDERS => 2 * u64::from(self.channels) + 5 * third,
+            _ => {
+                let of_incident = third.checked_mul(fourth)?.checked_add(1 + fourth)?;
+                let sampler = rows.checked_mul(columns)?.checked_mul(of_incident)?;
+                let [knots_u, knots_v] = self.knots();
+                sampler.checked_add(2 * (knots_u + knots_v) + FacetLobe::LEN as u64 * self.lobes())?
+            }
         };
         Some([values, numbers.checked_mul(4)?])
     }
@@ -263,9 +293,10 @@ impl<'a> Blob<'a> {
             value_bytes: word(16),
             channels: word(20),
             sides: [word(24), word(28), word(32), word(36)],
+            extent: u64_at(header, 40),
         };
         let space = space_of_number(word(56)).ok_or(BlobError::Field { offset: 56 })?;
-        Ok(Self { space, contents: contents(dimensions, u64_at(header, 40), payload)? })
+        Ok(Self { space, contents: contents(dimensions, payload)? })
     }
 
     /// Size of the blob in bytes, which [`Blob::write`] needs; `None` if it is beyond the size of memory.
@@ -289,13 +320,13 @@ impl<'a> Blob<'a> {
         let (header, payload) = bytes.split_first_chunk_mut::<HEADER>().ok_or(wrong)?;
         // The last section has up to four parts.
         let none = [Values::Numbers(&[]); 4];
-        let (values, numbers, extent) = match &self.contents {
-            Contents::Mirror(table) => (table.values(), none, table.theta_max().to_bits()),
+        let (values, numbers) = match &self.contents {
+            Contents::Mirror(table) => (table.values(), none),
             Contents::Scatter(table, sampler) => {
-                let [_, a, b, c] = none;
-                (table.values(), [sampler.values(), a, b, c], 0)
+                let [u, v] = table.warp().values();
+                (table.values(), [u, v, table.lobe_numbers(), sampler.values()])
             }
-            Contents::Orders(table) => (table.strengths(), table.axes(), period_bits(table.layout().period_nm())),
+            Contents::Orders(table) => (table.strengths(), table.axes()),
         };
         payload.fill(0);
         let [value_bytes, _] = dimensions.sections().ok_or(BlobError::Dimensions)?;
@@ -309,13 +340,14 @@ impl<'a> Blob<'a> {
             }
         }
         write_singles(numbers.into_iter().flat_map(Values::iter), number_bytes);
-        let [rows, columns, cos, phi] = dimensions.sides;
-        let words = [VERSION, dimensions.kind, dimensions.value_bytes, dimensions.channels, rows, columns, cos, phi];
+        let [rows, columns, third, fourth] = dimensions.sides;
+        let words =
+            [VERSION, dimensions.kind, dimensions.value_bytes, dimensions.channels, rows, columns, third, fourth];
         header[..8].copy_from_slice(&MAGIC);
         for (word, place) in words.into_iter().zip(header[8..40].as_chunks_mut().0) {
             *place = word.to_le_bytes();
         }
-        header[40..48].copy_from_slice(&extent.to_le_bytes());
+        header[40..48].copy_from_slice(&dimensions.extent.to_le_bytes());
         header[48..56].copy_from_slice(&required.to_le_bytes());
         header[56..CHECKSUM].copy_from_slice(&space_number(self.space).to_le_bytes());
         let checksum = checksum(header, payload);
@@ -328,20 +360,29 @@ impl<'a> Blob<'a> {
             Precision::Single => 4,
             Precision::Half => 2,
         };
-        let (kind, channels, sides) = match &self.contents {
-            Contents::Mirror(table) => (MIRROR, table.channels(), [u32::try_from(table.rows()).ok()?, 1, 1, 1]),
+        let (kind, channels, sides, extent) = match &self.contents {
+            Contents::Mirror(table) => {
+                let sides = [u32::try_from(table.rows()).ok()?, 1, 1, 1];
+                (MIRROR, table.channels(), sides, table.theta_max().to_bits())
+            }
             Contents::Scatter(table, _) => {
                 let layout = table.layout();
-                (SCATTER, table.channels(), [layout.theta(), layout.phi(), layout.bins().cos, layout.bins().phi])
+                let ([rows, columns], [u, v]) = (layout.incident_sides(), layout.square_sides());
+                // Both are at most 1025.
+                let [knots_u, knots_v] = table.warp().knots().map(|knots| knots as u64);
+                let extent = knots_v << 48 | knots_u << 32 | layout.lobes() as u64;
+                (SCATTER, table.channels(), [rows, columns, u, v], extent)
             }
             Contents::Orders(table) => {
-                let [alpha, beta] = table.layout().nodes();
-                let periodicity = PERIODICITIES.iter().zip(1..).find(|(p, _)| **p == table.layout().periodicity());
+                let layout = table.layout();
+                let [alpha, beta] = layout.nodes();
+                let periodicity = PERIODICITIES.iter().zip(1..).find(|(p, _)| **p == layout.periodicity());
                 let wavelengths = u32::try_from(table.wavelength_count()).ok()?;
-                (ORDERS, table.order_count(), [beta, alpha, wavelengths, periodicity?.1])
+                let sides = [beta, alpha, wavelengths, periodicity?.1];
+                (ORDERS, table.order_count(), sides, period_bits(layout.period_nm()))
             }
         };
-        Some(Dimensions { kind, value_bytes, channels: u32::try_from(channels).ok()?, sides })
+        Some(Dimensions { kind, value_bytes, channels: u32::try_from(channels).ok()?, sides, extent })
     }
 }
 
@@ -350,22 +391,21 @@ fn period_bits([x, y]: [f32; 2]) -> u64 {
     u64::from(y.to_bits()) << 32 | u64::from(x.to_bits())
 }
 
-/// Checks the table that a header describes, in the bytes after the header. `extent` holds the bits of the largest
-/// angle or of the periods.
-fn contents(dimensions: Dimensions, extent: u64, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
+/// Checks the table that a header describes, in the bytes after the header.
+fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
     let field = |offset| Err(BlobError::Field { offset });
-    if !(MIRROR..=ORDERS).contains(&dimensions.kind) {
+    if dimensions.kind == RETIRED {
+        return Err(BlobError::Retired);
+    }
+    if !(MIRROR..=SCATTER).contains(&dimensions.kind) {
         return field(12);
     }
     if !(dimensions.value_bytes == 2 || dimensions.value_bytes == 4) {
         return field(16);
     }
-    let [rows, columns, cos, phi] = dimensions.sides;
-    if dimensions.kind == MIRROR && [columns, cos, phi] != [1; 3] {
+    let Dimensions { sides: [rows, columns, third, fourth], extent, .. } = dimensions;
+    if dimensions.kind == MIRROR && [columns, third, fourth] != [1; 3] {
         return field(28);
-    }
-    if dimensions.kind == SCATTER && extent != 0 {
-        return field(40);
     }
     let [value_bytes, number_bytes] = dimensions.sections().ok_or(BlobError::Dimensions)?;
     if value_bytes.checked_add(number_bytes) != Some(payload.len() as u64) {
@@ -380,17 +420,24 @@ fn contents(dimensions: Dimensions, extent: u64, payload: &[u8]) -> Result<Conte
     match dimensions.kind {
         MIRROR => Ok(Contents::Mirror(MirrorTable::of(values, channels, f64::from_bits(extent))?)),
         SCATTER => {
-            let layout = ScatterLayout::new(rows, columns, DirectionBins { cos, phi })?;
-            let sampler = ScatterSampler::of(numbers, layout)?;
-            Ok(Contents::Scatter(ScatterTable::of(values, layout, channels)?, sampler))
+            let layout = ScatterLayout::new([rows, columns], [third, fourth], dimensions.lobes() as u32)?;
+            // Parts of the numbers, whose sizes are at most that of memory.
+            let [of_u, of_v] = dimensions.knots().map(|knots| 2 * knots as usize);
+            let of_lobes = FacetLobe::LEN * layout.lobes();
+            let warp = HalfVectorWarp::of([numbers.part(0, of_u), numbers.part(of_u, of_v)])?;
+            let lobes = numbers.part(of_u + of_v, of_lobes);
+            let table = ScatterTable::of(values, layout, warp, lobes, channels)?;
+            let from = of_u + of_v + of_lobes;
+            let sampler = ScatterSampler::of(numbers.part(from, numbers.len() - from), table)?;
+            Ok(Contents::Scatter(table, sampler))
         }
         _ => {
-            let Some((&periodicity, _)) = PERIODICITIES.iter().zip(1..).find(|(_, number)| *number == phi) else {
+            let Some((&periodicity, _)) = PERIODICITIES.iter().zip(1..).find(|(_, number)| *number == fourth) else {
                 return field(36);
             };
             let period_nm = [extent as u32, (extent >> 32) as u32].map(f32::from_bits);
             let layout = OrderLayout::new([columns, rows], periodicity, period_nm)?;
-            Ok(Contents::Orders(OrderTable::from_parts(layout, values, numbers, channels, cos as usize)?))
+            Ok(Contents::Orders(OrderTable::from_parts(layout, values, numbers, channels, third as usize)?))
         }
     }
 }

@@ -18,9 +18,14 @@ pub enum TableError {
         /// Index in the slice.
         index: usize,
     },
-    /// A side of the grid is not from 1 to 1024, or the number of outgoing azimuths is not a multiple of the incident
-    /// ones.
+    /// A side of the grid is out of range: rows of incident directions and nodes along x are from 2 to 1024, columns and
+    /// nodes along y from 1, lobes from 0.
     Layout,
+    /// A density of a warp has fewer than 2 knots or more than 1025, is not finite, or is below a thousandth of its
+    /// mean.
+    Warp,
+    /// The lobes are not as many as the layout says, or one has an index out of range or a matrix that is not orthogonal.
+    Lobe,
     /// A side of a grid of orders is not from 2 to 1024, or a period is not positive and finite.
     OrderLayout,
     /// The numbers of an order are not whole, or not 0 along an axis along which the surface does not vary; or
@@ -50,9 +55,13 @@ impl core::fmt::Display for TableError {
             }
             Self::Layout => write!(
                 f,
-                "a grid needs at least one direction each way, at most 1024 a side, and a number of outgoing azimuths \
-                 that is a multiple of the incident ones"
+                "a grid needs 2 to 1024 incident angles and half-vector angles, 1 to 1024 azimuths of each, and at most \
+                 1024 lobes"
             ),
+            Self::Warp => {
+                write!(f, "a warp needs 2 to 1025 densities along each axis, none below a thousandth of their mean")
+            }
+            Self::Lobe => write!(f, "each lobe needs an index from 0.001 to 1000 and an orthogonal matrix"),
             Self::OrderLayout => {
                 write!(f, "a grid of orders needs 2 to 1024 nodes a side, and periods that are positive and finite")
             }

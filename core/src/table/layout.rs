@@ -1,146 +1,145 @@
 //! Grid of directions of a [`ScatterTable`](super::ScatterTable), and interpolation on it.
 
 use super::error::TableError;
-use crate::measure::bins::DirectionBins;
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::f32::consts::{PI, TAU};
 use glam::Vec3;
 
-/// Grid of incident directions × outgoing bins.
+/// Grid of incident directions × nodes of the warped square of half vectors, and number of facet lobes.
 ///
-/// - Incident polar angles are uniform in θ: θ_i = (row + ½) (π/2)/rows. Colours of films and Fresnel coefficients vary
-///   with θ at a similar rate everywhere; with eight rows uniform in cos θ the first 20° would have no direction. The
-///   middles of the rows avoid 0°, where φ is undefined, and 90°, where no light arrives.
-/// - Incident azimuths are φ_i = 2π column/columns + π/M for M outgoing azimuths: middles of outgoing bins. An
-///   isotropic surface has one column.
-/// - Outgoing bins are uniform in cos θ_o from the horizon, all of equal solid angle, and in the azimuth **relative to
-///   the incident one**, φ_o − φ_i; bin k lies around 2πk/M. Lobes keep their bins as the light moves around the
-///   normal, so interpolation between columns moves a lobe instead of blending two. Retro-reflection is in the middle
-///   of bin 0, the mirror direction in that of bin M/2. M is a multiple of the columns, so relative bins are the
-///   absolute ones, renumbered.
+/// - Incident polar angles run from 0 to [`ScatterLayout::THETA_MAX`], equally spaced. Beyond the last, values are held.
+/// - Incident azimuths are φ_i = 2π column/columns − π. An isotropic surface has one column. Along the normal there is
+///   no azimuth: all columns of the first row should hold the same values.
+/// - The square (x, y) is that of [`HalfVectorWarp`](super::HalfVectorWarp): x = 0 is the half vector along the normal,
+///   y runs once around it. Its nodes are x = j/(U − 1) and y = k/V; y is periodic. At x = 0 there is no azimuth either,
+///   and all nodes should hold the same value.
+///
+/// Each incident direction has [`ScatterLayout::places`] values: first those of the nodes, x fastest, then those of the
+/// lobes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScatterLayout {
-    theta: u32,
-    phi: u32,
-    bins: DirectionBins,
+    incident: [u32; 2],
+    square: [u32; 2],
+    lobes: u32,
 }
 
 /// Node of an interpolation on a grid of directions, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GridNode {
-    /// Index of the incident direction or of the outgoing bin.
+    /// Index of the incident direction or of the node of the square.
     pub index: usize,
     /// Interpolation weight in [0, 1]; the weights of one direction add up to 1.
     pub weight: f32,
 }
 
-/// Largest number of rows or columns. With it, indices of a whole table fit in 64 bits and single precision
-/// distinguishes bins.
+/// Largest number of rows, columns or lobes. With it, indices of a whole table fit in 64 bits and single precision
+/// distinguishes nodes.
 const MAX_SIDE: u32 = 1024;
 
 impl ScatterLayout {
-    /// Grid of `theta` × `phi` incident directions and of bins of outgoing ones; each side is from 1 to 1024.
+    /// Largest incident polar angle of a table, in radians: 89°. A facet's light at 90° is grazing: the surface shows
+    /// no area there.
+    pub const THETA_MAX: f64 = 89.0 / 180.0 * core::f64::consts::PI;
+
+    /// Grid of `incident` = [rows in θ_i, columns in φ_i] and `square` = [U nodes in x, V in y], with a number of facet
+    /// lobes. Rows and U are from 2 to 1024, columns and V from 1, lobes from 0.
     ///
     /// # Errors
-    /// [`TableError::Layout`] if a side is out of range, or `bins.phi` is not a multiple of `phi`.
-    pub fn new(theta: u32, phi: u32, bins: DirectionBins) -> Result<Self, TableError> {
-        let in_range = [theta, phi, bins.cos, bins.phi].iter().all(|n| (1..=MAX_SIDE).contains(n));
-        if in_range && bins.phi.is_multiple_of(phi) { Ok(Self { theta, phi, bins }) } else { Err(TableError::Layout) }
+    /// [`TableError::Layout`] if a number is out of range.
+    pub fn new(incident: [u32; 2], square: [u32; 2], lobes: u32) -> Result<Self, TableError> {
+        let ([rows, columns], [u, v]) = (incident, square);
+        let in_range = [rows, u].iter().all(|n| (2..=MAX_SIDE).contains(n))
+            && [columns, v].iter().all(|n| (1..=MAX_SIDE).contains(n))
+            && lobes <= MAX_SIDE;
+        if in_range { Ok(Self { incident, square, lobes }) } else { Err(TableError::Layout) }
     }
 
-    /// Number of rows of incident directions.
+    /// Numbers of rows and columns of incident directions.
     #[must_use]
-    pub fn theta(&self) -> u32 {
-        self.theta
+    pub fn incident_sides(&self) -> [u32; 2] {
+        self.incident
     }
 
-    /// Number of columns of incident directions.
+    /// Numbers of nodes of the square along x and along y.
     #[must_use]
-    pub fn phi(&self) -> u32 {
-        self.phi
+    pub fn square_sides(&self) -> [u32; 2] {
+        self.square
     }
 
-    /// Outgoing bins, row by row in cos θ_o, columns in φ_o − φ_i.
+    /// Number of facet lobes.
     #[must_use]
-    pub fn bins(&self) -> DirectionBins {
-        self.bins
+    pub fn lobes(&self) -> usize {
+        self.lobes as usize
+    }
+
+    /// Whether the table has one incident azimuth: it counts the azimuths of half vectors from the incident one.
+    #[must_use]
+    pub fn is_isotropic(&self) -> bool {
+        self.incident[1] == 1
     }
 
     /// Number of incident directions, which are ordered by rows in θ_i.
     #[must_use]
     pub fn incident_count(&self) -> usize {
-        self.theta as usize * self.phi as usize
+        self.incident[0] as usize * self.incident[1] as usize
     }
 
-    /// Number of pairs of an incident direction and an outgoing bin.
+    /// Number of nodes of the square.
+    #[must_use]
+    pub fn node_count(&self) -> usize {
+        self.square[0] as usize * self.square[1] as usize
+    }
+
+    /// Number of values of each incident direction in each channel: of the nodes, then of the lobes.
+    #[must_use]
+    pub fn places(&self) -> usize {
+        self.node_count() + self.lobes()
+    }
+
+    /// Number of values of each channel.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.incident_count() * self.bins.count()
+        self.incident_count() * self.places()
     }
 
     /// Angles θ_i and φ_i of an incident direction, in radians.
     #[must_use]
     pub fn incident(&self, index: usize) -> [f64; 2] {
-        let columns = self.phi.max(1) as usize;
-        let (row, column) = (index / columns, index % columns);
-        let theta = (row as f64 + 0.5) / f64::from(self.theta) * core::f64::consts::FRAC_PI_2;
-        [theta, core::f64::consts::TAU * (self.first_bin(column) as f64 + 0.5) / f64::from(self.bins.phi)]
+        let [rows, columns] = self.incident.map(|n| n.max(1) as usize);
+        let theta = (index / columns) as f64 / (rows - 1).max(1) as f64 * Self::THETA_MAX;
+        let phi = core::f64::consts::TAU * (index % columns) as f64 / columns as f64 - core::f64::consts::PI;
+        [theta, if self.is_isotropic() { 0.0 } else { phi }]
     }
 
-    /// Absolute azimuth bin that contains the incident directions of a column: relative bins are counted from it.
+    /// Place (x, y) of a node in the square.
     #[must_use]
-    pub fn first_bin(&self, column: usize) -> usize {
-        column * (self.bins.phi / self.phi.max(1)) as usize
+    pub fn node(&self, index: usize) -> [f64; 2] {
+        let [u, v] = self.square.map(|n| n.max(1) as usize);
+        [(index % u) as f64 / (u - 1).max(1) as f64, (index / u) as f64 / v as f64]
     }
 
-    /// Middle of an outgoing bin: cos θ_o, and φ_o − φ_i in radians.
+    /// Node in whose box a place of the square lies: the box reaches half a step to either side of its node.
     #[must_use]
-    pub fn outgoing(&self, bin: usize) -> [f64; 2] {
-        let columns = self.bins.phi.max(1) as usize;
-        let (row, column) = (bin / columns, bin % columns);
-        let cos = (row as f64 + 0.5) / f64::from(self.bins.cos);
-        [cos, core::f64::consts::TAU * column as f64 / f64::from(self.bins.phi)]
+    pub fn nearest_node(&self, x: f64, y: f64) -> usize {
+        let [u, v] = self.square.map(f64::from);
+        let column = ((x * (u - 1.0) + 0.5).max(0.0) as u32).min(self.square[0] - 1);
+        let row = (y * v + 0.5).max(0.0) as u32 % self.square[1].max(1);
+        (row * self.square[0] + column) as usize
     }
 
-    /// Interpolation nodes for an incident direction (θ, φ) in radians: linear in θ, constant beyond the first and the
-    /// last row; linear and periodic in φ.
+    /// Interpolation nodes for an incident direction: linear in θ, constant beyond the last row; linear and periodic in
+    /// φ.
     #[must_use]
-    pub fn incident_nodes(&self, theta: f32, phi: f32) -> [GridNode; 4] {
-        let rows = clamped(theta / FRAC_PI_2 * self.theta as f32 - 0.5, self.theta);
-        let columns = periodic((phi - PI / self.bins.phi as f32) / TAU, self.phi);
-        product(rows, columns, self.phi)
+    pub fn incident_nodes(&self, wi: Vec3) -> [GridNode; 4] {
+        let [rows, columns] = self.incident;
+        let row = polar(wi) / Self::THETA_MAX as f32 * (rows - 1) as f32;
+        product(clamped(row, rows), periodic((azimuth(wi) + PI) / TAU, columns), columns)
     }
 
-    /// Interpolation nodes for an outgoing direction of cos θ and the relative azimuth φ in radians: linear in cos θ,
-    /// constant beyond the middles of the first and the last row; linear and periodic in φ.
+    /// Interpolation nodes for a place (x, y) of the square: linear in x, and linear and periodic in y.
     #[must_use]
-    pub fn outgoing_nodes(&self, cos_theta: f32, phi: f32) -> [GridNode; 4] {
-        let rows = clamped(cos_theta * self.bins.cos as f32 - 0.5, self.bins.cos);
-        product(rows, periodic(phi / TAU, self.bins.phi), self.bins.phi)
-    }
-
-    /// Interpolation nodes for `wi` and for `wo`; `None` unless both lie above the horizon.
-    #[inline]
-    pub(super) fn nodes(&self, wi: Vec3, wo: Vec3) -> Option<([GridNode; 4], [GridNode; 4])> {
-        if !(wi.z > 0.0 && wo.z > 0.0) {
-            return None;
-        }
-        let phi = azimuth(wi);
-        Some((self.incident_nodes(polar(wi), phi), self.outgoing_nodes(wo.z.min(1.0), azimuth(wo) - phi)))
-    }
-
-    /// Integral of a bin's interpolation weight over cos θ dω: what one unit of f in the bin adds to the albedo.
-    pub(super) fn projected_share(&self, bin: usize) -> f32 {
-        let rows = self.bins.cos as f32;
-        let row = bin / self.bins.phi.max(1) as usize;
-        // A tent around the middle of a row has its moment there. The first and the last are constant in their outer
-        // half.
-        let mut moment = (row as f32 + 0.5) / (rows * rows);
-        if rows > 1.0 {
-            let cut = 1.0 / (24.0 * rows * rows);
-            moment += if row == 0 { cut } else { 0.0 };
-            moment -= if row + 1 == self.bins.cos as usize { cut } else { 0.0 };
-        }
-        moment * TAU / self.bins.phi as f32
+    pub fn square_nodes(&self, x: f32, y: f32) -> [GridNode; 4] {
+        let [u, v] = self.square;
+        product(periodic(y, v), clamped(x * (u - 1) as f32, u), u)
     }
 }
 
@@ -196,52 +195,49 @@ mod tests {
     use super::*;
 
     fn layout() -> ScatterLayout {
-        ScatterLayout::new(4, 3, DirectionBins { cos: 5, phi: 6 }).unwrap()
+        ScatterLayout::new([4, 3], [5, 6], 2).unwrap()
+    }
+
+    fn direction([theta, phi]: [f64; 2]) -> Vec3 {
+        let ((sin, cos), (sin_phi, cos_phi)) = (libm::sincos(theta), libm::sincos(phi));
+        Vec3::new((sin * cos_phi) as f32, (sin * sin_phi) as f32, cos as f32)
     }
 
     #[test]
-    fn the_middle_of_a_bin_has_no_other_node() {
+    fn a_node_has_no_other_node() {
         let layout = layout();
         let alone = |nodes: [GridNode; 4], index| {
             let share: f32 = nodes.iter().filter(|node| node.index == index).map(|node| node.weight).sum();
             assert!((share - 1.0).abs() < 1e-5, "{index}: {nodes:?}");
         };
-        for index in 0..layout.incident_count() {
-            let [theta, phi] = layout.incident(index).map(|x| x as f32);
-            alone(layout.incident_nodes(theta, phi), index);
-            alone(layout.incident_nodes(theta, phi - TAU), index);
+        // The first row has no azimuth.
+        for index in 3..layout.incident_count() {
+            alone(layout.incident_nodes(direction(layout.incident(index))), index);
         }
-        for bin in 0..layout.bins().count() {
-            let [cos, phi] = layout.outgoing(bin).map(|x| x as f32);
-            alone(layout.outgoing_nodes(cos, phi), bin);
+        for index in 0..layout.node_count() {
+            let [x, y] = layout.node(index);
+            alone(layout.square_nodes(x as f32, y as f32), index);
+            alone(layout.square_nodes(x as f32, y as f32 - 1.0), index);
+            assert_eq!(layout.nearest_node(x, y), index);
         }
     }
 
     #[test]
-    fn incident_azimuths_are_the_middles_of_absolute_bins() {
+    fn boxes_reach_half_a_step_to_either_side() {
         let layout = layout();
-        for index in 0..layout.incident_count() {
-            let [theta, phi] = layout.incident(index);
-            let wi = glam::DVec3::new(
-                libm::sin(theta) * libm::cos(phi),
-                libm::sin(theta) * libm::sin(phi),
-                libm::cos(theta),
-            );
-            let bin = layout.bins().index(wi);
-            let [_, _, from, to] = layout.bins().bounds(bin);
-            assert!((phi - 0.5 * (from + to)).abs() < 1e-12);
-            assert_eq!(bin % 6, layout.first_bin(index % 3));
+        for (x, y, node) in [(0.0, 0.0, 0), (0.124, 0.083, 0), (0.126, 0.0, 1), (0.0, 0.084, 5), (1.0, 0.99, 4)] {
+            assert_eq!(layout.nearest_node(x, y), node, "{x} {y}");
         }
     }
 
     #[test]
     fn weights_add_up_to_1_and_nan_does_not_panic() {
         let layout = layout();
-        for theta in [-1.0, 0.0, 0.1, 0.7, 1.5, 2.0, f32::NAN, f32::INFINITY] {
-            for phi in [-7.0, -0.0, 3.0, 6.283_185_5, 100.0, f32::NAN, f32::INFINITY] {
-                for nodes in [layout.incident_nodes(theta, phi), layout.outgoing_nodes(theta, phi)] {
+        for x in [-1.0, -0.0, 0.0, 0.1, 0.7, 1.0, 2.0, f32::NAN, f32::INFINITY] {
+            for y in [-7.0, -0.0, 0.3, 1.0, 100.0, f32::NAN, f32::INFINITY] {
+                for nodes in [layout.incident_nodes(Vec3::new(x, y, 0.5)), layout.square_nodes(x, y)] {
                     assert!(nodes.iter().all(|node| node.index < 30));
-                    if phi.is_finite() {
+                    if x.is_finite() && y.is_finite() {
                         assert!((nodes.iter().map(|node| node.weight).sum::<f32>() - 1.0).abs() < 1e-6);
                     }
                 }
@@ -250,21 +246,18 @@ mod tests {
     }
 
     #[test]
-    fn shares_of_the_projected_hemisphere_add_up_to_pi() {
-        for (cos, phi) in [(1, 1), (2, 3), (16, 32)] {
-            let layout = ScatterLayout::new(1, 1, DirectionBins { cos, phi }).unwrap();
-            let sum: f32 = (0..layout.bins().count()).map(|bin| layout.projected_share(bin)).sum();
-            assert!((sum - PI).abs() < 1e-5, "{cos} × {phi}: {sum}");
-        }
-    }
-
-    #[test]
     fn grids_that_do_not_fit_are_refused() {
-        for (theta, phi, cos, around) in
-            [(0, 1, 1, 1), (1, 0, 1, 1), (1, 1, 0, 1), (1, 1, 1, 0), (1, 2, 1, 3), (1025, 1, 1, 1)]
-        {
-            let bins = DirectionBins { cos, phi: around };
-            assert_eq!(ScatterLayout::new(theta, phi, bins), Err(TableError::Layout));
+        for (incident, square, lobes) in [
+            ([1, 1], [2, 1], 0),
+            ([2, 0], [2, 1], 0),
+            ([2, 1], [1, 1], 0),
+            ([2, 1], [2, 0], 0),
+            ([1025, 1], [2, 1], 0),
+            ([2, 1], [2, 1], 1025),
+        ] {
+            assert_eq!(ScatterLayout::new(incident, square, lobes), Err(TableError::Layout));
         }
+        assert_eq!(layout().places(), 32);
+        assert_eq!(layout().count(), 384);
     }
 }

@@ -4,7 +4,8 @@
 //!   mirror(wi)) / cos θ. The table holds ρ(θ) for each channel. The paper calls it "2D", angle × wavelength (section
 //!   3.1).
 //! - [`ScatterTable`]: BRDF f(wi, wo) of a surface of tilted facets, which reflects into every direction, on a grid of
-//!   directions ([`ScatterLayout`]). [`ScatterSampler`] draws wo.
+//!   incident directions and half vectors ([`ScatterLayout`], [`HalfVectorWarp`]), with exact lobes of flat facets
+//!   ([`FacetLobe`]). [`ScatterSampler`] draws wo.
 //! - [`OrderTable`]: reflection of a periodic surface into diffraction orders, whose directions are exact, on a grid of
 //!   directions of its own ([`OrderLayout`]).
 //! - [`blob`]: all kinds as bytes, to load without copying.
@@ -13,16 +14,24 @@ mod error;
 mod values;
 mod layout;
 mod mirror;
+mod warp;
+mod lobe;
+mod tents;
 mod scatter;
+mod half_vector_grid;
 mod sampler;
 mod order_layout;
 mod orders;
 pub mod blob;
 
 pub use error::{MAX_MAGNITUDE, TableError};
+pub use half_vector_grid::{HalfVectorGrid, LobeDirection};
 pub use layout::{GridNode, ScatterLayout};
+pub use lobe::FacetLobe;
 pub use mirror::MirrorTable;
 pub use order_layout::{OrderLayout, Periodicity};
 pub use orders::{DiffractedLight, OrderArrays, OrderSample, OrderTable, OrderView, match_factor};
 pub use sampler::ScatterSampler;
 pub use scatter::ScatterTable;
+pub use tents::tent_solid_angles;
+pub use warp::{HalfVectorWarp, Warped};

@@ -1,25 +1,27 @@
 //! Importance sampling of outgoing directions.
 
 use super::error::{MAX_MAGNITUDE, TableError};
-use super::layout::{GridNode, ScatterLayout, azimuth, polar};
-use super::scatter::ScatterTable;
+use super::layout::{GridNode, ScatterLayout};
+use super::scatter::{Place, ScatterTable, divisor};
+use super::tents::tent_solid_angles;
 use super::values::Values;
-use core::f32::consts::TAU;
 use glam::Vec3;
 
-/// Importance sampler of a [`ScatterTable`].
+/// Importance sampler of a [`ScatterTable`], without its lobes.
 ///
-/// It first draws a bin, with a probability proportional to the mean of |f| over the channels times cos θ_o, and then a
-/// direction from the bin's tent, which is the bin's interpolation weight in [`ScatterTable::eval`]. The density is
-/// therefore the bilinear interpolation of the bins' probabilities divided by their solid angle: it integrates to 1,
-/// and is positive wherever any channel of f is not 0 and wherever a direction is drawn. Between incident directions
-/// the density is the mixture of theirs, with their interpolation weights times what each reflects. A surface that
-/// reflects nothing is sampled by the cosine.
+/// It first draws a node of the warped square, with a probability proportional to the mean of |s| over the channels
+/// times the solid angle that the node stands for, and then a place in the node's tent, which is its interpolation
+/// weight in [`ScatterTable::eval`]. The density over the square is therefore the bilinear interpolation of the nodes'
+/// probabilities divided by their areas: it integrates to 1, and is positive wherever any channel of s is not 0 and
+/// wherever a direction is drawn. Between incident directions the density is the mixture of theirs, with their
+/// interpolation weights times what each reflects. A surface that reflects nothing is sampled evenly.
+///
+/// Some places of the square are half vectors that reflect below the horizon. A draw there is a sample without light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterSampler<'a> {
-    layout: ScatterLayout,
-    /// Numbers of each incident direction: what it reflects; cumulative probabilities of the rows; cumulative
-    /// probabilities of the columns in each row.
+    table: ScatterTable<'a>,
+    /// Numbers of each incident direction: what it reflects, without lobes; cumulative probabilities of the rows;
+    /// cumulative probabilities of the nodes in each row.
     cumulative: Values<'a>,
 }
 
@@ -35,7 +37,7 @@ impl<'a> ScatterSampler<'a> {
     ///
     /// # Errors
     /// [`TableError::Length`] if `memory` has another length.
-    pub fn new(table: &ScatterTable<'_>, memory: &'a mut [f32]) -> Result<Self, TableError> {
+    pub fn new(table: &ScatterTable<'a>, memory: &'a mut [f32]) -> Result<Self, TableError> {
         let layout = table.layout();
         let required = Self::required_len(&layout);
         if memory.len() != required {
@@ -44,7 +46,7 @@ impl<'a> ScatterSampler<'a> {
         for (incident, memory) in memory.chunks_exact_mut(stride(&layout)).enumerate() {
             fill(table, incident, memory);
         }
-        Ok(Self { layout, cumulative: Values::Numbers(memory) })
+        Ok(Self { table: *table, cumulative: Values::Numbers(memory) })
     }
 
     /// Checks cumulative probabilities that were computed earlier.
@@ -52,12 +54,13 @@ impl<'a> ScatterSampler<'a> {
     /// # Errors
     /// [`TableError::Length`] unless there are [`ScatterSampler::required_len`] numbers, and [`TableError::NotFinite`]
     /// at the first incident direction whose numbers are not sound.
-    pub(super) fn of(cumulative: Values<'a>, layout: ScatterLayout) -> Result<Self, TableError> {
+    pub(super) fn of(cumulative: Values<'a>, table: ScatterTable<'a>) -> Result<Self, TableError> {
+        let layout = table.layout();
         let required = Self::required_len(&layout);
         if cumulative.len() != required {
             return Err(TableError::Length { required });
         }
-        let sampler = Self { layout, cumulative };
+        let sampler = Self { table, cumulative };
         match (0..layout.incident_count()).find(|&incident| !sampler.is_sound(incident)) {
             Some(incident) => Err(TableError::NotFinite { index: incident * stride(&layout) }),
             None => Ok(sampler),
@@ -66,7 +69,7 @@ impl<'a> ScatterSampler<'a> {
 
     /// Whether an incident direction reflects a finite power, and its probabilities are not negative and add up to 1.
     fn is_sound(&self, incident: usize) -> bool {
-        let [rows, columns] = self.sides();
+        let [columns, rows] = self.sides();
         let memory = self.of_incident(incident);
         let ends_at_1 = |sums: Values<'_>| {
             let mut last = 0.0;
@@ -74,8 +77,8 @@ impl<'a> ScatterSampler<'a> {
         };
         let reflected = memory.at(0);
         let of_row = |row| memory.part(1 + rows + row * columns, columns);
-        // The integral of cos θ dω over a hemisphere is π; the sum over bins is slightly larger.
-        (0.0..=4.0 * MAX_MAGNITUDE).contains(&reflected)
+        // The square covers 2π at most, and cos θ_i is 0.017 at least.
+        (0.0..=400.0 * MAX_MAGNITUDE).contains(&reflected)
             && ends_at_1(memory.part(1, rows))
             && (0..rows).all(|row| ends_at_1(of_row(row)))
     }
@@ -84,15 +87,23 @@ impl<'a> ScatterSampler<'a> {
         self.cumulative
     }
 
-    /// Numbers of rows and columns of outgoing bins.
+    /// Numbers of columns (along x) and rows (along y) of the square.
     #[inline]
     fn sides(&self) -> [usize; 2] {
-        let bins = self.layout.bins();
-        [bins.cos as usize, bins.phi as usize]
+        self.table.layout().square_sides().map(|side| side as usize)
+    }
+
+    /// Fraction of the light from `wi` that the table reflects without its lobes: the mean of |s| over the channels,
+    /// summed over the square. It serves to choose between lobes and [`ScatterSampler::sample`].
+    #[must_use]
+    pub fn reflected(&self, wi: Vec3) -> f32 {
+        let power = |node: &GridNode| node.weight * self.of_incident(node.index).at(0);
+        self.table.layout().incident_nodes(wi).iter().map(power).sum()
     }
 
     /// Draws an outgoing direction for light from `wi`, by `u` uniform in [0, 1)²; returns the direction and its
-    /// density per solid angle. `None` if `wi` is below the horizon.
+    /// density per solid angle, which is positive. `None` if `wi` is below the horizon, or the direction drawn is: that
+    /// is a sample without light, and counts.
     #[must_use]
     pub fn sample(&self, wi: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
         let above = wi.z > 0.0;
@@ -100,12 +111,12 @@ impl<'a> ScatterSampler<'a> {
             return None;
         }
         let [mut u0, mut u1] = u.map(inside_unit);
-        let nodes = self.mixture(wi);
+        let mixture = self.mixture(wi);
         // The first number chooses the incident direction, then the row, then the position in the row's tent: each
         // choice leaves a uniform number for the next.
-        let [GridNode { index: mut chosen, .. }, ..] = nodes;
+        let [GridNode { index: mut chosen, .. }, ..] = mixture;
         let mut from = 0.0;
-        for node in nodes.iter().filter(|node| node.weight > 0.0) {
+        for node in mixture.iter().filter(|node| node.weight > 0.0) {
             chosen = node.index;
             if u0 < from + node.weight {
                 u0 = inside_unit((u0 - from) / node.weight);
@@ -114,41 +125,51 @@ impl<'a> ScatterSampler<'a> {
             from += node.weight;
         }
         let memory = self.of_incident(chosen);
-        let [rows, columns] = self.sides();
+        let [columns, rows] = self.sides();
         let row = invert_cdf(memory.part(1, rows), &mut u0);
         let column = invert_cdf(memory.part(1 + rows + row * columns, columns), &mut u1);
-        let place = row as f32 + 0.5 + row_tent(u0, row == 0, row + 1 == rows, tent_end(rows));
-        // cos θ stays below 1: along the normal there is no azimuth, and the column would be lost.
-        let cos = (place / rows as f32).clamp(f32::MIN_POSITIVE, BELOW_ONE);
-        let phi = azimuth(wi) + TAU * (column as f32 + tent(u1, tent_end(columns))) / columns as f32;
-        let sin = libm::sqrtf((1.0 - cos * cos).max(0.0));
-        let wo = Vec3::new(sin * libm::cosf(phi), sin * libm::sinf(phi), cos);
-        Some((wo, self.pdf(wi, wo)))
+        let x = column as f32 + end_tent(u1, column == 0, column + 1 == columns);
+        let y = row as f32 + tent(u0);
+        let place = [x / columns.saturating_sub(1).max(1) as f32, y / rows.max(1) as f32];
+        let place = [place[0], place[1] - libm::floorf(place[1])];
+        let (m, solid_angle) = self.table.warp().half_vector(place, self.table.origin(wi));
+        let cos_d = wi.dot(m);
+        let wo = 2.0 * cos_d * m - wi;
+        let density = self.over_square(&mixture, &self.table.layout().square_nodes(place[0], place[1]));
+        let pdf = density / (solid_angle * cos_d);
+        (cos_d > 0.0 && wo.z > 0.0 && pdf > 0.0 && pdf.is_finite()).then(|| (wo.normalize(), pdf))
     }
 
     /// Density per solid angle with which [`ScatterSampler::sample`] draws `wo` for `wi`; 0 if either is below the
-    /// horizon.
+    /// horizon. Over the hemisphere it integrates to 1 less the fraction of draws below the horizon.
     #[must_use]
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let Some((_, outgoing)) = self.layout.nodes(wi, wo) else { return 0.0 };
-        let per_bin = self.layout.bins().count() as f32 / TAU;
-        let [rows, columns] = self.sides();
+        let Some(Place { nodes, solid_angle, .. }) = self.table.place(wi, wo) else { return 0.0 };
+        let pdf = self.over_square(&self.mixture(wi), &nodes) / solid_angle;
+        if pdf.is_finite() { pdf } else { 0.0 }
+    }
+
+    /// Density over the square at a place between `nodes`.
+    fn over_square(&self, mixture: &[GridNode; 4], nodes: &[GridNode; 4]) -> f32 {
+        let [columns, rows] = self.sides();
         let mut density = 0.0;
-        for GridNode { index, weight } in self.mixture(wi) {
-            let memory = self.of_incident(index);
-            for o in outgoing {
-                let (row, column) = (o.index / columns.max(1), o.index % columns.max(1));
+        for incident in mixture.iter().filter(|incident| incident.weight > 0.0) {
+            let memory = self.of_incident(incident.index);
+            for node in nodes {
+                let (row, column) = (node.index / columns.max(1), node.index % columns.max(1));
                 let of_row = memory.part(1 + rows + row * columns, columns);
                 let probability = probability_at(memory.part(1, rows), row) * probability_at(of_row, column);
-                density += weight * o.weight * probability;
+                // The first and the last column have half a tent.
+                let half = column == 0 || column + 1 == columns;
+                density += incident.weight * node.weight * probability * if half { 2.0 } else { 1.0 };
             }
         }
-        density * per_bin
+        density * columns.saturating_sub(1) as f32 * rows as f32
     }
 
     /// Interpolation nodes for `wi`, weighted by what each incident direction reflects; the weights add up to 1.
     fn mixture(&self, wi: Vec3) -> [GridNode; 4] {
-        let nodes = self.layout.incident_nodes(polar(wi), azimuth(wi));
+        let nodes = self.table.layout().incident_nodes(wi);
         let power = |node: GridNode| node.weight * self.of_incident(node.index).at(0);
         let sum: f32 = nodes.map(power).iter().sum();
         if sum > 0.0 { nodes.map(|node| GridNode { weight: power(node) / sum, ..node }) } else { nodes }
@@ -156,7 +177,7 @@ impl<'a> ScatterSampler<'a> {
 
     /// Numbers of an incident direction.
     fn of_incident(&self, incident: usize) -> Values<'a> {
-        let stride = stride(&self.layout);
+        let stride = stride(&self.table.layout());
         self.cumulative.part(incident * stride, stride)
     }
 }
@@ -173,40 +194,53 @@ fn inside_unit(u: f32) -> f32 {
 
 /// How many numbers each incident direction has.
 fn stride(layout: &ScatterLayout) -> usize {
-    1 + layout.bins().cos as usize + layout.bins().count()
+    1 + layout.square_sides()[1] as usize + layout.node_count()
 }
 
 /// Computes the numbers of an incident direction.
 fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
     let layout = table.layout();
-    let (rows, columns) = (layout.bins().cos as usize, layout.bins().phi as usize);
-    let per_channel = 1.0 / table.channels() as f64;
-    let mean = |bin| table.pair(incident, bin).map(|f| f64::from(f.abs())).sum::<f64>() * per_channel;
-    let cos = |row: usize| (row as f64 + 0.5) / rows as f64;
-    // Adds a part to a sum, and counts the parts that are not 0.
-    let add = |(sum, lit): (f64, usize), part: f64| (sum + part, lit + usize::from(part > 0.0));
-    let of_row = |row: usize| (0..columns).map(|column| mean(row * columns + column) * cos(row)).fold((0.0, 0), add);
-    let (total, lit_rows) = (0..rows).map(|row| of_row(row).0).fold((0.0, 0), add);
-    let mut put = |place: usize, sum: f64| {
-        if let Some(memory) = memory.get_mut(place) {
-            *memory = sum as f32;
+    let [columns, rows] = layout.square_sides().map(|side| side as usize);
+    let [theta, phi] = layout.incident(incident);
+    let (sin, cos) = libm::sincos(theta);
+    let wi = Vec3::new((sin * libm::cos(phi)) as f32, (sin * libm::sin(phi)) as f32, cos as f32);
+    let per_channel = 1.0 / (table.channels() as f32 * divisor(wi));
+    memory.fill(0.0);
+    let (head, nodes) = memory.split_at_mut(1 + rows);
+    tent_solid_angles(&layout, &table.warp(), wi, table.origin(wi), |node, solid_angle| {
+        if let Some(part) = nodes.get_mut(node) {
+            *part += solid_angle;
         }
-    };
-    put(0, total * core::f64::consts::TAU / (rows * columns) as f64);
-    let mut sum = 0.0;
-    for row in 0..rows {
-        let (here, lit) = of_row(row);
-        sum += if total > 0.0 { share(here, total, lit_rows) } else { 2.0 * cos(row) / rows as f64 };
-        put(1 + row, sum);
-        let mut sum = 0.0;
-        for column in 0..columns {
-            let probability = || share(mean(row * columns + column) * cos(row), here, lit);
-            sum += if here > 0.0 { probability() } else { 1.0 / columns as f64 };
-            put(1 + rows + row * columns + column, sum);
-        }
-        put(rows + (row + 1) * columns, 1.0);
+    });
+    for (node, part) in nodes.iter_mut().enumerate() {
+        *part *= table.at(incident, node).map(|s| s.abs() * per_channel).sum::<f32>();
     }
-    put(rows, 1.0);
+    let (total, row_sums) = head.split_at_mut(1);
+    let mut whole = 0.0;
+    for (row, sum) in nodes.chunks_exact_mut(columns.max(1)).zip(row_sums.iter_mut()) {
+        let reflected = row.iter().map(|&part| f64::from(part)).sum::<f64>();
+        accumulate(row, reflected);
+        *sum = reflected as f32;
+        whole += reflected;
+    }
+    accumulate(row_sums, whole);
+    if let [total] = total {
+        *total = whole as f32;
+    }
+}
+
+/// Replaces parts by the cumulative shares of their sum `whole`; by even ones if they add up to nothing.
+fn accumulate(parts: &mut [f32], whole: f64) {
+    let count = parts.len() as f64;
+    let lit = parts.iter().filter(|part| **part > 0.0).count();
+    let mut sum = 0.0;
+    for part in &mut *parts {
+        sum += if whole > 0.0 { share(f64::from(*part), whole, lit) } else { 1.0 / count };
+        *part = sum.min(1.0) as f32;
+    }
+    // The last part with light ends at 1, and so do those after it.
+    let end = parts.last().copied().unwrap_or(0.0);
+    parts.iter_mut().filter(|part| **part == end).for_each(|part| *part = 1.0);
 }
 
 /// Probability of a part of a sum that has `lit` parts other than 0. Each of those gets 2⁻²³, and the remainder in
@@ -240,24 +274,18 @@ fn invert_cdf(cumulative: Values<'_>, u: &mut f32) -> usize {
     index
 }
 
-/// Half width of a bin's tent, in bins, among `count` bins. It ends just before the middle of the next bin, where the
-/// tent is 0: rounding could move a direction drawn there beyond it.
-///
-/// An azimuth passes through a sine, a cosine and an arc tangent, and another azimuth is added to it and subtracted.
-/// These are seven roundings of numbers below 4π, each by at most 2⁻²⁴ of the number: together less than 8 · 2⁻²³ of a
-/// full circle. A cosine is rounded less. The fraction of directions that are moved is the square of the width that is
-/// cut off: 10⁻⁶ for 1024 bins, 4 · 10⁻⁹ for 64.
-fn tent_end(count: usize) -> f32 {
-    1.0 - 8.0 * f32::EPSILON * count as f32
+/// Draws from a tent over (−1, 1) by a uniform number.
+fn tent(u: f32) -> f32 {
+    if u < 0.5 { libm::sqrtf(2.0 * u) - 1.0 } else { 1.0 - libm::sqrtf(2.0 - 2.0 * u) }
 }
 
-/// Draws from a tent over (−`end`, `end`), where `end` is nearly 1, by a uniform number.
-fn tent(u: f32, end: f32) -> f32 {
-    let position = if u < 0.5 { libm::sqrtf(2.0 * u) - 1.0 } else { 1.0 - libm::sqrtf(2.0 - 2.0 * u) };
-    position.max(-end).min(end)
-}
-
-/// Draws from the tent of a row. In the first and the last row its outer half is flat and half as wide.
-fn row_tent(u: f32, first: bool, last: bool, end: f32) -> f32 {
-    if (first && u < 0.5) || (last && u >= 0.5) { u - 0.5 } else { tent(u, end) }
+/// Draws from the tent of a column; the first and the last have its inner half alone.
+fn end_tent(u: f32, first: bool, last: bool) -> f32 {
+    if first {
+        1.0 - libm::sqrtf(1.0 - u)
+    } else if last {
+        libm::sqrtf(u) - 1.0
+    } else {
+        tent(u)
+    }
 }

@@ -1,33 +1,68 @@
 //! f(wi, wo) of surfaces that reflect into every direction.
 
 use super::error::{MAX_MAGNITUDE, TableError};
-use super::layout::{GridNode, ScatterLayout, azimuth, polar};
+use super::layout::{GridNode, ScatterLayout, azimuth};
+use super::lobe::FacetLobe;
+use super::tents::tent_solid_angles;
 use super::values::Values;
+use super::warp::HalfVectorWarp;
 use glam::Vec3;
 
-/// BRDF on a grid of directions, in 1/sr, for each channel.
+/// BRDF on a grid of directions, for each channel.
+///
+/// The table holds s = f(wi, wo) cos θ_i cos θ_o in 1/sr for each incident direction and each node of the warped square
+/// of half vectors ([`HalfVectorWarp`]). Along a fixed half vector s varies slowly with the light: for facets it is
+/// F D G/4 (Cook & Torrance 1982). So lobes move with the light instead of fading one into another.
+///
+/// Flat facets reflect into exact directions: [`FacetLobe`]. The table holds the fraction ρ of the light that each such
+/// lobe reflects. f leaves them out; the albedo holds them.
 ///
 /// Channels are RGB, whose components are negative out of gamut, or wavelengths. Directions are unit vectors in the
 /// surface frame; both leave the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterTable<'a> {
     layout: ScatterLayout,
+    warp: HalfVectorWarp<'a>,
+    lobes: Values<'a>,
     values: Values<'a>,
     channels: usize,
 }
 
+/// Where directions lie in a table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub incident: [GridNode; 4],
+    pub nodes: [GridNode; 4],
+    /// Solid angle of outgoing directions per area of the warped square.
+    pub solid_angle: f32,
+}
+
 impl<'a> ScatterTable<'a> {
-    /// Checks a table of `values[(incident * bins + bin) * channels + channel]`, each the mean of f over a bin.
+    /// Checks a table of `values[(incident * places + place) * channels + channel]`: s at the nodes of the square, then
+    /// ρ of the lobes. `lobes` holds [`FacetLobe::to_numbers`] of each lobe.
     ///
     /// # Errors
     /// [`TableError::Shape`] if there are no channels, [`TableError::Length`] unless `values` has as many elements as
-    /// the layout has pairs of directions, times channels, and [`TableError::NotFinite`] for a value that is NaN or
-    /// beyond [`MAX_MAGNITUDE`].
-    pub fn new(values: &'a [f32], layout: ScatterLayout, channels: usize) -> Result<Self, TableError> {
-        Self::of(Values::Numbers(values), layout, channels)
+    /// the layout has values, times channels, [`TableError::Lobe`] unless the lobes are as many as the layout says,
+    /// with positive indices and orthogonal matrices, and [`TableError::NotFinite`] for a value that is NaN or beyond
+    /// [`MAX_MAGNITUDE`].
+    pub fn new(
+        values: &'a [f32],
+        layout: ScatterLayout,
+        warp: HalfVectorWarp<'a>,
+        lobes: &'a [[f32; FacetLobe::LEN]],
+        channels: usize,
+    ) -> Result<Self, TableError> {
+        Self::of(Values::Numbers(values), layout, warp, Values::Numbers(lobes.as_flattened()), channels)
     }
 
-    pub(super) fn of(values: Values<'a>, layout: ScatterLayout, channels: usize) -> Result<Self, TableError> {
+    pub(super) fn of(
+        values: Values<'a>,
+        layout: ScatterLayout,
+        warp: HalfVectorWarp<'a>,
+        lobes: Values<'a>,
+        channels: usize,
+    ) -> Result<Self, TableError> {
         if channels == 0 {
             return Err(TableError::Shape);
         }
@@ -35,9 +70,13 @@ impl<'a> ScatterTable<'a> {
         if values.len() != required {
             return Err(TableError::Length { required });
         }
+        let table = Self { layout, warp, lobes, values, channels };
+        if lobes.len() != FacetLobe::LEN * layout.lobes() || !(0..layout.lobes()).all(|i| table.lobe(i).is_sound()) {
+            return Err(TableError::Lobe);
+        }
         match values.iter().position(|x| !(-MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&x)) {
             Some(index) => Err(TableError::NotFinite { index }),
-            None => Ok(Self { layout, values, channels }),
+            None => Ok(table),
         }
     }
 
@@ -47,47 +86,78 @@ impl<'a> ScatterTable<'a> {
         self.layout
     }
 
+    /// Warp of the square of half vectors.
+    #[must_use]
+    pub fn warp(&self) -> HalfVectorWarp<'a> {
+        self.warp
+    }
+
     /// Number of channels of each pair of directions.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.channels
     }
 
-    /// Index of the first channel of a pair of directions.
-    #[inline]
-    fn index(&self, incident: usize, bin: usize) -> usize {
-        (incident * self.layout.bins().count() + bin) * self.channels
-    }
-
-    /// All channels of a pair of directions.
-    pub(super) fn pair(&self, incident: usize, bin: usize) -> impl Iterator<Item = f32> + use<'a> {
-        self.values.part(self.index(incident, bin), self.channels).iter()
-    }
-
     pub(super) fn values(&self) -> Values<'a> {
         self.values
     }
 
-    /// Adds the channels of a pair of directions, times `weight`, to `out`.
+    pub(super) fn lobe_numbers(&self) -> Values<'a> {
+        self.lobes
+    }
+
+    /// Azimuth from which half vectors count.
     #[inline]
-    fn add(&self, out: &mut [f32], incident: usize, bin: usize, weight: f32) {
-        let first = self.index(incident, bin);
+    pub(super) fn origin(&self, wi: Vec3) -> f32 {
+        if self.layout.is_isotropic() { azimuth(wi) } else { 0.0 }
+    }
+
+    /// Index of the first channel of a value.
+    #[inline]
+    fn index(&self, incident: usize, place: usize) -> usize {
+        (incident * self.layout.places() + place) * self.channels
+    }
+
+    /// All channels of a value.
+    pub(super) fn at(&self, incident: usize, place: usize) -> impl Iterator<Item = f32> + use<'a> {
+        self.values.part(self.index(incident, place), self.channels).iter()
+    }
+
+    /// Adds the channels of a value, times `weight`, to `out`.
+    #[inline]
+    fn add(&self, out: &mut [f32], incident: usize, place: usize, weight: f32) {
+        let first = self.index(incident, place);
         for (channel, out) in out.iter_mut().enumerate().take(self.channels) {
             *out += weight * self.values.at(first + channel);
         }
     }
 
-    /// Writes f(wi, wo) to `out`, in 1/sr, without the cosine; 0 if either direction is below the horizon.
+    /// Where two directions lie; `None` unless both lie above the horizon.
+    #[inline]
+    pub(super) fn place(&self, wi: Vec3, wo: Vec3) -> Option<Place> {
+        if !(wi.z > 0.0 && wo.z > 0.0) {
+            return None;
+        }
+        let warped = self.warp.warped(wi, wo, self.origin(wi));
+        let [x, y] = warped.place;
+        let (incident, nodes) = (self.layout.incident_nodes(wi), self.layout.square_nodes(x, y));
+        Some(Place { incident, nodes, solid_angle: warped.solid_angle })
+    }
+
+    /// Writes f(wi, wo) to `out`, in 1/sr, without the cosine and without lobes; 0 if either direction is below the
+    /// horizon.
     ///
-    /// f is linear between the grid's directions ([`ScatterLayout`]). `out` receives as many channels as it has
-    /// elements; elements beyond the table's channels become 0.
+    /// f = s/(cos θ_i cos θ_o), with s linear between the grid's directions ([`ScatterLayout`]). Beyond the largest
+    /// incident angle of the grid, s/cos θ_i is held. `out` receives as many channels as it has elements; elements
+    /// beyond the table's channels become 0.
     #[inline]
     pub fn eval(&self, wi: Vec3, wo: Vec3, out: &mut [f32]) {
         out.fill(0.0);
-        let Some((incident, outgoing)) = self.layout.nodes(wi, wo) else { return };
+        let Some(Place { incident, nodes, .. }) = self.place(wi, wo) else { return };
+        let scale = 1.0 / (divisor(wi) * wo.z);
         for i in incident {
-            for o in outgoing {
-                self.add(out, i.index, o.index, i.weight * o.weight);
+            for node in nodes {
+                self.add(out, i.index, node.index, i.weight * node.weight * scale);
             }
         }
     }
@@ -107,21 +177,56 @@ impl<'a> ScatterTable<'a> {
         }
     }
 
-    /// Writes the albedo ∫ f(wi, wo) cos θ_o dω_o to `out`: the fraction of the light from `wi` that is reflected, for
-    /// each channel. It is the exact integral of [`ScatterTable::eval`]; 0 for `wi` below the horizon.
+    /// Lobe by its index, below [`ScatterLayout::lobes`].
+    #[must_use]
+    pub fn lobe(&self, index: usize) -> FacetLobe {
+        let first = index * FacetLobe::LEN;
+        FacetLobe::from_numbers(core::array::from_fn(|i| self.lobes.at(first + i)))
+    }
+
+    /// Writes the fraction ρ of the light from `wi` that a lobe reflects to `out`, for each channel, and returns the
+    /// direction of the lobe; `None`, with zeros, if it is not above the horizon.
+    pub fn reflected(&self, wi: Vec3, lobe: usize, out: &mut [f32]) -> Option<Vec3> {
+        out.fill(0.0);
+        if lobe >= self.layout.lobes() {
+            return None;
+        }
+        let direction = self.lobe(lobe).direction(wi)?;
+        for node in self.layout.incident_nodes(wi) {
+            self.add(out, node.index, self.layout.node_count() + lobe, node.weight);
+        }
+        Some(direction)
+    }
+
+    /// Writes the albedo ∫ f(wi, wo) cos θ_o dω_o, lobes included, to `out`: the fraction of the light from `wi` that is
+    /// reflected, for each channel; 0 for `wi` below the horizon.
     ///
-    /// It differs from the power that was counted in the bins by (f_first − f_last) 2π/(24 rows²), since f is constant
-    /// beyond the middles of the first and the last row. Each call sums over all bins: keep the result.
+    /// The integral is that of [`tent_solid_angles`]. Each call sums over all nodes: keep the result.
     pub fn albedo(&self, wi: Vec3, out: &mut [f32]) {
         out.fill(0.0);
         let above = wi.z > 0.0;
         if !above {
             return;
         }
-        for GridNode { index, weight } in self.layout.incident_nodes(polar(wi), azimuth(wi)) {
-            for bin in 0..self.layout.bins().count() {
-                self.add(out, index, bin, weight * self.layout.projected_share(bin));
+        let incident = self.layout.incident_nodes(wi);
+        let scale = 1.0 / divisor(wi);
+        tent_solid_angles(&self.layout, &self.warp, wi, self.origin(wi), |node, solid_angle| {
+            for i in incident {
+                self.add(out, i.index, node, i.weight * solid_angle * scale);
+            }
+        });
+        for lobe in 0..self.layout.lobes() {
+            if self.lobe(lobe).direction(wi).is_some() {
+                for i in incident {
+                    self.add(out, i.index, self.layout.node_count() + lobe, i.weight);
+                }
             }
         }
     }
+}
+
+/// cos θ_i, held beyond the largest angle of the grid.
+#[inline]
+pub(super) fn divisor(wi: Vec3) -> f32 {
+    wi.z.max(libm::cos(ScatterLayout::THETA_MAX) as f32)
 }
