@@ -17,6 +17,39 @@ use crate::trace::waves::Sink;
 use core::f64::consts::TAU;
 use glam::DVec3;
 
+/// Division of a hemisphere into cells, in which exits are counted.
+pub trait DirectionGrid {
+    /// Number of cells.
+    fn count(&self) -> usize;
+
+    /// Cell of a direction of any positive length, less than [`DirectionGrid::count`]. The sign of the direction's z
+    /// does not matter: one grid divides the hemispheres above and below.
+    fn index(&self, direction: DVec3) -> usize;
+}
+
+impl<G: DirectionGrid> DirectionGrid for &G {
+    fn count(&self) -> usize {
+        G::count(self)
+    }
+
+    fn index(&self, direction: DVec3) -> usize {
+        G::index(self, direction)
+    }
+}
+
+/// Cell of the direction in each lane.
+fn cells_of_lanes<V: Lanes>(grid: &impl DirectionGrid, directions: RealLanes<V>) -> [u32; MAX_LANES] {
+    let first = directions.lane(0);
+    let mut cells = [grid.index(first) as u32; MAX_LANES];
+    for (lane, cell) in cells.iter_mut().enumerate().take(V::WIDTH).skip(1) {
+        let direction = directions.lane(lane);
+        if direction != first {
+            *cell = grid.index(direction) as u32;
+        }
+    }
+    cells
+}
+
 /// Grid of bins over a hemisphere, uniform in cos θ and in φ, so that all have equal solid angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DirectionBins {
@@ -45,19 +78,6 @@ impl DirectionBins {
         row as usize * self.phi as usize + column as usize
     }
 
-    /// Bin of the direction in each lane.
-    fn of_lanes<V: Lanes>(&self, directions: RealLanes<V>) -> [u32; MAX_LANES] {
-        let first = directions.lane(0);
-        let mut bins = [self.index(first) as u32; MAX_LANES];
-        for (lane, bin) in bins.iter_mut().enumerate().take(V::WIDTH).skip(1) {
-            let direction = directions.lane(lane);
-            if direction != first {
-                *bin = self.index(direction) as u32;
-            }
-        }
-        bins
-    }
-
     /// Bounds of a bin: lower and upper cos θ, lower and upper φ in radians.
     #[must_use]
     pub fn bounds(&self, bin: usize) -> [f64; 4] {
@@ -72,6 +92,16 @@ impl DirectionBins {
     pub fn projected_solid_angle(&self, bin: usize) -> f64 {
         let [from, to, phi_from, phi_to] = self.bounds(bin);
         0.5 * (to * to - from * from) * (phi_to - phi_from)
+    }
+}
+
+impl DirectionGrid for DirectionBins {
+    fn count(&self) -> usize {
+        Self::count(self)
+    }
+
+    fn index(&self, direction: DVec3) -> usize {
+        Self::index(self, direction)
     }
 }
 
@@ -107,10 +137,10 @@ impl<V: Lanes> ExitRecord<V> {
 
 /// Buffer for the exits of one starting ray.
 #[derive(Debug)]
-pub struct ExitBuffer<'m, V: Lanes> {
+pub struct ExitBuffer<'m, V: Lanes, G> {
     memory: &'m mut [ExitRecord<V>],
     count: usize,
-    grid: DirectionBins,
+    grid: G,
     per_wavelength: V::Precise,
     /// First hit of the starting ray.
     origin_nm: DVec3,
@@ -124,10 +154,10 @@ pub trait Histogram {
     fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64);
 }
 
-impl<'m, V: Lanes> ExitBuffer<'m, V> {
+impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
     /// Empty buffer. `memory` should have as many records as one starting ray may need; further exits are dropped, and
     /// [`ExitBuffer::flush`] returns their power.
-    pub fn new(memory: &'m mut [ExitRecord<V>], grid: DirectionBins, media: &MediaLanes<'_, V>) -> Self {
+    pub fn new(memory: &'m mut [ExitRecord<V>], grid: G, media: &MediaLanes<'_, V>) -> Self {
         const { assert!(V::WIDTH <= MAX_LANES) };
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
         let origin_nm = DVec3::ZERO;
@@ -173,7 +203,7 @@ impl<'m, V: Lanes> ExitBuffer<'m, V> {
     }
 }
 
-impl<V: Lanes> ExitBuffer<'_, V> {
+impl<V: Lanes, G: DirectionGrid> ExitBuffer<'_, V, G> {
     /// Adds an exit to the record of its side, bins and coherence, or to a new record. A path has no field.
     fn record(&mut self, side: Side, bins: [u32; MAX_LANES], power: Polarised<V>, field: Option<WaveField<V>>) {
         let incoherent = field.is_none();
@@ -198,18 +228,18 @@ impl<V: Lanes> ExitBuffer<'_, V> {
     }
 }
 
-impl<V: Lanes> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<'_, V> {
+impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<'_, V, G> {
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
         let ExitWave { side, power, wavevector, point_nm, .. } = wave;
         let to_origin = phase_of(&wave, self.origin_nm - point_nm, self.per_wavelength);
-        let bins = self.grid.of_lanes(wavevector.map(|q| q.re));
+        let bins = cells_of_lanes(&self.grid, wavevector.map(|q| q.re));
         self.record(side, bins, power, Some(scaled_to_power(field, power, propagate(to_origin))));
     }
 }
 
-impl<V: Lanes> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V> {
+impl<V: Lanes, G: DirectionGrid> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V, G> {
     fn exit(&mut self, path: ExitPath<V>, light: Coherency<V>) {
-        self.record(path.side, self.grid.of_lanes(path.direction), Polarised::both(light.power()), None);
+        self.record(path.side, cells_of_lanes(&self.grid, path.direction), Polarised::both(light.power()), None);
     }
 }
 
@@ -219,27 +249,27 @@ impl<V: Lanes> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V> {
 /// The squared sum, divided by the squared number of starting rays, is the bin's power. Power is not conserved, since
 /// directions that differ within a bin do not really interfere.
 #[derive(Debug)]
-pub struct BinFields<'m, V: Lanes> {
+pub struct BinFields<'m, V: Lanes, G> {
     /// Fields of the bins above, then of those below.
     fields: &'m mut [WaveField<V>],
-    grid: DirectionBins,
+    grid: G,
     per_wavelength: V::Precise,
     incident: VectorLanes<V::Precise>,
     /// Phase factor exp(i k₀ q_in·x) at the first hit of the present starting ray.
     arrival: ComplexLanes<V>,
 }
 
-impl<'m, V: Lanes> BinFields<'m, V> {
+impl<'m, V: Lanes, G: DirectionGrid> BinFields<'m, V, G> {
     /// Number of fields that a grid needs, for both hemispheres.
     #[must_use]
-    pub fn required_len(grid: DirectionBins) -> usize {
+    pub fn required_len(grid: &G) -> usize {
         2 * grid.count()
     }
 
     /// Sink that adds to `fields`, which has [`BinFields::required_len`] elements.
     pub fn new(
         fields: &'m mut [WaveField<V>],
-        grid: DirectionBins,
+        grid: G,
         media: &MediaLanes<'_, V>,
         incident: VectorLanes<V::Precise>,
     ) -> Self {
@@ -253,11 +283,11 @@ impl<'m, V: Lanes> BinFields<'m, V> {
     }
 }
 
-impl<V: Lanes> Sink<ExitWave<V>, WaveField<V>> for BinFields<'_, V> {
+impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for BinFields<'_, V, G> {
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
         let phase = propagate::<V>(phase_of(&wave, -wave.point_nm, self.per_wavelength));
         let field = scaled_to_power(field, wave.power, phase * self.arrival);
-        let bins = self.grid.of_lanes(wave.wavevector.map(|q| q.re));
+        let bins = cells_of_lanes(&self.grid, wave.wavevector.map(|q| q.re));
         let hemisphere = if wave.side == Side::Above { 0 } else { self.grid.count() };
         for lane in 0..V::WIDTH {
             // Each bin is treated once, for all lanes in it.

@@ -67,7 +67,7 @@ fn traced<V: Lanes>(
 ) -> Result<ScatterTable> {
     let sum = table_sum(request.tracing.coherence)?;
     if let TableSum::Fields = sum {
-        BinLight::expect_room::<V>(&request.tracing)?;
+        BinLight::expect_room::<V>(&request.tracing.bins)?;
     }
     let mut buffer = mesh_scene.buffer();
     let cell = mesh_scene.cell(&mut buffer)?;

@@ -147,7 +147,8 @@ impl<V: Lanes> TableWorker<'_, V> {
         for (media, wavelengths) in self.groups {
             let mut tallies = vec![Tally::new(bins); wavelengths.len()];
             let (rays, memory) = (rays.clone(), &mut self.memory);
-            trace_batch(self.cell, *media, batch.wi, number as u32, rays, paths, tracing, memory, &mut tallies);
+            let sequence = sequence(tracing.seed, number as u32);
+            trace_batch(self.cell, *media, batch.wi, sequence, rays, paths, tracing.bins, memory, &mut tallies);
             for tally in tallies {
                 sums.add(self.request, &batch, wavelength, &tally);
                 wavelength += 1;
@@ -159,6 +160,7 @@ impl<V: Lanes> TableWorker<'_, V> {
     /// isotropic table needs one in each of its own batches.
     fn add_fields(&self, tracing: &ScatterRequest, incident: usize, rays: u32, sums: &mut DirectionSums) -> u32 {
         let Self { cell, slots, .. } = *self;
+        let grid = tracing.bins;
         let isotropic = self.request.layout.phi() == 1;
         let rays = if isotropic { rays.div_ceil(BATCHES) * BATCHES } else { rays };
         let batches: Vec<IncidentBatch> =
@@ -169,14 +171,14 @@ impl<V: Lanes> TableWorker<'_, V> {
                 for batch in &batches {
                     let seed = sequence(tracing.seed, batch.number as u32);
                     let request = ScatterRequest { seed, ..*tracing };
-                    let light = BinLight { cell, slots, wi: batch.wi, rays: rays / BATCHES, request: &request };
+                    let light = BinLight { grid, cell, slots, wi: batch.wi, rays: rays / BATCHES, request: &request };
                     let found = light.tallies(*media, wavelengths.len(), &|| ());
                     for w in 0..wavelengths.len() {
                         sums.add(self.request, batch, place + w, &Tally::mean(found.iter().map(|own| &own[w])));
                     }
                 }
             } else {
-                let light = BinLight { cell, slots, wi: batches[0].wi, rays, request: tracing };
+                let light = BinLight { grid, cell, slots, wi: batches[0].wi, rays, request: tracing };
                 let found = light.tallies(*media, wavelengths.len(), &|| ());
                 for (batch, own) in batches.iter().zip(&found) {
                     own.iter().enumerate().for_each(|(w, tally)| sums.add(self.request, batch, place + w, tally));

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
-use goniochrome::measure::bins::BinFields;
+use goniochrome::measure::bins::{BinFields, DirectionGrid};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
 use goniochrome::simd::lanes::Lanes;
@@ -23,7 +23,9 @@ use crate::support::parallel;
 
 /// Light from one direction whose exits add as amplitudes in each bin.
 #[derive(Clone, Copy)]
-pub(crate) struct BinLight<'c> {
+pub(crate) struct BinLight<'c, G> {
+    /// Bins of the outgoing directions.
+    pub grid: G,
     pub cell: MeshCell<'c>,
     /// Slots in which waves wait to merge.
     pub slots: usize,
@@ -31,7 +33,7 @@ pub(crate) struct BinLight<'c> {
     pub wi: DVec3,
     /// Starting rays of each batch.
     pub rays: u32,
-    /// Bins, seed and threads.
+    /// Seed and threads.
     pub request: &'c ScatterRequest,
 }
 
@@ -42,15 +44,22 @@ struct BinSums<V: Lanes> {
     absorbed: V,
 }
 
-impl<'c> BinLight<'c> {
+impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
     /// Light of the requested number of starting rays, at least one in each batch.
-    pub fn new(mesh_scene: &MeshScene<'_>, cell: MeshCell<'c>, wi: DVec3, request: &'c ScatterRequest) -> Self {
-        Self { cell, slots: slots_without_fallback(mesh_scene), wi, rays: rays_per_batch(request.rays), request }
+    pub fn new(
+        mesh_scene: &MeshScene<'_>,
+        cell: MeshCell<'c>,
+        wi: DVec3,
+        grid: G,
+        request: &'c ScatterRequest,
+    ) -> Self {
+        let (slots, rays) = (slots_without_fallback(mesh_scene), rays_per_batch(request.rays));
+        Self { grid, cell, slots, wi, rays, request }
     }
 
     /// Refuses bins that memory does not hold.
-    pub fn expect_room<V: Lanes>(request: &ScatterRequest) -> Result<()> {
-        let fields = BinFields::<V>::required_len(request.bins);
+    pub fn expect_room<V: Lanes>(grid: &G) -> Result<()> {
+        let fields = BinFields::<V, G>::required_len(grid);
         expect_list::<WaveField<V>>(&[fields, BATCHES as usize], "the fields of all --bins")
     }
 
@@ -78,7 +87,7 @@ impl<'c> BinLight<'c> {
         progress: &(dyn Fn() + Sync),
     ) -> Vec<Vec<Tally>> {
         let nothing: WaveField<V> = Polarised::both(VectorLanes::zero());
-        let fields = BinFields::<V>::required_len(self.request.bins);
+        let fields = BinFields::<V, G>::required_len(&self.grid);
         let batch = |_| BinSums { fields: vec![nothing; fields], truncated: V::zero(), absorbed: V::zero() };
         let mut batches: Vec<BinSums<V>> = (0..BATCHES).map(batch).collect();
         parallel::for_each(
@@ -91,7 +100,7 @@ impl<'c> BinLight<'c> {
             },
         );
         let per_ray = 1.0 / f64::from(self.rays);
-        let half = self.request.bins.count();
+        let half = self.grid.count();
         let blank = |batch: &BinSums<V>| {
             let tally = |lane| Tally {
                 truncated: batch.truncated.lane(lane) * per_ray,
@@ -128,7 +137,7 @@ impl<'c> BinLight<'c> {
     ) {
         let incident = IncidentWave::new(self.wi, media.eta()[usize::from(self.cell.above())]);
         let mut coherent = CoherentMesh::new(self.cell, media, incident);
-        let mut sink = BinFields::new(fields, self.request.bins, &media, incident.wavevector());
+        let mut sink = BinFields::new(fields, &self.grid, &media, incident.wavevector());
         for ray in 0..self.rays {
             let [u, v] = sobol(ray, sequence(self.request.seed, batch));
             match coherent.start(u, v) {

@@ -50,8 +50,8 @@ pub fn scatter(
         }),
         Adding::Fields => in_lanes!(request.precision, V => {
             summarised::<V>(mesh_scene, wavelength_nm, request, |cell, groups| {
-                BinLight::expect_room::<V>(request)?;
-                let light = BinLight::new(mesh_scene, cell, wi, request);
+                BinLight::expect_room::<V>(&request.bins)?;
+                let light = BinLight::new(mesh_scene, cell, wi, request.bins, request);
                 Ok(light.all_tallies(groups, progress))
             })
         }),

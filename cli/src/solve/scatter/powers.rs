@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::geometry::side::Side;
-use goniochrome::measure::bins::{ExitBuffer, ExitRecord, Histogram};
+use goniochrome::measure::bins::{DirectionGrid, ExitBuffer, ExitRecord, Histogram};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
 use goniochrome::simd::lanes::{F32, F64, Lanes};
@@ -75,8 +75,8 @@ pub(super) fn powers<V: Lanes>(
         |workspace, (out, batch)| {
             for (group, wavelengths) in groups {
                 let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
-                let rays = 0..rays_per_batch(request.rays);
-                trace_batch(cell, *group, wi, batch, rays, paths, request, workspace, &mut tallies);
+                let (rays, sequence) = (0..rays_per_batch(request.rays), sequence(request.seed, batch));
+                trace_batch(cell, *group, wi, sequence, rays, paths, request.bins, workspace, &mut tallies);
                 out.extend(tallies);
             }
             progress();
@@ -101,16 +101,17 @@ impl Histogram for Tallies<'_> {
     }
 }
 
-/// Traces the starting rays `rays` of a batch, and writes their means into `tallies`, which must be new.
+/// Traces the starting rays `rays` of a batch's Sobol `sequence`, and writes their means into `tallies`, which must be
+/// new.
 #[allow(clippy::too_many_arguments, reason = "a hot path's inputs, which no type would hold together")]
 pub(crate) fn trace_batch<V: Lanes>(
     cell: MeshCell<'_>,
     media: MediaLanes<'_, V>,
     wi: DVec3,
-    batch: u32,
+    sequence: u32,
     rays: Range<u32>,
     adding: Paths,
-    request: &ScatterRequest,
+    grid: impl DirectionGrid,
     Workspace { waves, paths, exits }: &mut Workspace<V>,
     tallies: &mut [Tally],
 ) {
@@ -118,9 +119,8 @@ pub(crate) fn trace_batch<V: Lanes>(
     let incident = IncidentWave::new(wi, eta);
     let (mut coherent, mut incoherent) =
         (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
-    let mut exits = ExitBuffer::new(exits, request.bins, &media);
+    let mut exits = ExitBuffer::new(exits, grid, &media);
     let per_ray = 1.0 / rays.len() as f64;
-    let sequence = sequence(request.seed, batch);
     let mut truncated = V::zero();
     let mut without_interference = 0;
     for ray in rays {
