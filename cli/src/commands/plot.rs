@@ -111,7 +111,7 @@ fn cell_spectra(table: &ScatterTable, name: &str, theta_deg: &[f64], args: &Plot
     if let Some(theta) = args.theta_out.filter(|theta| !(0.0..90.0).contains(theta)) {
         return Err(Error::usage(format_args!("--theta-out {theta}: the angle must lie in [0, 90) degrees")));
     }
-    Ok(tables::scatter::spectra(table, name, theta_deg, args.theta_out, [args.phi, phi_out]))
+    tables::scatter::spectra(table, name, theta_deg, args.theta_out, [args.phi, phi_out])
 }
 
 /// The charts of chosen orders.

@@ -3,7 +3,7 @@
 
 use goniochrome::colour::{Quadrature, RgbSpace};
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
-use goniochrome::table::{MirrorTable as Mirror, ScatterSampler, ScatterTable as Scatter};
+use goniochrome::table::{MirrorTable as Mirror, ScatterSampler};
 
 use crate::colour::{visible, visible_weights};
 use crate::support::error::{Error, Result};
@@ -24,7 +24,8 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
             write(mirror.metadata.named_space(), Contents::Mirror(table), precision)
         }
         Table::Scatter(scatter) => {
-            let table = Scatter::new(scatter.rgb.as_flattened(), scatter.layout, 3).map_err(Error::failed)?;
+            let prepared = scatter.rgb_lookup()?;
+            let table = prepared.table()?;
             let mut memory = filled(0.0, ScatterSampler::required_len(&scatter.layout), "the blob")?;
             let sampler = ScatterSampler::new(&table, &mut memory).map_err(Error::failed)?;
             write(scatter.metadata.named_space(), Contents::Scatter(table, sampler), precision)

@@ -53,14 +53,15 @@ pub fn encode(table: &Table, roughness: Option<f64>) -> Result<Vec<u8>> {
         ));
     }
     let reflection = Reflection::new(table, LobeWidth { roughness, ..LobeWidth::default() }, true)?;
-    if let ReflectionKind::Scatter(layout) = reflection.kind()
-        && layout.phi() > 1
+    if let ReflectionKind::Scatter(lookup) = reflection.kind()
+        && let layout = lookup.layout()
+        && !layout.is_isotropic()
     {
         return Err(Error::failed(format_args!(
             "the table is anisotropic ({} incident azimuths), which MERL's format cannot hold; export a bsdf, or estimate with \
              --incident {}x1, which averages around the normal",
-            layout.phi(),
-            layout.theta()
+            layout.incident_sides()[1],
+            layout.incident_sides()[0]
         )));
     }
     let count = THETA_H * THETA_D * PHI_D;

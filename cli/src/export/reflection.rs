@@ -1,13 +1,14 @@
 //! The BRDF f(wi, wo) of any kind of table, in each of its channels.
 
 use glam::{DVec3, Vec3};
-use goniochrome::table::{ScatterLayout, ScatterTable as Lookup};
+use goniochrome::table::ScatterTable as Lookup;
 
 use super::ggx::Ggx;
 use super::order_lobes::{LobesAt, OrderLobes};
 use crate::support::error::{Error, Result};
 use crate::table::Table;
 use crate::table::mirror::neighbours;
+use crate::table::scatter::ScatterLookup;
 
 /// A BRDF to export: in RGB, or in a channel for each wavelength.
 #[derive(Clone, Debug)]
@@ -30,8 +31,8 @@ pub enum ReflectionKind {
         /// The table's angles in radians.
         theta: Vec<f64>,
     },
-    /// A table of tilted facets, of this layout.
-    Scatter(ScatterLayout),
+    /// A table of tilted facets.
+    Scatter(ScatterLookup),
     /// Diffraction orders, spread by lobes.
     Orders(OrderLobes),
 }
@@ -79,7 +80,12 @@ impl Reflection {
                 ggx: Ggx { alpha },
                 theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
             },
-            (Table::Scatter(table), None) => ReflectionKind::Scatter(table.layout),
+            (Table::Scatter(table), None) => {
+                let lookup = if rgb { table.rgb_lookup()? } else { table.spectral_lookup()? };
+                let channels = lookup.channels();
+                let kind = ReflectionKind::Scatter(lookup);
+                return Ok(Self { channels, wavelength_nm, values: Vec::new(), kind });
+            }
             (Table::Orders(table), None) => {
                 let spread = width.spread_deg.ok_or_else(|| {
                     Error::usage(
@@ -109,11 +115,9 @@ impl Reflection {
     /// If the table did not pass its check, so that its values do not fit its layout.
     #[must_use]
     pub fn evaluator(&self) -> Evaluator<'_> {
-        let lookup = match self.kind {
+        let lookup = match &self.kind {
             ReflectionKind::Lobe { .. } | ReflectionKind::Orders(_) => None,
-            ReflectionKind::Scatter(layout) => {
-                Some(Lookup::new(&self.values, layout, self.channels).expect("a checked table fits its layout"))
-            }
+            ReflectionKind::Scatter(lookup) => Some(lookup.table().expect("a checked table fits its layout")),
         };
         Evaluator { reflection: self, lookup, values: vec![0.0; self.channels], lobes: LobesAt::default() }
     }

@@ -1,6 +1,6 @@
 //! A table prepared for shading.
 
-use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
+use goniochrome::table::{ScatterSampler, ScatterTable};
 
 use super::channels::Channels;
 use super::orders::{OrderShading, OrderSurface};
@@ -8,6 +8,7 @@ use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
 use crate::table::mirror::neighbours;
+use crate::table::scatter::ScatterLookup;
 
 /// The reflection of a surface, for each channel in which light is traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +21,8 @@ pub struct Surface {
 enum Reflectance {
     /// ρ(θ), `[theta][channel]`.
     Mirror { theta_deg: Vec<f64>, values: Vec<f32> },
-    /// f, `[incident][bin][channel]`.
-    Scatter { layout: ScatterLayout, values: Vec<f32> },
+    /// s and lobes.
+    Scatter(ScatterLookup),
     /// Diffraction orders.
     Orders(OrderSurface),
 }
@@ -50,7 +51,8 @@ impl Surface {
             }
             Table::Scatter(scatter) => {
                 let (channels, values) = channels_and_values(table, spectral)?;
-                Ok(Self { channels, reflectance: Reflectance::Scatter { layout: scatter.layout, values } })
+                let lookup = scatter.lookup(values, channels.count())?;
+                Ok(Self { channels, reflectance: Reflectance::Scatter(lookup) })
             }
             Table::Orders(orders) => {
                 let reflectance = Reflectance::Orders(OrderSurface::new(orders, spectral)?);
@@ -71,9 +73,8 @@ impl Surface {
     /// A surface that is black in every channel.
     pub fn check_not_black(&self) -> Result<()> {
         let black = match &self.reflectance {
-            Reflectance::Mirror { values, .. } | Reflectance::Scatter { values, .. } => {
-                values.iter().all(|&x| x == 0.0)
-            }
+            Reflectance::Mirror { values, .. } => values.iter().all(|&x| x == 0.0),
+            Reflectance::Scatter(lookup) => lookup.values().iter().all(|&x| x == 0.0),
             Reflectance::Orders(orders) => orders.is_black(),
         };
         if black {
@@ -86,9 +87,9 @@ impl Surface {
     pub(super) fn prepare<'a>(&'a self, memory: &'a mut Vec<f32>) -> Result<Prepared<'a>> {
         match &self.reflectance {
             Reflectance::Mirror { theta_deg, values } => Ok(Prepared::Mirror { theta_deg, values }),
-            Reflectance::Scatter { layout, values } => {
-                let table = ScatterTable::new(values, *layout, self.channels.count()).map_err(Error::failed)?;
-                *memory = filled(0.0, ScatterSampler::required_len(layout), "sampling the table")?;
+            Reflectance::Scatter(lookup) => {
+                let table = lookup.table()?;
+                *memory = filled(0.0, ScatterSampler::required_len(&table.layout()), "sampling the table")?;
                 let sampler = ScatterSampler::new(&table, memory).map_err(Error::failed)?;
                 Ok(Prepared::Scatter { table, sampler })
             }

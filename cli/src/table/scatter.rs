@@ -89,6 +89,12 @@ impl ScatterLookup {
         self.channels
     }
 
+    /// Grid of directions.
+    #[must_use]
+    pub fn layout(&self) -> ScatterLayout {
+        self.layout
+    }
+
     /// All values, `[incident][place][channel]`.
     #[must_use]
     pub fn values(&self) -> &[f32] {

@@ -1,17 +1,18 @@
 //! The table of a page.
 
 use goniochrome::colour::{Quadrature, RgbSpace};
-use goniochrome::table::{ScatterSampler, ScatterTable as Lookup};
+use goniochrome::table::{FacetLobe, ScatterSampler};
 use serde_json::{Value, json};
 
 use super::{orders, pack};
 use crate::colour::visible_weights;
+use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
 use crate::table::metadata::MetadataKey;
 use crate::table::mirror::MirrorTable;
-use crate::table::scatter::ScatterTable;
+use crate::table::scatter::{ScatterTable, warp_pairs};
 
 /// Steps of θ from 0° to 90° in a mirror-like table: tenths of a degree, so that tables of whole degrees lose nothing.
 const STEPS: u32 = 900;
@@ -54,32 +55,38 @@ fn mirror_like(table: &MirrorTable, facts: &Value) -> Result<Value> {
 
 fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
     let rgb = table.metadata.screen_rgb(&table.rgb);
-    let values = rgb.as_flattened();
-    let lookup = Lookup::new(values, table.layout, 3).map_err(Error::failed)?;
-    let mut cumulative = filled(0.0, ScatterSampler::required_len(&table.layout), "sampling the table")?;
+    let prepared = table.lookup(rgb.into_flattened(), 3)?;
+    let lookup = prepared.table()?;
+    let layout = table.layout;
+    let mut cumulative = filled(0.0, ScatterSampler::required_len(&layout), "sampling the table")?;
     ScatterSampler::new(&lookup, &mut cumulative).map_err(Error::failed)?;
     // Halves end at 65504, and are precise near 1.
-    let largest = values.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
+    let largest = prepared.values().iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
     let scale = if largest > 0.0 { largest } else { 1.0 };
-    let bins = table.layout.bins();
-    let albedo = (0..table.layout.incident_count()).flat_map(|incident| {
-        (0..table.wavelength_nm.len()).map(move |w| {
-            let row = table.row(incident, w).iter().enumerate();
-            row.map(|(bin, &f)| f64::from(f) * bins.projected_solid_angle(bin)).sum::<f64>() as f32
-        })
-    });
+    let spectral = table.spectral_lookup()?;
+    let spectral = spectral.table()?;
+    let mut albedo = Vec::new();
+    for incident in 0..layout.incident_count() {
+        let [theta, phi] = layout.incident(incident);
+        let mut of_incident = vec![0.0; table.wavelength_nm.len()];
+        spectral.albedo(direction(theta, phi).as_vec3(), &mut of_incident);
+        albedo.extend(of_incident);
+    }
     let weights = visible_weights(&table.wavelength_nm, table.metadata.illuminant(), Quadrature::Interpolated)?;
     let space = table.metadata.screen_space();
+    let [pairs_u, pairs_v] = warp_pairs(&table.warp)?;
     Ok(json!({
         "kind": "scatter",
         "facts": facts,
-        "incident": [table.layout.theta(), table.layout.phi()],
-        "bins": [bins.cos, bins.phi],
+        "incident": layout.incident_sides(),
+        "halfVectors": layout.square_sides(),
+        "warp": [pack::floats(pairs_u), pack::floats(pairs_v)],
+        "lobes": pack::floats(table.lobes.iter().flat_map(FacetLobe::to_numbers)),
         "wavelength": table.wavelength_nm,
         "rgbWeights": pack::floats(weights.iter().flat_map(|&xyz| space.from_xyz(xyz)).map(|w| w as f32)),
         "albedo": pack::floats(albedo),
         "scale": scale,
-        "atlas": pack::halves(values.iter().map(|x| x / scale)),
+        "atlas": pack::halves(prepared.values().iter().map(|x| x / scale)),
         "cumulative": pack::floats(cumulative.iter().copied()),
     }))
 }

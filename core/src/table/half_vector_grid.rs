@@ -62,13 +62,8 @@ impl DirectionGrid for HalfVectorGrid<'_> {
         self.layout.places()
     }
 
-    /// Place of a direction; 0 for one that leaves downwards, which the table does not hold.
     fn index(&self, direction: DVec3) -> usize {
-        let direction = direction.normalize_or_zero();
-        let down = direction.z <= 0.0;
-        if down {
-            return 0;
-        }
+        let direction = direction.with_z(direction.z.abs()).normalize_or_zero();
         if let Some(lobe) = self.lobe(direction) {
             return self.layout.node_count() + lobe;
         }

@@ -117,13 +117,14 @@ impl ScatterLayout {
         [(index % u) as f64 / (u - 1).max(1) as f64, (index / u) as f64 / v as f64]
     }
 
-    /// Node in whose box a place of the square lies: the box reaches half a step to either side of its node.
+    /// Node in whose box a place of the square lies: the box reaches half a step to either side of its node. All nodes
+    /// at x = 0 are one, and share the box of the first.
     #[must_use]
     pub fn nearest_node(&self, x: f64, y: f64) -> usize {
         let [u, v] = self.square.map(f64::from);
         let column = ((x * (u - 1.0) + 0.5).max(0.0) as u32).min(self.square[0] - 1);
         let row = (y * v + 0.5).max(0.0) as u32 % self.square[1].max(1);
-        (row * self.square[0] + column) as usize
+        if column == 0 { 0 } else { (row * self.square[0] + column) as usize }
     }
 
     /// Interpolation nodes for an incident direction: linear in θ, constant beyond the last row; linear and periodic in
@@ -218,14 +219,16 @@ mod tests {
             let [x, y] = layout.node(index);
             alone(layout.square_nodes(x as f32, y as f32), index);
             alone(layout.square_nodes(x as f32, y as f32 - 1.0), index);
-            assert_eq!(layout.nearest_node(x, y), index);
+            assert_eq!(layout.nearest_node(x, y), if x > 0.0 { index } else { 0 });
         }
     }
 
     #[test]
     fn boxes_reach_half_a_step_to_either_side() {
         let layout = layout();
-        for (x, y, node) in [(0.0, 0.0, 0), (0.124, 0.083, 0), (0.126, 0.0, 1), (0.0, 0.084, 5), (1.0, 0.99, 4)] {
+        for (x, y, node) in
+            [(0.0, 0.0, 0), (0.124, 0.083, 0), (0.126, 0.0, 1), (0.126, 0.084, 6), (0.0, 0.084, 0), (1.0, 0.99, 4)]
+        {
             assert_eq!(layout.nearest_node(x, y), node, "{x} {y}");
         }
     }

@@ -52,14 +52,14 @@ impl EstimateArgs {
 #[derive(Debug, Clone, Args)]
 pub struct CellSampling {
     /// Cells: number of incident directions, θ × φ; with one φ the table is isotropic, averaged around the normal
-    /// [default: 8x16]. Diffraction orders: cone angles β × α, where sin α is the component along the period
+    /// [default: 10x12]. Diffraction orders: cone angles β × α, where sin α is the component along the period
     /// [default: 9x33, for cells with two periods 13x13]
     #[arg(long, value_name = "THETAxPHI")]
     pub incident: Option<Bins>,
-    /// Cells: number of bins of outgoing directions, cos θ × φ; the number of φ must be a multiple of that of
-    /// --incident [default: 16x32]
-    #[arg(long, value_name = "COSxPHI")]
-    pub bins: Option<Bins>,
+    /// Cells: number of half vectors at which the table holds values, outwards from the normal × around it
+    /// [default: 16x32]
+    #[arg(long, value_name = "THETAxPHI")]
+    pub half_vectors: Option<Bins>,
     /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096]
     #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
     pub rays: Option<u32>,

@@ -8,7 +8,7 @@ use crate::colour::visible_weights;
 use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
 use crate::commands::make_table::metadata::scatter_metadata;
-use crate::commands::make_table::shared::{scatter_layout, ticking};
+use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
 use crate::commands::notes::{note_on_front, note_on_media};
 use crate::scene::Scene;
 use crate::solve::cell_table::{TableRequest, estimate};
@@ -16,7 +16,7 @@ use crate::solve::cell_warnings::{not_converged, too_few, unbalanced};
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::grid::Wavelengths;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::scatter::{Coherence, ScatterRequest};
+use crate::solve::scatter::{Coherence, Tracing};
 use crate::solve::spectra::Method;
 use crate::support::error::{Error, Result};
 use crate::support::progress::{bar, note};
@@ -51,17 +51,17 @@ pub(super) fn scatter_table(
     let cell = &args.cell;
     let layout = scatter_layout(args)?;
     let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
-    let tracing = ScatterRequest {
+    let tracing = Tracing {
         coherence,
         rays: cell.rays.unwrap_or(RAYS),
         seed: cell.seed.unwrap_or(0),
-        bins: layout.bins(),
         precision: args.computing.precision,
         threads: args.computing.request().threads,
     };
     let space = args.colouring.space.into();
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
-    let request = TableRequest { layout, tracing, target_error, weights: &weights, space, reciprocal };
+    let (incident, half_vectors) = (layout.incident_sides(), layout.square_sides());
+    let request = TableRequest { incident, half_vectors, tracing, target_error, weights: &weights, space, reciprocal };
     let mesh_scene = MeshScene::new(scene)?;
     note_on_media(scene, wavelength_nm, args.computing.running.quiet);
     note_on_front(scene, args.computing.running.quiet);
@@ -88,12 +88,8 @@ pub(super) fn scatter_table(
     table.metadata = scatter_metadata(args, scene, &request.tracing, imbalance, &warnings);
     let truncated = table.energy.iter().map(|energy| energy.truncated).fold(0.0, f64::max);
     let summary = format!(
-        "{} × {} incident directions × {} × {} bins × {} wavelengths; standard error of the albedo ≤ {:.1e}, \
-         truncated ≤ {truncated:.1e}, imbalance ≤ {:.1e}",
-        layout.theta(),
-        layout.phi(),
-        layout.bins().cos,
-        layout.bins().phi,
+        "{} × {} wavelengths; standard error of the albedo ≤ {:.1e}, truncated ≤ {truncated:.1e}, imbalance ≤ {:.1e}",
+        sides(&table.layout),
         wavelength_nm.len(),
         table.worst_error(),
         imbalance.abs(),

@@ -3,7 +3,7 @@
 use crate::commands::args::{EstimateArgs, spelled};
 use crate::scene::{Periods, Scene};
 use crate::solve::precision::Precision;
-use crate::solve::scatter::{Coherence, ScatterRequest};
+use crate::solve::scatter::{Coherence, Tracing};
 use crate::solve::spectra::{Method, Spectra};
 use crate::solve::waves::OrderMethod;
 use crate::table::metadata::{Metadata, MetadataKey};
@@ -29,7 +29,7 @@ fn common_metadata(args: &EstimateArgs, scene: &Scene, imbalance_max: f64) -> Me
 pub(super) fn scatter_metadata(
     args: &EstimateArgs,
     scene: &Scene,
-    tracing: &ScatterRequest,
+    tracing: &Tracing,
     imbalance: f64,
     warnings: &[String],
 ) -> Metadata {

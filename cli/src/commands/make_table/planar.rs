@@ -26,7 +26,7 @@ pub(super) fn mirror_table(args: &EstimateArgs, scene: &Scene) -> Result<(Table,
     let cell = &args.cell;
     for (given, name) in [
         (cell.incident.is_some(), "incident"),
-        (cell.bins.is_some(), "bins"),
+        (cell.half_vectors.is_some(), "half-vectors"),
         (cell.rays.is_some(), "rays"),
         (cell.coherence.is_some(), "coherence"),
         (cell.seed.is_some(), "seed"),

@@ -3,7 +3,6 @@
 
 use std::sync::Once;
 
-use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::ScatterLayout;
 use indicatif::ProgressBar;
 
@@ -12,12 +11,29 @@ use crate::solve::checkpoint::Checkpoint;
 use crate::support::error::{Error, Result};
 use crate::support::progress::note;
 
-/// The grid of a table of scattered light.
+/// Default rows in θ_i and columns in φ_i.
+const INCIDENT: [u32; 2] = [10, 12];
+/// Default nodes of half vectors along θ_m and around the normal.
+const HALF_VECTORS: [u32; 2] = [16, 32];
+
+/// The grid of a table of scattered light, without lobes.
 pub(super) fn scatter_layout(args: &EstimateArgs) -> Result<ScatterLayout> {
-    let [theta, phi] = args.cell.incident.map_or([8, 16], |bins| bins.0);
-    let [cos, around] = args.cell.bins.map_or([16, 32], |bins| bins.0);
-    ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around })
-        .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --bins {cos}x{around}: {error}")))
+    let incident = args.cell.incident.map_or(INCIDENT, |sides| sides.0);
+    let half_vectors = args.cell.half_vectors.map_or(HALF_VECTORS, |sides| sides.0);
+    let ([theta, phi], [u, v]) = (incident, half_vectors);
+    ScatterLayout::new(incident, half_vectors, 0)
+        .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --half-vectors {u}x{v}: {error}")))
+}
+
+/// The sides of a grid, in words.
+pub(super) fn sides(layout: &ScatterLayout) -> String {
+    let ([theta, phi], [u, v]) = (layout.incident_sides(), layout.square_sides());
+    let lobes = match layout.lobes() {
+        0 => String::new(),
+        1 => " and 1 exact lobe".to_owned(),
+        lobes => format!(" and {lobes} exact lobes"),
+    };
+    format!("{theta} × {phi} incident directions × {u} × {v} half vectors{lobes}")
 }
 
 /// What is called after each finished part: it moves the progress bar. The first call tells of the checkpoint, since a

@@ -9,7 +9,7 @@ use crate::colour::visible_weights;
 use crate::commands::args::{Bins, EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
 use crate::commands::make_table::metadata::wave_metadata;
-use crate::commands::make_table::shared::{scatter_layout, ticking};
+use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
 use crate::commands::notes::note_on_media;
 use crate::scene::{Periods, Scene};
 use crate::solve::checkpoint::Checkpoint;
@@ -108,12 +108,9 @@ pub(super) fn wave_table(
             let mut table = scattered(&table, scatter_layout, &weights, args.colouring.space.into())?;
             table.metadata = metadata;
             let summary = format!(
-                "{} × {} incident directions × {} × {} bins × {count} wavelengths, by waves; error bar of \
-                 orders ≤ {error:.1e}; {decompositions} decompositions for {layers} passages of layers",
-                scatter_layout.theta(),
-                scatter_layout.phi(),
-                scatter_layout.bins().cos,
-                scatter_layout.bins().phi,
+                "{} × {count} wavelengths, by waves; error bar of orders ≤ {error:.1e}; {decompositions} decompositions for \
+                 {layers} passages of layers",
+                sides(&scatter_layout)
             );
             (table.into(), summary)
         }
@@ -131,7 +128,11 @@ fn refuse_options(args: &EstimateArgs, scene: &Scene, periods: Periods) -> Resul
         ("--rays", cell.rays.is_some(), "coherence cell is computed by waves, not by rays"),
         ("--seed", cell.seed.is_some(), "coherence cell is computed by waves, without chance"),
         ("--reciprocal", cell.reciprocal, "waves are reciprocal"),
-        ("--bins", cell.bins.is_some() && periods == Periods::Coherent, "diffraction orders have exact directions"),
+        (
+            "--half-vectors",
+            cell.half_vectors.is_some() && periods == Periods::Coherent,
+            "diffraction orders have exact directions",
+        ),
     ];
     match unused.into_iter().find(|(_, given, _)| *given) {
         Some((option, _, why)) => Err(Error::usage(format_args!("{option}: {}: {why}; leave it out", scene.name))),

@@ -19,27 +19,6 @@ pub const MAX_SCALE_OF_ORDERS: f64 = 2.0;
 /// The two points of Gauss's quadrature on [0, 1], exact up to cubics.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// The exact albedo ∫ f cos θ_o dω_o of the table in each channel.
-///
-/// f is linear over each half bin of cos θ_o, and over each bin of φ_o, where equally spaced points give the integral.
-pub fn exact(evaluator: &mut Evaluator<'_>, layout: ScatterLayout, wi: DVec3) -> Vec<f64> {
-    let mut total = vec![0.0; evaluator.reflection().channels];
-    let mut values = total.clone();
-    let (halves, turns) = (2 * layout.bins().cos, layout.bins().phi);
-    for half in 0..halves {
-        for part in GAUSS {
-            let cos = (f64::from(half) + part) / f64::from(halves);
-            let weight = 0.5 / f64::from(halves) * TAU / f64::from(turns) * cos;
-            for turn in 0..turns {
-                let wo = direction(cos.acos(), TAU * f64::from(turn) / f64::from(turns));
-                evaluator.eval(wi, wo, &mut values);
-                total.iter_mut().zip(&values).for_each(|(total, value)| *total += weight * value);
-            }
-        }
-    }
-    total
-}
-
 /// Share of an interval's density below a part of it, for a density linear between its ends: the weight of the
 /// interpolation, which is linear in the warped square.
 fn share([from, to]: [f64; 2], part: f64) -> f64 {

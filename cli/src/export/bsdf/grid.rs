@@ -77,25 +77,13 @@ impl BsdfGrid {
                 let side = (MAX_VALUES as f64 / values).cbrt() as usize;
                 Self::of([radial(ggx.alpha), across()], side, grazing(side), vec![0.0])
             }
-            ReflectionKind::Scatter(layout) => {
-                let bins = layout.bins();
-                let isotropic = layout.phi() == 1;
-                let max_side = PER_INTERVAL * f64::from((2 * bins.cos).max(bins.phi));
-                let rows = f64::from(layout.theta());
-                // Lobes turn with the light, but half vectors count from the tangent: φ_i needs the density of outgoing
-                // bins.
-                let turns = if isotropic { 1.0 } else { PER_TURN * f64::from(bins.phi.max(layout.phi())) };
-                let (room, axes) = if isotropic { (MAX_VALUES, 3.0) } else { (MAX_ANISOTROPIC_VALUES, 4.0) };
-                let room = room as f64 / values;
-                let scale = (room / (max_side * max_side * PER_ROW * rows * turns)).powf(1.0 / axes).min(1.0);
-                // Nodes lie at the kinks, which are in the middle of each row.
-                let steps = 2.0 * rows * (0.5 * PER_ROW * scale).round().max(1.0);
-                let turns = if isotropic { 1.0 } else { (turns * scale).floor().max(MIN_SAMPLES) };
-                let side = (room / ((steps + 1.0) * turns)).sqrt().clamp(MIN_SAMPLES, max_side) as usize;
-                let even = |i: usize, steps: f64| i as f64 / steps;
-                let theta = (0..=steps as usize).map(|i| (FRAC_PI_2 * even(i, steps)).min(MAX_THETA)).collect();
-                let turn = |i: usize| TAU * even(i, turns - 1.0) - PI;
-                let phi = if isotropic { vec![0.0] } else { (0..turns as usize).map(turn).collect() };
+            ReflectionKind::Scatter(lookup) => {
+                let layout = lookup.layout();
+                let ([rows, columns], [u, v]) = (layout.incident_sides(), layout.square_sides());
+                let side = MIN_SAMPLES as usize * u.max(v) as usize;
+                let theta = (0..rows).map(|row| layout.incident((row * columns) as usize)[0]).collect();
+                let turn = |i: u32| TAU * f64::from(i) / f64::from(columns) - PI;
+                let phi = if columns == 1 { vec![0.0] } else { (0..=columns).map(turn).collect() };
                 Self::of([Density::uniform(), Density::uniform()], side, theta, phi)
             }
             ReflectionKind::Orders(lobes) => Self::of_orders(lobes, MAX_ANISOTROPIC_VALUES as f64 / values),

@@ -95,7 +95,7 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
     }
     let exact = match reflection.kind() {
         ReflectionKind::Lobe { .. } => None,
-        ReflectionKind::Scatter(layout) => Some((albedo::exact(evaluator, *layout, wi), albedo::MAX_SCALE)),
+        ReflectionKind::Scatter(_) => None,
         ReflectionKind::Orders(_) => evaluator.albedo_of_orders(wi).map(|exact| (exact, albedo::MAX_SCALE_OF_ORDERS)),
     };
     if let Some((exact, limit)) = exact {

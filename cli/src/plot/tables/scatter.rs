@@ -1,12 +1,15 @@
 //! Pictures of the spectra of cells: between two directions, and of all reflected light together.
 
+use glam::Vec3;
 use goniochrome::colour::{Quadrature, xyz};
+use goniochrome::table::ScatterTable as Lookup;
 
 use crate::colour::visible_weights;
 use crate::plot::Picture;
 use crate::plot::chromaticity::{ColourAt, chromaticity};
 use crate::plot::heat_map::{HeatAxis, heat_map};
 use crate::plot::line_chart::{Dash, LineOptions, PALETTE, Series, line_chart};
+use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::table::scatter::ScatterTable;
 
@@ -21,51 +24,39 @@ pub fn spectra(
     theta_deg: &[f64],
     theta_out_deg: Option<f64>,
     phi_deg: [f64; 2],
-) -> Picture {
+) -> Result<Picture> {
     let [phi, phi_out] = phi_deg;
+    let prepared = table.spectral_lookup()?;
+    let lookup = prepared.table()?;
     let series: Vec<Series> = theta_deg
         .iter()
         .zip(PALETTE.iter().cycle())
         .map(|(&theta, colour)| {
             let theta_out = theta_out_deg.unwrap_or(theta);
-            let f = between(table, [theta, phi], [theta_out, phi_out]);
+            let mut f = vec![0.0; table.wavelength_nm.len()];
+            lookup.eval(direction_deg(theta, phi), direction_deg(theta_out, phi_out), &mut f);
             Series {
                 label: format!("θ {theta}° → {theta_out}°"),
                 colour: (*colour).to_owned(),
-                points: table.wavelength_nm.iter().copied().zip(f).collect(),
+                points: table.wavelength_nm.iter().copied().zip(f.into_iter().map(f64::from)).collect(),
                 dash: Dash::None,
             }
         })
         .collect();
     let title = format!("{name}: light from φ = {phi}° towards φ = {}°", phi_out.rem_euclid(360.0));
-    line_chart(&title, "Wavelength (nm)", "BRDF f (1/sr)", &series, LineOptions::default())
+    Ok(line_chart(&title, "Wavelength (nm)", "BRDF f (1/sr)", &series, LineOptions::default()))
 }
 
-/// f at each wavelength between two directions, (θ, φ) in degrees, interpolated as the core does.
-fn between(table: &ScatterTable, light: [f64; 2], viewer: [f64; 2]) -> Vec<f64> {
-    let [theta, phi, theta_out, phi_out] =
-        [light[0], light[1], viewer[0], viewer[1]].map(|degrees| degrees.to_radians() as f32);
-    let incident = table.layout.incident_nodes(theta, phi);
-    let outgoing = table.layout.outgoing_nodes(theta_out.cos(), phi_out - phi);
-    (0..table.wavelength_nm.len())
-        .map(|w| {
-            let share = |i: usize| -> f32 { outgoing.iter().map(|o| o.weight * table.row(i, w)[o.index]).sum() };
-            f64::from(incident.iter().map(|i| i.weight * share(i.index)).sum::<f32>())
-        })
-        .collect()
+/// The unit vector of angles in degrees.
+fn direction_deg(theta: f64, phi: f64) -> Vec3 {
+    direction(theta.to_radians(), phi.to_radians()).as_vec3()
 }
 
 /// The share of the light from (θ, φ) that is reflected in all directions together, at each wavelength.
-fn reflected(table: &ScatterTable, theta_deg: f64, phi_deg: f64) -> Vec<f64> {
-    let bins = table.layout.bins();
-    let nodes = table.layout.incident_nodes(theta_deg.to_radians() as f32, phi_deg.to_radians() as f32);
-    let sum = |incident: usize, w: usize| -> f64 {
-        let row = table.row(incident, w).iter().enumerate();
-        row.map(|(bin, &f)| f64::from(f) * bins.projected_solid_angle(bin)).sum()
-    };
-    (0..table.wavelength_nm.len())
-        .map(|w| nodes.iter().filter(|n| n.weight > 0.0).map(|n| f64::from(n.weight) * sum(n.index, w)).sum())
-        .collect()
+fn reflected(lookup: &Lookup<'_>, theta_deg: f64, phi_deg: f64) -> Vec<f64> {
+    let mut albedo = vec![0.0; lookup.channels()];
+    lookup.albedo(direction_deg(theta_deg, phi_deg), &mut albedo);
+    albedo.into_iter().map(f64::from).collect()
 }
 
 /// The light reflected in all directions together, over angle and wavelength.
@@ -77,7 +68,9 @@ pub fn map(table: &ScatterTable, name: &str, phi_deg: f64) -> Result<Picture> {
         return Err(Error::usage("--kind map: the table has one wavelength; a map needs two or more"));
     }
     let theta: Vec<f64> = (0..=STEPS).map(f64::from).collect();
-    let values: Vec<f64> = theta.iter().flat_map(|&theta| reflected(table, theta, phi_deg)).collect();
+    let prepared = table.spectral_lookup()?;
+    let lookup = prepared.table()?;
+    let values: Vec<f64> = theta.iter().flat_map(|&theta| reflected(&lookup, theta, phi_deg)).collect();
     Ok(heat_map(
         &format!("{name}: reflected in all directions, light at φ = {phi_deg}°"),
         HeatAxis { label: "Wavelength (nm)", coordinates: &table.wavelength_nm },
@@ -95,7 +88,9 @@ pub fn map(table: &ScatterTable, name: &str, phi_deg: f64) -> Result<Picture> {
 pub fn colour_path(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
     let light = table.metadata.illuminant();
     let weights = visible_weights(&table.wavelength_nm, light, Quadrature::Interpolated)?;
-    let at = |theta_deg: f64| ColourAt { theta_deg, xyz: xyz(&weights, reflected(table, theta_deg, phi_deg)) };
+    let prepared = table.spectral_lookup()?;
+    let lookup = prepared.table()?;
+    let at = |theta_deg: f64| ColourAt { theta_deg, xyz: xyz(&weights, reflected(&lookup, theta_deg, phi_deg)) };
     let path: Vec<_> = (0..STEPS).map(|theta| at(f64::from(theta))).collect();
     let marked: Vec<_> = theta_deg.iter().map(|&theta| at(theta)).collect();
     let title = format!("{name}: colour of all reflected light over the angle of incidence, φ = {phi_deg}°");

@@ -32,7 +32,11 @@ pub(super) fn flat_normals(mesh_scene: &MeshScene<'_>) -> Vec<DVec3> {
     for ([a, b, c], _, _) in mesh_scene.triangles() {
         let twice = (b - a).cross(c - a);
         let normal = twice.normalize_or_zero();
-        let upwards = if normal.z < -0.5 / STEPS || (normal.z < 0.5 / STEPS && normal.x + normal.y < 0.0) { -normal } else { normal };
+        let upwards = if normal.z < -0.5 / STEPS || (normal.z < 0.5 / STEPS && normal.x + normal.y < 0.0) {
+            -normal
+        } else {
+            normal
+        };
         area.entry(key(upwards.to_array())).or_insert((upwards, 0.0)).1 += 0.5 * twice.length();
     }
     let [width, depth] = mesh_scene.period_nm();

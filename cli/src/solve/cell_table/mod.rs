@@ -1,14 +1,22 @@
-//! Tables of cells of tilted facets: every incident direction is traced, and its light counted in bins.
+//! Tables of cells of tilted facets: every incident direction is traced, and its light counted by half vectors, and in
+//! lobes of flat facets.
 
 mod request;
 mod record;
 mod sums;
+mod flat;
+mod warp;
+mod starts;
+mod node_areas;
 mod worker;
+mod lobes;
 mod reciprocal;
 
 use std::sync::OnceLock;
 
+use goniochrome::measure::bins::DirectionBins;
 use goniochrome::simd::lanes::Lanes;
+use goniochrome::table::{HalfVectorWarp, ScatterLayout};
 
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::groups::Groups;
@@ -16,14 +24,18 @@ use crate::solve::mesh_scene::MeshScene;
 use crate::solve::precision::in_lanes;
 use crate::solve::scatter::{BinLight, Workspace};
 use crate::solve::wave_limits::slots_without_fallback;
-use crate::support::error::Result;
+use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::support::parallel;
 use crate::table::metadata::Metadata;
-use crate::table::scatter::{Energy, ScatterTable, check_scatter_size};
+use crate::table::scatter::{Energy, ScatterTable, check_scatter_size, warp_pairs};
+use flat::{flat_normals, indices_under_planes, possible_lobes};
+use lobes::lobes_with_light;
 use record::DirectionRecord;
-use worker::{TableSum, TableWorker, table_sum};
+use warp::densities;
+use worker::{Places, TableSum, TableWorker, table_sum};
 
+pub(crate) use node_areas::NodeAreas;
 pub use reciprocal::reciprocal;
 pub use request::TableRequest;
 pub use worker::MAX_RAYS;
@@ -31,9 +43,9 @@ pub use worker::MAX_RAYS;
 /// Traces the table of a cell, without metadata. `progress` is called after each incident direction. Directions that
 /// the checkpoint holds are taken from it, the others are added to it.
 ///
-/// The rays of every direction are divided into 32 independently scrambled batches, whose spread gives the standard
-/// error. With one incident azimuth (an isotropic table) the batches come from as many azimuths around the normal, and
-/// the error includes the spread between them; where starting rays interfere, each azimuth has 32 batches of its own.
+/// The rays of every direction start in strata of equal shares of the facets that they meet first; the differences
+/// between neighbouring strata give the standard error. With one incident azimuth (an isotropic table) they come from 32
+/// azimuths around the normal. Where starting rays interfere, batches of them give the error by the jackknife.
 ///
 /// # Errors
 /// Coherence `cell`, a table that is too large, more light left out than
@@ -46,12 +58,12 @@ pub fn estimate(
     checkpoint: Option<&Checkpoint>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<ScatterTable> {
-    check_scatter_size(&request.layout, wavelength_nm.len())?;
     let mut table = in_lanes!(request.tracing.precision, V => {
         traced::<V>(mesh_scene, wavelength_nm, request, checkpoint, progress)
     })?;
+    share_normal_incidence(&mut table);
     if request.reciprocal {
-        reciprocal(&mut table);
+        reciprocal(&mut table)?;
     }
     set_rgb(&mut table, request);
     Ok(table)
@@ -66,30 +78,46 @@ fn traced<V: Lanes>(
     progress: &(dyn Fn() + Sync),
 ) -> Result<ScatterTable> {
     let sum = table_sum(request.tracing.coherence)?;
+    let bare = ScatterLayout::new(request.incident, request.half_vectors, 0).map_err(Error::failed)?;
+    check_scatter_size(&bare, wavelength_nm.len())?;
     if let TableSum::Fields = sum {
-        BinLight::expect_room::<V>(&request.tracing.bins)?;
+        BinLight::<DirectionBins>::expect_room::<V>(&bins_like(&bare))?;
     }
     let mut buffer = mesh_scene.buffer();
     let cell = mesh_scene.cell(&mut buffer)?;
     let mut groups = Groups::<V>::new(mesh_scene.scene(), wavelength_nm);
     let groups = groups.evaluate(mesh_scene.scene(), cell.above(), wavelength_nm)?;
-    let layout = request.layout;
-    let (bins, pairs) = (layout.bins().count(), layout.count());
+    let isotropic = bare.is_isotropic();
+    let flat: Vec<_> = flat_normals(mesh_scene).into_iter().filter(|n| !isotropic || n.z > 1.0 - 1e-9).collect();
+    let warp = densities(mesh_scene, &flat, isotropic);
+    let [pairs_u, pairs_v] = warp_pairs(&warp)?;
+    let half_vectors = HalfVectorWarp::from_pairs(&pairs_u, &pairs_v).map_err(Error::failed)?;
+    let indices = indices_under_planes(mesh_scene, wavelength_nm[wavelength_nm.len() / 2])?;
+    let possible = possible_lobes(&flat, &indices);
+    let seed = request.tracing.seed;
+    let lobes = lobes_with_light(mesh_scene, cell, &groups, &bare, half_vectors, &possible, seed);
+    // There are at most 64 lobes.
+    let layout =
+        ScatterLayout::new(request.incident, request.half_vectors, lobes.len() as u32).map_err(Error::failed)?;
+    let (places, count) = (layout.places(), layout.count());
     let mut table = ScatterTable {
         layout,
+        warp,
+        lobes,
         wavelength_nm: wavelength_nm.to_vec(),
-        brdf: filled(0.0, pairs * wavelength_nm.len(), "the table")?,
-        rgb: filled([0.0; 3], pairs, "the table")?,
-        luminance_error: filled(0.0, pairs, "the table")?,
+        values: filled(0.0, count * wavelength_nm.len(), "the table")?,
+        rgb: filled([0.0; 3], count, "the table")?,
+        luminance_error: filled(0.0, count, "the table")?,
         energy: filled(Energy::default(), layout.incident_count(), "the table")?,
         metadata: Metadata::default(),
     };
-    let brdfs = table.brdf.chunks_mut(bins * wavelength_nm.len());
-    let rows = brdfs.zip(table.luminance_error.chunks_mut(bins)).zip(&mut table.energy);
-    let mut rows: Vec<_> = rows.map(|((brdf, error), energy)| Some(DirectionRecord { brdf, error, energy })).collect();
+    let spectra = table.values.chunks_mut(places * wavelength_nm.len());
+    let rows = spectra.zip(table.luminance_error.chunks_mut(places)).zip(&mut table.energy);
+    let mut rows: Vec<_> =
+        rows.map(|((values, error), energy)| Some(DirectionRecord { values, error, energy })).collect();
     if let Some(checkpoint) = checkpoint {
         checkpoint.restore(
-            DirectionRecord::bytes(bins, wavelength_nm.len()),
+            DirectionRecord::bytes(places, wavelength_nm.len()),
             layout.incident_count(),
             |incident, part| {
                 if let Some(mut direction) = rows[incident].take() {
@@ -102,21 +130,26 @@ fn traced<V: Lanes>(
     let failure = OnceLock::new();
     parallel::for_each(
         request.tracing.threads,
-        rows.into_iter().enumerate().filter_map(|(incident, row)| Some((incident, row?))),
+        // All columns of the first row are light along the normal, which is traced once.
+        rows.into_iter()
+            .enumerate()
+            .filter(|(incident, _)| !(1..layout.incident_sides()[1] as usize).contains(incident))
+            .filter_map(|(incident, row)| Some((incident, row?))),
         || TableWorker {
             cell,
             groups: &groups,
             request,
+            places: Places { layout, warp: half_vectors, lobes: &table.lobes },
             sum,
             slots: slots_without_fallback(mesh_scene),
             memory: Workspace::<V>::new(mesh_scene),
         },
-        |worker, (incident, row)| {
+        |worker, (incident, mut row)| {
             if failure.get().is_some() {
                 return; // the table is refused already
             }
-            let energy = worker.trace_direction(incident, row.brdf, row.error);
-            *row.energy = energy;
+            worker.trace_direction(incident, &mut row);
+            let energy = *row.energy;
             let totals = [energy.reflected.value, energy.transmitted, energy.absorbed, energy.truncated];
             let kept = request
                 .tracing
@@ -132,13 +165,30 @@ fn traced<V: Lanes>(
     failure.into_inner().map_or(Ok(table), Err)
 }
 
-/// Sets the RGB of f from its spectra.
+/// A grid of as many bins as a layout has nodes, to reckon memory with.
+fn bins_like(layout: &ScatterLayout) -> DirectionBins {
+    let [u, v] = layout.square_sides();
+    DirectionBins { cos: u, phi: v }
+}
+
+/// Copies what was traced along the normal to all columns of the first row.
+fn share_normal_incidence(table: &mut ScatterTable) {
+    let columns = table.layout.incident_sides()[1] as usize;
+    let (places, wavelengths) = (table.layout.places(), table.wavelength_nm.len());
+    for column in 1..columns {
+        table.values.copy_within(..places * wavelengths, column * places * wavelengths);
+        table.luminance_error.copy_within(..places, column * places);
+        table.energy[column] = table.energy[0];
+    }
+}
+
+/// Sets the RGB of the values from their spectra.
 fn set_rgb(table: &mut ScatterTable, request: &TableRequest<'_>) {
-    let bins = table.layout.bins().count();
+    let places = table.layout.places();
     let wavelengths = table.wavelength_nm.len();
-    for (rgb, brdf) in table.rgb.chunks_mut(bins).zip(table.brdf.chunks(bins * wavelengths)) {
-        for (bin, rgb) in rgb.iter_mut().enumerate() {
-            let spectrum = (0..wavelengths).map(|w| f64::from(brdf[w * bins + bin]));
+    for (rgb, values) in table.rgb.chunks_mut(places).zip(table.values.chunks(places * wavelengths)) {
+        for (place, rgb) in rgb.iter_mut().enumerate() {
+            let spectrum = (0..wavelengths).map(|w| f64::from(values[w * places + place]));
             *rgb = request.space.from_xyz(goniochrome::colour::xyz(request.weights, spectrum)).map(|c| c as f32);
         }
     }

@@ -8,18 +8,18 @@ const ENERGIES: usize = 8;
 
 /// The part of a table that belongs to one incident direction.
 pub(super) struct DirectionRecord<'t> {
-    pub brdf: &'t mut [f32],
+    pub values: &'t mut [f32],
     pub error: &'t mut [f32],
     pub energy: &'t mut Energy,
 }
 
 impl DirectionRecord<'_> {
     /// The number of bytes that [`DirectionRecord::write`] returns.
-    pub fn bytes(bins: usize, wavelengths: usize) -> usize {
-        bins * (wavelengths + 1) * size_of::<f32>() + ENERGIES * size_of::<f64>() + size_of::<u64>()
+    pub fn bytes(places: usize, wavelengths: usize) -> usize {
+        places * (wavelengths + 1) * size_of::<f32>() + ENERGIES * size_of::<f64>() + size_of::<u64>()
     }
 
-    /// The bytes for a checkpoint, little endian: energy, f, errors.
+    /// The bytes for a checkpoint, little endian: energy, values, errors.
     pub fn write(&self) -> Vec<u8> {
         let Energy { reflected, transmitted, absorbed, truncated, imbalance, without_interference, rays } =
             *self.energy;
@@ -33,10 +33,10 @@ impl DirectionRecord<'_> {
             imbalance.std_error,
             without_interference,
         ];
-        let mut bytes = Vec::with_capacity(Self::bytes(self.error.len(), self.brdf.len() / self.error.len()));
+        let mut bytes = Vec::with_capacity(Self::bytes(self.error.len(), self.values.len() / self.error.len()));
         bytes.extend(energy.map(f64::to_le_bytes).as_flattened());
         bytes.extend(rays.to_le_bytes());
-        bytes.extend(self.brdf.iter().chain(&*self.error).flat_map(|x| x.to_le_bytes()));
+        bytes.extend(self.values.iter().chain(&*self.error).flat_map(|x| x.to_le_bytes()));
         bytes
     }
 
@@ -55,7 +55,7 @@ impl DirectionRecord<'_> {
             rays: u64::from_le_bytes(words[ENERGIES]),
         };
         let (floats, _) = floats.as_chunks();
-        let numbers = self.brdf.iter_mut().chain(&mut *self.error);
+        let numbers = self.values.iter_mut().chain(&mut *self.error);
         numbers.zip(floats).for_each(|(number, bytes)| *number = f32::from_le_bytes(*bytes));
     }
 }

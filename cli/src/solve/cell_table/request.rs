@@ -1,19 +1,20 @@
 //! The request for the table of a cell, and the identity of its checkpoint.
 
 use goniochrome::colour::RgbSpace;
-use goniochrome::table::ScatterLayout;
 
 use crate::scene::Scene;
 use crate::solve::checkpoint::Identity;
-use crate::solve::scatter::ScatterRequest;
+use crate::solve::scatter::Tracing;
 
-/// A request for the table of a cell. The bins of `tracing` must be those of the layout.
+/// A request for the table of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct TableRequest<'r> {
-    /// The grid of directions.
-    pub layout: ScatterLayout,
+    /// Rows in θ_i and columns in φ_i of incident directions.
+    pub incident: [u32; 2],
+    /// Nodes of half vectors along x and along y.
+    pub half_vectors: [u32; 2],
     /// Rays of each incident direction, seed, coherence, precision and threads.
-    pub tracing: ScatterRequest,
+    pub tracing: Tracing,
     /// The standard error of the albedo below which an incident direction is finished: its rays double until then, up
     /// to [`MAX_RAYS`](crate::solve::cell_table::MAX_RAYS).
     pub target_error: Option<f64>,
@@ -21,7 +22,7 @@ pub struct TableRequest<'r> {
     pub weights: &'r [[f64; 3]],
     /// The space of RGB.
     pub space: RgbSpace,
-    /// Whether f(wi, wo) and f(wo, wi) are averaged: see [`reciprocal`](crate::solve::cell_table::reciprocal).
+    /// Whether s(wi, wo) and s(wo, wi) are averaged: see [`reciprocal`](crate::solve::cell_table::reciprocal).
     pub reciprocal: bool,
 }
 
@@ -30,9 +31,9 @@ impl TableRequest<'_> {
     /// is done to the finished table.
     #[must_use]
     pub fn identity(&self, scene: &Scene, wavelength_nm: &[f64]) -> Identity {
-        let Self { layout, tracing, target_error, weights, .. } = self;
-        let ScatterRequest { coherence, rays, seed, bins, precision, threads: _ } = tracing;
-        let options = (layout, coherence, rays, seed, bins, precision, target_error);
+        let Self { incident, half_vectors, tracing, target_error, weights, .. } = self;
+        let Tracing { coherence, rays, seed, precision, threads: _ } = tracing;
+        let options = (incident, half_vectors, coherence, rays, seed, precision, target_error);
         Identity::of_scene(scene).and("options", &options).and("wavelengths and illuminant", &(wavelength_nm, weights))
     }
 }

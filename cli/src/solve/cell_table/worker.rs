@@ -1,15 +1,19 @@
 //! The tracing of one incident direction of a table.
 
-use std::ops::Range;
+use std::f64::consts::TAU;
 
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::simd::lanes::Lanes;
+use goniochrome::table::{FacetLobe, HalfVectorGrid, HalfVectorWarp, LobeDirection, ScatterLayout};
 
-use crate::solve::batches::{BATCHES, rays_per_batch, sequence};
+use crate::solve::batches::{BATCHES, sequence};
+use crate::solve::cell_table::node_areas::{NodeAreas, level_columns};
+use crate::solve::cell_table::record::DirectionRecord;
 use crate::solve::cell_table::request::TableRequest;
-use crate::solve::cell_table::sums::{DirectionSums, IncidentBatch};
+use crate::solve::cell_table::starts::starts;
+use crate::solve::cell_table::sums::DirectionSums;
 use crate::solve::groups::Group;
-use crate::solve::scatter::{Adding, BinLight, Coherence, Paths, ScatterRequest, Tally, Workspace, trace_batch};
+use crate::solve::scatter::{Adding, BinLight, Coherence, Paths, RayLight, Tally, Tracing, Workspace, trace_rays};
 use crate::support::direction::direction;
 use crate::support::error::{Error, Result};
 use crate::table::scatter::Energy;
@@ -18,12 +22,15 @@ use crate::table::statistics::MeanWithError;
 /// The largest number of starting rays for one incident direction that a target error asks for.
 pub const MAX_RAYS: u32 = 1 << 22;
 
+/// Azimuths of the light over which an isotropic table is averaged.
+const AZIMUTHS: u32 = 32;
+
 /// The sums that a table can hold: those of [`Adding`] without diffraction orders.
 #[derive(Clone, Copy)]
 pub(super) enum TableSum {
     /// Starting rays add as powers.
     Powers(Paths),
-    /// Fields of all starting rays add in bins.
+    /// Fields of all starting rays add in boxes.
     Fields,
 }
 
@@ -40,11 +47,33 @@ pub(super) fn table_sum(coherence: Coherence) -> Result<TableSum> {
     }
 }
 
+/// The places in which a table counts its light.
+#[derive(Clone, Copy)]
+pub(super) struct Places<'w> {
+    pub layout: ScatterLayout,
+    pub warp: HalfVectorWarp<'w>,
+    pub lobes: &'w [FacetLobe],
+}
+
+impl Places<'_> {
+    /// The lobes above the horizon for light from `wi`, as [`HalfVectorGrid`] takes them.
+    pub fn lobe_directions(&self, wi: glam::DVec3) -> Vec<LobeDirection> {
+        let leaving = |(lobe, map): (usize, &FacetLobe)| {
+            let direction = map.direction(wi.as_vec3())?.as_dvec3().normalize();
+            Some(LobeDirection { direction, lobe })
+        };
+        let mut lobes: Vec<_> = self.lobes.iter().enumerate().filter_map(leaving).collect();
+        lobes.sort_by(|a, b| a.direction.x.total_cmp(&b.direction.x));
+        lobes
+    }
+}
+
 /// A thread that traces incident directions, with its memory for the tracer.
 pub(super) struct TableWorker<'w, V: Lanes> {
     pub cell: MeshCell<'w>,
     pub groups: &'w [Group<'w, V>],
     pub request: &'w TableRequest<'w>,
+    pub places: Places<'w>,
     pub sum: TableSum,
     /// Slots in which waves wait to merge, where starting rays interfere.
     pub slots: usize,
@@ -52,140 +81,137 @@ pub(super) struct TableWorker<'w, V: Lanes> {
 }
 
 impl<V: Lanes> TableWorker<'_, V> {
-    /// Traces one incident direction into its rows of the table.
-    pub fn trace_direction(&mut self, incident: usize, brdf: &mut [f32], error: &mut [f32]) -> Energy {
-        let request = self.request;
-        let (bins, wavelengths) = (error.len(), brdf.len() / error.len());
-        let mut sums = DirectionSums::new(wavelengths, bins);
+    /// Traces one incident direction into its record.
+    pub fn trace_direction(&mut self, incident: usize, record: &mut DirectionRecord<'_>) {
         // Each direction has scramblings of its own, so that the errors of neighbours are independent.
-        let seed = request.tracing.seed.wrapping_mul(0x9e37_79b9).wrapping_add(incident as u32);
-        let tracing = ScatterRequest { seed, threads: 1, ..request.tracing };
-        let (mut from, mut to) = (0, rays_per_batch(request.tracing.rays));
+        let seed = self.request.tracing.seed.wrapping_mul(0x9e37_79b9).wrapping_add(incident as u32);
+        match self.sum {
+            TableSum::Powers(paths) => self.add_powers(incident, seed, paths, record),
+            TableSum::Fields => self.add_fields(incident, seed, record),
+        }
+    }
+
+    /// Whether a standard error is small enough, or so many rays are the last that may be traced.
+    fn is_done(&self, std_error: f64, rays: u64) -> bool {
+        self.request.target_error.is_none_or(|target| std_error <= target) || rays > u64::from(MAX_RAYS / 2)
+    }
+
+    /// Azimuths from which the light of an incident direction comes: in an isotropic table all around the normal.
+    fn azimuths(&self, incident: usize) -> Vec<f64> {
+        if self.places.layout.is_isotropic() {
+            (0..AZIMUTHS).map(|i| TAU * (f64::from(i) + 0.5) / f64::from(AZIMUTHS)).collect()
+        } else {
+            vec![self.places.layout.incident(incident)[1]]
+        }
+    }
+
+    /// Traces starting rays that add as powers.
+    fn add_powers(&mut self, incident: usize, seed: u32, paths: Paths, record: &mut DirectionRecord<'_>) {
+        let (request, places) = (self.request, self.places);
+        let theta = places.layout.incident(incident)[0];
+        let azimuths = self.azimuths(incident);
+        let level = level_columns(&places.layout, incident);
+        let mut sums = DirectionSums::new(request.weights.len(), places.layout.places(), level);
+        let whole: f64 = request.weights.iter().map(|weight| weight[1]).sum();
+        let mut pass = 0;
+        let mut rays = request.tracing.rays;
         loop {
-            match self.sum {
-                TableSum::Powers(paths) => {
-                    for number in 0..BATCHES as usize {
-                        self.add_powers(&tracing, paths, incident, number, from..to, &mut sums);
+            let of_azimuth = (rays / azimuths.len() as u32).max(2).next_multiple_of(2);
+            for (place, &phi) in azimuths.iter().enumerate() {
+                let wi = direction(theta, phi);
+                let lobes = places.lobe_directions(wi);
+                let grid = HalfVectorGrid::new(places.layout, places.warp, wi, &lobes);
+                let sequence = sequence(seed, pass).wrapping_add((place as u32).wrapping_mul(0x85eb_ca77));
+                let starts = starts(&self.cell, &places.warp, wi, of_azimuth, sequence);
+                for (pair, points) in (0u32..).zip(starts.as_chunks::<2>().0) {
+                    let mut first = 0;
+                    for (media, wavelengths) in self.groups {
+                        let light = RayLight { cell: self.cell, media: *media, wi, paths, grid: &grid, sequence };
+                        let weights = &request.weights[first..first + wavelengths.len()];
+                        for (half, &point) in points.iter().enumerate() {
+                            let mut ray = sums.ray(half == 1, first, weights, places.layout.node_count());
+                            let start = std::iter::once((2 * pair + half as u32, point));
+                            let unseen = trace_rays(&light, start, &mut self.memory, &mut ray);
+                            let alone = unseen.without_interference > 0;
+                            ray.end(|lane| unseen.absorbed.lane(lane), |lane| unseen.truncated.lane(lane), alone);
+                        }
+                        first += wavelengths.len();
                     }
-                }
-                TableSum::Fields => {
-                    sums = DirectionSums::new(wavelengths, bins);
-                    to = self.add_fields(&tracing, incident, to, &mut sums);
+                    sums.end_pair();
                 }
             }
-            let reflected = MeanWithError::over(sums.batches.iter().map(|batch| batch.reflected / f64::from(to)));
-            let good = request.target_error.is_none_or(|target| reflected.std_error <= target);
-            if good || to > MAX_RAYS / BATCHES / 2 {
+            *record.energy = sums.energy(whole);
+            if self.is_done(record.energy.reflected.std_error, sums.rays()) {
                 break;
             }
-            (from, to) = (to, 2 * to);
+            (pass, rays) = (pass + 1, u32::try_from(sums.rays()).unwrap_or(MAX_RAYS));
         }
-        self.divide(&sums, to, brdf, error)
+        let per_ray = 1.0 / sums.rays() as f64;
+        let places = places.layout.places();
+        for (values, power) in record.values.chunks_mut(places).zip(sums.power.chunks(places)) {
+            values.iter_mut().zip(power).for_each(|(value, power)| *value = (power * per_ray) as f32);
+        }
+        for (place, error) in record.error.iter_mut().enumerate() {
+            *error = sums.error(place) as f32;
+        }
+        let node_areas = NodeAreas::new(&self.places.layout, &self.places.warp, incident);
+        record.values.chunks_mut(places).chain([&mut *record.error]).for_each(|powers| node_areas.divide(powers));
     }
 
-    /// Divides the sums over `to` starting rays of each batch into f, its errors and the energy.
-    fn divide(
-        &self,
-        DirectionSums { power, batches }: &DirectionSums,
-        to: u32,
-        brdf: &mut [f32],
-        error: &mut [f32],
-    ) -> Energy {
-        let (request, bins) = (self.request, error.len());
-        let per_ray = 1.0 / f64::from(to);
-        let solid_angle: Vec<f64> = (0..bins).map(|bin| request.layout.bins().projected_solid_angle(bin)).collect();
-        for (brdf, power) in brdf.chunks_mut(bins).zip(power.chunks(bins)) {
-            for ((f, power), solid_angle) in brdf.iter_mut().zip(power).zip(&solid_angle) {
-                // Where starting rays interfere, a bin without light holds noise of either sign.
-                *f = (power * per_ray / f64::from(BATCHES) / solid_angle).max(0.0) as f32;
-            }
-        }
-        for (bin, error) in error.iter_mut().enumerate() {
-            let spread = MeanWithError::over(batches.iter().map(|batch| batch.bins[bin] * per_ray));
-            *error = (spread.std_error / solid_angle[bin]) as f32;
-        }
-        let mean = |of: &dyn Fn(&Tally) -> f64| MeanWithError::over(batches.iter().map(|batch| of(batch) * per_ray));
-        let whole: f64 = request.weights.iter().map(|weight| weight[1]).sum::<f64>() * f64::from(to);
-        Energy {
-            reflected: mean(&|batch| batch.reflected),
-            transmitted: mean(&|batch| batch.transmitted).value,
-            absorbed: mean(&|batch| batch.absorbed).value,
-            truncated: mean(&|batch| batch.truncated).value,
-            imbalance: mean(&|b| whole - b.reflected - b.transmitted - b.absorbed - b.truncated),
-            without_interference: mean(&|batch| batch.without_interference).value,
-            rays: u64::from(to) * u64::from(BATCHES),
-        }
-    }
-
-    /// The batch `number` of an incident direction. In an isotropic table each batch comes from an azimuth of its own.
-    fn batch(&self, incident: usize, number: usize, rays: u32) -> IncidentBatch {
-        let layout = self.request.layout;
-        let columns = layout.bins().phi as usize;
-        let first = match layout.phi() {
-            1 => number * columns / BATCHES as usize,
-            _ => layout.first_bin(incident % layout.phi() as usize),
-        };
-        let theta = layout.incident(incident)[0];
-        let phi = std::f64::consts::TAU * (first as f64 + 0.5) / columns as f64;
-        let wi = direction(theta, phi);
-        IncidentBatch { number, first, wi, rays: f64::from(rays) }
-    }
-
-    /// Adds the powers of the starting rays `rays` of one batch.
-    fn add_powers(
-        &mut self,
-        tracing: &ScatterRequest,
-        paths: Paths,
-        incident: usize,
-        number: usize,
-        rays: Range<u32>,
-        sums: &mut DirectionSums,
-    ) {
-        let batch = self.batch(incident, number, rays.end - rays.start);
-        let bins = tracing.bins.count();
-        let mut wavelength = 0;
-        for (media, wavelengths) in self.groups {
-            let mut tallies = vec![Tally::new(bins); wavelengths.len()];
-            let (rays, memory) = (rays.clone(), &mut self.memory);
-            let sequence = sequence(tracing.seed, number as u32);
-            trace_batch(self.cell, *media, batch.wi, sequence, rays, paths, tracing.bins, memory, &mut tallies);
-            for tally in tallies {
-                sums.add(self.request, &batch, wavelength, &tally);
-                wavelength += 1;
-            }
-        }
-    }
-
-    /// Adds the fields of `rays` starting rays of each batch. Returns how many rays were traced: each azimuth of an
-    /// isotropic table needs one in each of its own batches.
-    fn add_fields(&self, tracing: &ScatterRequest, incident: usize, rays: u32, sums: &mut DirectionSums) -> u32 {
-        let Self { cell, slots, .. } = *self;
-        let grid = tracing.bins;
-        let isotropic = self.request.layout.phi() == 1;
-        let rays = if isotropic { rays.div_ceil(BATCHES) * BATCHES } else { rays };
-        let batches: Vec<IncidentBatch> =
-            (0..BATCHES as usize).map(|number| self.batch(incident, number, rays)).collect();
-        let mut place = 0;
-        for (media, wavelengths) in self.groups {
-            if isotropic {
-                for batch in &batches {
-                    let seed = sequence(tracing.seed, batch.number as u32);
-                    let request = ScatterRequest { seed, ..*tracing };
-                    let light = BinLight { grid, cell, slots, wi: batch.wi, rays: rays / BATCHES, request: &request };
+    /// Traces starting rays whose fields add.
+    fn add_fields(&self, incident: usize, seed: u32, record: &mut DirectionRecord<'_>) {
+        let Self { cell, slots, request, places, .. } = *self;
+        let count = places.layout.places();
+        let theta = places.layout.incident(incident)[0];
+        let azimuths = self.azimuths(incident);
+        let whole: f64 = request.weights.iter().map(|weight| weight[1]).sum();
+        let mut rays = request.tracing.rays;
+        loop {
+            let of_batch = (rays / azimuths.len() as u32 / BATCHES).max(1);
+            record.values.fill(0.0);
+            let mut batches = vec![Tally::new(count); BATCHES as usize];
+            let share = 1.0 / azimuths.len() as f64;
+            for (place, &phi) in azimuths.iter().enumerate() {
+                let wi = direction(theta, phi);
+                let lobes = places.lobe_directions(wi);
+                let grid = HalfVectorGrid::new(places.layout, places.warp, wi, &lobes);
+                let seed = sequence(seed, place as u32);
+                let tracing = Tracing { seed, threads: 1, ..request.tracing };
+                let light = BinLight { grid: &grid, cell, slots, wi, rays: of_batch, tracing };
+                let mut wavelength = 0;
+                for (media, wavelengths) in self.groups {
                     let found = light.tallies(*media, wavelengths.len(), &|| ());
                     for w in 0..wavelengths.len() {
-                        sums.add(self.request, batch, place + w, &Tally::mean(found.iter().map(|own| &own[w])));
+                        let weight = request.weights[wavelength][1] * share;
+                        let values = &mut record.values[wavelength * count..][..count];
+                        for (sum, own) in batches.iter_mut().zip(&found) {
+                            sum.add(&own[w], weight);
+                            let per_batch = share / f64::from(BATCHES);
+                            values.iter_mut().zip(&own[w].bins).for_each(|(v, p)| *v += (p * per_batch) as f32);
+                        }
+                        wavelength += 1;
                     }
                 }
-            } else {
-                let light = BinLight { grid, cell, slots, wi: batches[0].wi, rays, request: tracing };
-                let found = light.tallies(*media, wavelengths.len(), &|| ());
-                for (batch, own) in batches.iter().zip(&found) {
-                    own.iter().enumerate().for_each(|(w, tally)| sums.add(self.request, batch, place + w, tally));
-                }
             }
-            place += wavelengths.len();
+            let mean = |of: &dyn Fn(&Tally) -> f64| MeanWithError::over(batches.iter().map(of));
+            *record.energy = Energy {
+                reflected: mean(&|batch| batch.reflected),
+                transmitted: mean(&|batch| batch.transmitted).value,
+                absorbed: mean(&|batch| batch.absorbed).value,
+                truncated: mean(&|batch| batch.truncated).value,
+                imbalance: mean(&|b| whole - b.reflected - b.transmitted - b.absorbed - b.truncated),
+                without_interference: 0.0,
+                rays: u64::from(of_batch) * u64::from(BATCHES) * azimuths.len() as u64,
+            };
+            for (place, error) in record.error.iter_mut().enumerate() {
+                *error = mean(&|batch| batch.bins[place]).std_error as f32;
+            }
+            if self.is_done(record.energy.reflected.std_error, record.energy.rays) {
+                break;
+            }
+            rays = 2 * u32::try_from(record.energy.rays).unwrap_or(MAX_RAYS);
         }
-        rays
+        let node_areas = NodeAreas::new(&places.layout, &places.warp, incident);
+        record.values.chunks_mut(count).chain([&mut *record.error]).for_each(|powers| node_areas.divide(powers));
     }
 }

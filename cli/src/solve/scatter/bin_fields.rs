@@ -14,7 +14,7 @@ use goniochrome::trace::waves::{Slot, trace};
 use crate::solve::batches::{BATCHES, rays_per_batch, sequence};
 use crate::solve::groups::Group;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::scatter::request::ScatterRequest;
+use crate::solve::scatter::request::Tracing;
 use crate::solve::scatter::tally::Tally;
 use crate::solve::wave_limits::{WAVE_LIMITS, slots_without_fallback};
 use crate::support::error::Result;
@@ -34,7 +34,7 @@ pub(crate) struct BinLight<'c, G> {
     /// Starting rays of each batch.
     pub rays: u32,
     /// Seed and threads.
-    pub request: &'c ScatterRequest,
+    pub tracing: Tracing,
 }
 
 /// Sums over the starting rays of one batch.
@@ -46,15 +46,9 @@ struct BinSums<V: Lanes> {
 
 impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
     /// Light of the requested number of starting rays, at least one in each batch.
-    pub fn new(
-        mesh_scene: &MeshScene<'_>,
-        cell: MeshCell<'c>,
-        wi: DVec3,
-        grid: G,
-        request: &'c ScatterRequest,
-    ) -> Self {
-        let (slots, rays) = (slots_without_fallback(mesh_scene), rays_per_batch(request.rays));
-        Self { grid, cell, slots, wi, rays, request }
+    pub fn new(mesh_scene: &MeshScene<'_>, cell: MeshCell<'c>, wi: DVec3, grid: G, tracing: Tracing) -> Self {
+        let (slots, rays) = (slots_without_fallback(mesh_scene), rays_per_batch(tracing.rays));
+        Self { grid, cell, slots, wi, rays, tracing }
     }
 
     /// Refuses bins that memory does not hold.
@@ -91,7 +85,7 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
         let batch = |_| BinSums { fields: vec![nothing; fields], truncated: V::zero(), absorbed: V::zero() };
         let mut batches: Vec<BinSums<V>> = (0..BATCHES).map(batch).collect();
         parallel::for_each(
-            self.request.threads,
+            self.tracing.threads,
             batches.iter_mut().zip(0u32..),
             || vec![free_slot::<V>(); self.slots],
             |slots, (sums, batch)| {
@@ -139,7 +133,7 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
         let mut coherent = CoherentMesh::new(self.cell, media, incident);
         let mut sink = BinFields::new(fields, &self.grid, &media, incident.wavevector());
         for ray in 0..self.rays {
-            let [u, v] = sobol(ray, sequence(self.request.seed, batch));
+            let [u, v] = sobol(ray, sequence(self.tracing.seed, batch));
             match coherent.start(u, v) {
                 Some((state, field)) => {
                     sink.begin(state.point_nm());

@@ -22,8 +22,8 @@ use crate::support::memory::expect_list;
 pub(crate) use bin_fields::BinLight;
 pub use coherence::Coherence;
 pub(crate) use coherence::{Adding, Paths};
-pub(crate) use powers::{Workspace, trace_batch};
-pub use request::{ScatterRequest, Scattered};
+pub(crate) use powers::{RayLight, Workspace, trace_rays};
+pub use request::{ScatterRequest, Scattered, Tracing};
 pub(crate) use tally::Tally;
 
 /// Scatters light from the unit direction `wi` at each wavelength, by the requested coherence. `progress` is called
@@ -51,7 +51,7 @@ pub fn scatter(
         Adding::Fields => in_lanes!(request.precision, V => {
             summarised::<V>(mesh_scene, wavelength_nm, request, |cell, groups| {
                 BinLight::expect_room::<V>(&request.bins)?;
-                let light = BinLight::new(mesh_scene, cell, wi, request.bins, request);
+                let light = BinLight::new(mesh_scene, cell, wi, request.bins, request.tracing());
                 Ok(light.all_tallies(groups, progress))
             })
         }),

@@ -75,8 +75,9 @@ pub(super) fn powers<V: Lanes>(
         |workspace, (out, batch)| {
             for (group, wavelengths) in groups {
                 let mut tallies = vec![Tally::new(request.bins.count()); wavelengths.len()];
-                let (rays, sequence) = (0..rays_per_batch(request.rays), sequence(request.seed, batch));
-                trace_batch(cell, *group, wi, sequence, rays, paths, request.bins, workspace, &mut tallies);
+                let (media, grid, sequence) = (*group, request.bins, sequence(request.seed, batch));
+                let light = RayLight { cell, media, wi, paths, grid, sequence };
+                trace_batch(&light, 0..rays_per_batch(request.rays), workspace, &mut tallies);
                 out.extend(tallies);
             }
             progress();
@@ -103,28 +104,69 @@ impl Histogram for Tallies<'_> {
 
 /// Traces the starting rays `rays` of a batch's Sobol `sequence`, and writes their means into `tallies`, which must be
 /// new.
-#[allow(clippy::too_many_arguments, reason = "a hot path's inputs, which no type would hold together")]
-pub(crate) fn trace_batch<V: Lanes>(
-    cell: MeshCell<'_>,
-    media: MediaLanes<'_, V>,
-    wi: DVec3,
-    sequence: u32,
+fn trace_batch<V: Lanes>(
+    light: &RayLight<'_, V, impl DirectionGrid + Copy>,
     rays: Range<u32>,
-    adding: Paths,
-    grid: impl DirectionGrid,
-    Workspace { waves, paths, exits }: &mut Workspace<V>,
+    workspace: &mut Workspace<V>,
     tallies: &mut [Tally],
 ) {
+    let per_ray = 1.0 / rays.len() as f64;
+    let starts = rays.map(|ray| (ray, sobol(ray, light.sequence)));
+    let Unseen { truncated, absorbed, without_interference } =
+        trace_rays(light, starts, workspace, &mut Tallies(tallies));
+    for (lane, tally) in tallies.iter_mut().enumerate() {
+        tally.truncated = truncated.lane(lane);
+        tally.without_interference = f64::from(without_interference) * per_ray;
+        tally.absorbed = absorbed.lane(lane);
+        for sum in [&mut tally.reflected, &mut tally.transmitted, &mut tally.absorbed, &mut tally.truncated]
+            .into_iter()
+            .chain(&mut tally.bins)
+        {
+            *sum *= per_ray;
+        }
+    }
+}
+
+/// Light of one group of wavelengths from one direction, whose starting rays add as powers.
+#[derive(Clone, Copy)]
+pub(crate) struct RayLight<'c, V: Lanes, G> {
+    pub cell: MeshCell<'c>,
+    pub media: MediaLanes<'c, V>,
+    /// Unit vector towards the light.
+    pub wi: DVec3,
+    /// Whether the paths of a starting ray interfere.
+    pub paths: Paths,
+    /// Cells in which exits count.
+    pub grid: G,
+    /// Seed of the random choices of each starting ray.
+    pub sequence: u32,
+}
+
+/// What a histogram does not see of starting rays, in sum.
+pub(crate) struct Unseen<V> {
+    pub truncated: V,
+    pub absorbed: V,
+    /// Number of starting rays that were traced without interference, since their interference series diverges.
+    pub without_interference: u32,
+}
+
+/// Traces starting rays, each with its number and its point (u, v) of the period, in [0, 1)²; passes the powers with
+/// which they leave to `histogram`.
+pub(crate) fn trace_rays<V: Lanes>(
+    light: &RayLight<'_, V, impl DirectionGrid + Copy>,
+    starts: impl Iterator<Item = (u32, [f64; 2])>,
+    Workspace { waves, paths, exits }: &mut Workspace<V>,
+    histogram: &mut impl Histogram,
+) -> Unseen<V> {
+    let RayLight { cell, media, wi, paths: adding, grid, sequence } = *light;
     let eta = media.eta()[usize::from(cell.above())];
     let incident = IncidentWave::new(wi, eta);
     let (mut coherent, mut incoherent) =
         (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
     let mut exits = ExitBuffer::new(exits, grid, &media);
-    let per_ray = 1.0 / rays.len() as f64;
     let mut truncated = V::zero();
     let mut without_interference = 0;
-    for ray in rays {
-        let [u, v] = sobol(ray, sequence);
+    for (ray, [u, v]) in starts {
         let Some((path, light)) = incoherent.start(u, v) else {
             truncated += V::one(); // a hole from top to bottom
             continue;
@@ -148,20 +190,10 @@ pub(crate) fn trace_batch<V: Lanes>(
         }
         let done = interfering
             .unwrap_or_else(|| follow_paths(&mut incoherent, path, light, paths, PATH_LIMITS, &mut random, &mut exits));
-        truncated += done.truncated + exits.flush(&mut Tallies(tallies));
+        truncated += done.truncated + exits.flush(histogram);
     }
     truncated += coherent.lost() + incoherent.lost();
     let Polarised { s, p } = coherent.absorbed();
     let absorbed = (s + p) * V::splat(0.5) + incoherent.absorbed();
-    for (lane, tally) in tallies.iter_mut().enumerate() {
-        tally.truncated = truncated.lane(lane);
-        tally.without_interference = f64::from(without_interference) * per_ray;
-        tally.absorbed = absorbed.lane(lane);
-        for sum in [&mut tally.reflected, &mut tally.transmitted, &mut tally.absorbed, &mut tally.truncated]
-            .into_iter()
-            .chain(&mut tally.bins)
-        {
-            *sum *= per_ray;
-        }
-    }
+    Unseen { truncated, absorbed, without_interference }
 }

@@ -6,6 +6,21 @@ use crate::solve::precision::Precision;
 use crate::solve::scatter::coherence::Coherence;
 use crate::table::statistics::MeanWithError;
 
+/// How the starting rays of a cell are traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Tracing {
+    /// Which exits interfere.
+    pub coherence: Coherence,
+    /// Starting rays over the period, of each direction of the light.
+    pub rays: u32,
+    /// Seed of the scrambled Sobol sequence.
+    pub seed: u32,
+    /// Single or double precision.
+    pub precision: Precision,
+    /// Worker threads; the result does not depend on it.
+    pub threads: usize,
+}
+
 /// A request for the scattering of light from one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct ScatterRequest {
@@ -21,6 +36,15 @@ pub struct ScatterRequest {
     pub precision: Precision,
     /// Worker threads; the result does not depend on it.
     pub threads: usize,
+}
+
+impl ScatterRequest {
+    /// How the starting rays are traced, without the bins.
+    #[must_use]
+    pub fn tracing(&self) -> Tracing {
+        let Self { coherence, rays, seed, precision, threads, bins: _ } = *self;
+        Tracing { coherence, rays, seed, precision, threads }
+    }
 }
 
 /// The light scattered from one direction at one wavelength, as fractions of the incident power, unpolarised.

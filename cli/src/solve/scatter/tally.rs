@@ -20,15 +20,10 @@ impl Tally {
         Self { bins: vec![0.0; bins], ..Self::default() }
     }
 
-    /// The mean of tallies with equally many bins.
-    pub(crate) fn mean<'t>(tallies: impl ExactSizeIterator<Item = &'t Self>) -> Self {
-        let share = 1.0 / tallies.len() as f64;
-        tallies.fold(Self::default(), |mut mean, tally| {
-            mean.bins.resize(tally.bins.len(), 0.0);
-            let mut tally = tally.clone();
-            mean.numbers().zip(tally.numbers()).for_each(|(sum, part)| *sum += share * *part);
-            mean
-        })
+    /// Adds the numbers of a tally with equally many bins, times `weight`.
+    pub(crate) fn add(&mut self, other: &Self, weight: f64) {
+        let mut other = other.clone();
+        self.numbers().zip(other.numbers()).for_each(|(sum, part)| *sum += weight * *part);
     }
 
     /// All numbers of the tally, bins last.

@@ -8,21 +8,24 @@
 
 use glam::DVec3;
 use goniochrome::colour::{RgbSpace, xyz};
-use goniochrome::table::{Periodicity, ScatterLayout};
+use goniochrome::measure::bins::DirectionGrid;
+use goniochrome::table::{HalfVectorGrid, HalfVectorWarp, Periodicity, ScatterLayout};
+
+use crate::solve::cell_table::NodeAreas;
 
 use crate::support::direction::direction;
-use crate::support::error::Result;
+use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::metadata::Metadata;
 use crate::table::orders::OrderTable;
-use crate::table::scatter::{Energy, ScatterTable, check_scatter_size};
+use crate::table::scatter::{Energy, ScatterTable, check_scatter_size, warp_pairs};
 use crate::table::statistics::MeanWithError;
 
 /// Points of a tent along each axis. They are its quantiles, so that each has the same power.
 const POINTS: usize = 64;
 
 /// The table of scattered light of a cell with these orders, with `weights` of XYZ for each wavelength, without
-/// metadata. The error of a bin is the error bar of the orders that reach it.
+/// metadata. The error of a node is the error bar of the orders that reach it.
 ///
 /// # Errors
 /// A table that is too large for memory.
@@ -36,28 +39,33 @@ pub fn scattered(
     check_scatter_size(&layout, wavelengths)?;
     let arrays = orders.arrays(weights.iter().map(|&xyz| space.from_xyz(xyz)));
     let lookup = arrays.table()?;
-    let (bins, pairs) = (layout.bins().count(), layout.count());
+    let (places, count) = (layout.places(), layout.count());
+    let warp = densities(orders);
+    let [pairs_u, pairs_v] = warp_pairs(&warp)?;
+    let half_vectors = HalfVectorWarp::from_pairs(&pairs_u, &pairs_v).map_err(Error::failed)?;
     let mut table = ScatterTable {
         layout,
+        warp,
+        lobes: Vec::new(),
         wavelength_nm: orders.wavelength_nm.clone(),
-        brdf: filled(0.0, pairs * wavelengths, "the table")?,
-        rgb: filled([0.0; 3], pairs, "the table")?,
-        luminance_error: filled(0.0, pairs, "the table")?,
+        values: filled(0.0, count * wavelengths, "the table")?,
+        rgb: filled([0.0; 3], count, "the table")?,
+        luminance_error: filled(0.0, count, "the table")?,
         energy: filled(Energy::default(), layout.incident_count(), "the table")?,
         metadata: Metadata::default(),
     };
-    let solid_angle: Vec<f64> = (0..bins).map(|bin| layout.bins().projected_solid_angle(bin)).collect();
     for incident in 0..layout.incident_count() {
         let [theta, phi] = layout.incident(incident);
         let wi = direction(theta, phi);
         let Some(view) = lookup.view(wi.as_vec3()) else { continue };
+        let grid = HalfVectorGrid::new(layout, half_vectors, wi, &[]);
         let error_of = |wavelength: usize| {
             let nodes = orders.layout.interpolation(wi.as_vec3());
             let error = |node: usize| f64::from(orders.error[wavelength * orders.layout.count() + node]);
             nodes.iter().map(|node| error(node.index)).fold(0.0, f64::max)
         };
-        let mut luminance_error = vec![0.0; bins];
-        let mut spectra = vec![0.0f64; bins * wavelengths];
+        let values = &mut table.values[incident * places * wavelengths..][..places * wavelengths];
+        let luminance_error = &mut table.luminance_error[incident * places..][..places];
         let (mut reflected, mut reflected_error) = (0.0, 0.0);
         for (wavelength, &nm) in orders.wavelength_nm.iter().enumerate() {
             let spread = Spread::new(orders, wavelength, nm);
@@ -70,20 +78,17 @@ pub fn scattered(
                 reflected += weights[wavelength][1] * power;
                 reflected_error += weights[wavelength][1].abs() * error;
                 for wo in &per_point {
-                    let bin = relative_bin(&layout, incident, *wo);
-                    spectra[wavelength * bins + bin] += power * share;
-                    luminance_error[bin] += weights[wavelength][1].abs() * error * share;
+                    let place = grid.index(*wo);
+                    values[wavelength * places + place] += (power * share) as f32;
+                    luminance_error[place] += (weights[wavelength][1].abs() * error * share) as f32;
                 }
             }
         }
-        for (bin, solid_angle) in solid_angle.iter().enumerate() {
-            let of_bin = |wavelength: usize| spectra[wavelength * bins + bin] / solid_angle;
-            for wavelength in 0..wavelengths {
-                table.brdf[(incident * wavelengths + wavelength) * bins + bin] = of_bin(wavelength) as f32;
-            }
-            let rgb = space.from_xyz(xyz(weights, (0..wavelengths).map(of_bin)));
-            table.rgb[incident * bins + bin] = rgb.map(|c| c as f32);
-            table.luminance_error[incident * bins + bin] = (luminance_error[bin] / solid_angle) as f32;
+        let areas = NodeAreas::new(&layout, &half_vectors, incident);
+        values.chunks_mut(places).chain([luminance_error]).for_each(|powers| areas.divide(powers));
+        for place in 0..places {
+            let spectrum = (0..wavelengths).map(|w| f64::from(values[w * places + place]));
+            table.rgb[incident * places + place] = space.from_xyz(xyz(weights, spectrum)).map(|c| c as f32);
         }
         // What is not reflected is absorbed or transmitted: together the rest.
         table.energy[incident] = Energy {
@@ -95,13 +100,22 @@ pub fn scattered(
     Ok(table)
 }
 
-/// Bin of a direction, numbered relative to the incident azimuth as in a table.
-fn relative_bin(layout: &ScatterLayout, incident: usize, wo: DVec3) -> usize {
-    let bins = layout.bins();
-    let columns = bins.phi as usize;
-    let bin = bins.index(wo);
-    let first = layout.first_bin(incident % layout.phi().max(1) as usize);
-    bin / columns * columns + (bin % columns + columns - first) % columns
+/// Intervals of the densities of the warp.
+const INTERVALS: usize = 32;
+/// Density of half vectors along lines' grating vector over that elsewhere.
+const ALONG: f32 = 8.0;
+
+/// Densities of the warp: even over u; over v close to the azimuths of the grating vector of lines, where the half
+/// vectors of all orders lie.
+fn densities(orders: &OrderTable) -> [Vec<f32>; 2] {
+    let quarter = INTERVALS / 4;
+    let first = match orders.layout.periodicity() {
+        Periodicity::X => 0,
+        Periodicity::Y => quarter,
+        Periodicity::Both => return [vec![1.0; 2], vec![1.0; 2]],
+    };
+    let along = |knot: usize| (knot + 2 * quarter - first) % (2 * quarter) == 0;
+    [vec![1.0; 2], (0..=INTERVALS).map(|knot| if along(knot) { ALONG } else { 1.0 }).collect()]
 }
 
 /// Spread of the orders of one wavelength.

@@ -148,9 +148,7 @@ pub fn encode(table: &ScatterTable, threads: usize) -> Result<Vec<u8>> {
         ("B".to_owned(), of_value(|table, value| table.rgb[value][2])),
     ];
     for (w, name) in names.into_iter().enumerate() {
-        let at = move |pixel| {
-            value_of(layout, pixel).map_or(0.0, |value| table.row(value / places, w)[value % places])
-        };
+        let at = move |pixel| value_of(layout, pixel).map_or(0.0, |value| table.row(value / places, w)[value % places]);
         channels.push((name, LazyChannel::new(at)));
     }
 
@@ -250,8 +248,16 @@ pub(super) fn decode(mut file: Opened<'_>) -> Result<ScatterTable> {
                 without_interference,
                 rays: _,
             } = energy;
-            *[reflected, std_error, transmitted, absorbed, truncated, imbalance, imbalance_error, without_interference]
-                [quantity] = value;
+            *[
+                reflected,
+                std_error,
+                transmitted,
+                absorbed,
+                truncated,
+                imbalance,
+                imbalance_error,
+                without_interference,
+            ][quantity] = value;
         }
     }
     let rays: Vec<u64> = file.take_numbers(RAYS)?;
