@@ -10,6 +10,7 @@ mod order_bins;
 
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
+use goniochrome::measure::bins::DirectionGrid;
 use goniochrome::simd::lanes::Lanes;
 
 use crate::solve::batches::BATCHES;
@@ -33,23 +34,23 @@ pub(crate) use tally::Tally;
 /// A mesh that the core refuses, a medium without data at a wavelength, an ambient medium that absorbs too much, more
 /// memory than there is, waves that do not converge, more light left out than
 /// [`MAX_TRUNCATED`](crate::solve::truncation::MAX_TRUNCATED).
-pub fn scatter(
+pub fn scatter<G: DirectionGrid + Copy + Sync>(
     mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
-    request: &ScatterRequest,
+    request: &ScatterRequest<G>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>> {
     let tallies = [BATCHES as usize, wavelength_nm.len(), request.bins.count()];
     expect_list::<f64>(&tallies, "all --bins at all --wavelengths")?;
     match request.coherence.adding() {
         Adding::Powers(paths) => in_lanes!(request.precision, V => {
-            summarised::<V>(mesh_scene, wavelength_nm, request, |cell, groups| {
+            summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
                 Ok(powers::powers(mesh_scene, cell, groups, wi, paths, request, progress))
             })
         }),
         Adding::Fields => in_lanes!(request.precision, V => {
-            summarised::<V>(mesh_scene, wavelength_nm, request, |cell, groups| {
+            summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
                 BinLight::expect_room::<V>(&request.bins)?;
                 let light = BinLight::new(mesh_scene, cell, wi, request.bins, request.tracing());
                 Ok(light.all_tallies(groups, progress))
@@ -61,7 +62,7 @@ pub fn scatter(
 
 /// Number of calls of `progress` by [`scatter`].
 #[must_use]
-pub fn steps(wavelengths: usize, request: &ScatterRequest) -> usize {
+pub fn steps<G>(wavelengths: usize, request: &ScatterRequest<G>) -> usize {
     BATCHES as usize
         * match request.coherence.adding() {
             Adding::Powers(_) => 1,
@@ -70,10 +71,10 @@ pub fn steps(wavelengths: usize, request: &ScatterRequest) -> usize {
 }
 
 /// Means and standard errors over the tallies that `work` makes of a cell: for each batch, one for each wavelength.
-fn summarised<V: Lanes>(
+fn summarised<V: Lanes, G>(
     mesh_scene: &MeshScene<'_>,
     wavelength_nm: &[f64],
-    request: &ScatterRequest,
+    request: &ScatterRequest<G>,
     work: impl FnOnce(MeshCell<'_>, &[Group<'_, V>]) -> Result<Vec<Vec<Tally>>>,
 ) -> Result<Vec<Scattered>> {
     let mut buffer = mesh_scene.buffer();

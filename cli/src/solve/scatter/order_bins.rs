@@ -1,23 +1,24 @@
 //! Coherence `cell`: diffraction orders, each counted in the bin of its direction.
 
 use glam::DVec3;
+use goniochrome::measure::bins::DirectionGrid;
 
 use crate::solve::diffraction::{LeftOut, OrdersRequest, default_hits, orders};
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::scatter::request::{ScatterRequest, Scattered};
+use crate::solve::scatter::request::{ScatterRequest, Scattered, Tracing};
 use crate::support::error::Result;
 use crate::table::statistics::MeanWithError;
 
 /// Scatters light from `wi` into reflected orders, each in the bin of its direction. Transmitted orders are not
 /// computed: light that is not reflected remains as imbalance.
-pub(super) fn orders_in_bins(
+pub(super) fn orders_in_bins<G: DirectionGrid>(
     mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
-    request: &ScatterRequest,
+    request: &ScatterRequest<G>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>> {
-    let &ScatterRequest { rays, seed, precision, threads, .. } = request;
+    let Tracing { rays, seed, precision, threads, .. } = request.tracing();
     let hits = default_hits(mesh_scene);
     let orders_request = OrdersRequest { rays, seed, max_order: None, hits, precision, threads };
     let found = orders(mesh_scene, wi, wavelength_nm, &orders_request, progress)?;

@@ -58,13 +58,13 @@ const _: () = assert!(MAX_WAITING * size_of::<Slot<Path<F64>, Coherency<F64>>>()
 const PATH_LIMITS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
 
 /// The tallies of each batch of starting rays, which add as powers: one for each wavelength.
-pub(super) fn powers<V: Lanes>(
+pub(super) fn powers<V: Lanes, G: DirectionGrid + Copy + Sync>(
     mesh_scene: &MeshScene<'_>,
     cell: MeshCell<'_>,
     groups: &[Group<'_, V>],
     wi: DVec3,
     paths: Paths,
-    request: &ScatterRequest,
+    request: &ScatterRequest<G>,
     progress: &(dyn Fn() + Sync),
 ) -> Vec<Vec<Tally>> {
     let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];

@@ -23,26 +23,26 @@ pub struct Tracing {
 
 /// A request for the scattering of light from one direction.
 #[derive(Clone, Copy, Debug)]
-pub struct ScatterRequest {
+pub struct ScatterRequest<G = DirectionBins> {
     /// Which exits interfere.
     pub coherence: Coherence,
     /// Starting rays over the period.
     pub rays: u32,
     /// Seed of the scrambled Sobol sequence.
     pub seed: u32,
-    /// Bins of directions in which exits are counted.
-    pub bins: DirectionBins,
+    /// Bins of directions in which exits are counted: even ones, or any other grid.
+    pub bins: G,
     /// Single or double precision.
     pub precision: Precision,
     /// Worker threads; the result does not depend on it.
     pub threads: usize,
 }
 
-impl ScatterRequest {
+impl<G> ScatterRequest<G> {
     /// How the starting rays are traced, without the bins.
     #[must_use]
     pub fn tracing(&self) -> Tracing {
-        let Self { coherence, rays, seed, precision, threads, bins: _ } = *self;
+        let &Self { coherence, rays, seed, precision, threads, bins: _ } = self;
         Tracing { coherence, rays, seed, precision, threads }
     }
 }
