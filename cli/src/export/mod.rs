@@ -3,6 +3,7 @@
 pub mod ggx;
 mod order_lobes;
 mod reflection;
+mod deltas;
 mod half_exr;
 mod shader;
 pub mod lut;
@@ -13,6 +14,7 @@ pub mod merl;
 pub mod bsdf;
 pub mod gltf;
 
+pub use deltas::{Delta, Deltas, RGB};
 pub use order_lobes::{LobesAt, OrderLobes};
 pub use reflection::{Evaluator, LobeWidth, Reflection, ReflectionKind};
 pub use shader::ShaderLanguage;

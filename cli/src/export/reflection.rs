@@ -103,6 +103,15 @@ impl Reflection {
         Ok(Self { channels, wavelength_nm, values, kind })
     }
 
+    /// Bound of the standard error of the luminance of f, as a BRDF of one channel; `None` for tables without one. It
+    /// interpolates the errors of the table's values as if these were wrong together.
+    #[must_use]
+    pub fn luminance_error(table: &Table) -> Option<Self> {
+        let Table::Scatter(table) = table else { return None };
+        let kind = ReflectionKind::Scatter(table.layout);
+        Some(Self { channels: 1, wavelength_nm: Vec::new(), values: table.luminance_error.clone(), kind })
+    }
+
     /// The form of the BRDF.
     #[must_use]
     pub fn kind(&self) -> &ReflectionKind {
@@ -122,20 +131,21 @@ impl Reflection {
         Evaluator { reflection: self, lookup, values: vec![0.0; self.channels], lobes: LobesAt::default() }
     }
 
-    /// ρ(θ) in each channel, linear between the table's angles and constant beyond them.
-    fn interpolate(&self, theta: &[f64], at: f64, out: &mut [f64]) {
-        let (below, above, weight) = neighbours(theta, at);
-        for (c, out) in out.iter_mut().enumerate() {
-            let at = |row: usize| f64::from(self.values[row * self.channels + c]);
-            *out = at(below) + weight * (at(above) - at(below));
-        }
-    }
-
     /// ρ of a mirror-like table in each channel, at the angle to the half vector.
     pub(super) fn reflectance(&self, cos_d: f64, out: &mut [f64]) {
         if let ReflectionKind::Lobe { theta, .. } = &self.kind {
-            self.interpolate(theta, cos_d.clamp(0.0, 1.0).acos(), out);
+            between_angles(theta, &self.values, cos_d.clamp(0.0, 1.0).acos(), out);
         }
+    }
+}
+
+/// ρ(θ) in each channel, linear between a mirror-like table's angles and constant beyond them; `values[angle][channel]`.
+pub(super) fn between_angles(theta: &[f64], values: &[f32], at: f64, out: &mut [f64]) {
+    let (below, above, weight) = neighbours(theta, at);
+    let channels = out.len();
+    for (c, out) in out.iter_mut().enumerate() {
+        let at = |row: usize| f64::from(values[row * channels + c]);
+        *out = at(below) + weight * (at(above) - at(below));
     }
 }
 

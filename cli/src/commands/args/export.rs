@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::commands::args::values::{roughness, spread};
 use crate::export::lut::Vary;
 
 /// Arguments of `export`.
@@ -76,35 +77,9 @@ pub enum Origin {
     Bottom,
 }
 
-/// The smallest roughness: below it, single precision no longer holds the peak of the lobe.
-const MIN_ROUGHNESS: f64 = 1e-3;
-
-/// Ends of the range of `--spread`, in degrees: a narrower lobe falls between the samples of a file, a wider one is no
-/// longer that of an order.
-const SPREAD_DEG: [f64; 2] = [0.5, 30.0];
-
-/// Parses `--spread`.
-fn spread(text: &str) -> Result<f64, String> {
-    let [least, most] = SPREAD_DEG;
-    match text.parse::<f64>() {
-        Ok(degrees) if (least..=most).contains(&degrees) => Ok(degrees),
-        Ok(_) => Err(format!("must lie in [{least}, {most}] degrees")),
-        Err(error) => Err(error.to_string()),
-    }
-}
-
 /// Parses `--bands`.
 fn bands(text: &str) -> Result<u16, String> {
     let count = text.parse::<u16>().map_err(|error| error.to_string())?;
     let good = (4..=64).contains(&count) && count.is_multiple_of(4);
     if good { Ok(count) } else { Err("must be a multiple of 4, from 4 to 64".into()) }
-}
-
-/// Parses `--roughness`.
-fn roughness(text: &str) -> Result<f64, String> {
-    let alpha = text.parse::<f64>().map_err(|error| error.to_string())?;
-    if alpha > 0.0 && alpha < MIN_ROUGHNESS {
-        return Err(format!("must be at least {MIN_ROUGHNESS}: a smoother lobe is a mirror; export a lut"));
-    }
-    if alpha > 0.0 && alpha <= 1.0 { Ok(alpha) } else { Err("must lie in (0, 1]".into()) }
 }
