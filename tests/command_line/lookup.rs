@@ -14,7 +14,7 @@ const SINGLE: f64 = 10.0 * f32::EPSILON as f64;
 fn user() -> User {
     let user = User::new();
     user.ok("estimate paper-fig4 -o film.exr --angles 30 --wavelengths 400:700:50 --quiet");
-    user.ok("estimate bumpy-glass -o bumpy.exr --incident 3x4 --bins 4x8 --wavelengths 450,550,650 --rays 64 --quiet");
+    user.ok("estimate bumpy-glass -o bumpy.exr --incident 3x4 --half-vectors 4x8 --wavelengths 450,550,650 --rays 64 --quiet");
     user
 }
 

@@ -119,7 +119,7 @@ fn values(args: &LookupArgs, table: &Table, pairs: &[Pair], width: LobeWidth) ->
     let spectral = Reflection::new(table, width, false)?;
     // Only a table of invisible wavelengths has no colour.
     let rgb = Reflection::new(table, width, true).ok();
-    let error = Reflection::luminance_error(table);
+    let error = Reflection::luminance_error(table)?;
     let mut columns: Vec<String> = spectral.wavelength_nm.iter().map(f64::to_string).collect();
     if rgb.is_some() {
         columns.extend(RGB.map(str::to_owned));

@@ -105,11 +105,13 @@ impl Reflection {
 
     /// Bound of the standard error of the luminance of f, as a BRDF of one channel; `None` for tables without one. It
     /// interpolates the errors of the table's values as if these were wrong together.
-    #[must_use]
-    pub fn luminance_error(table: &Table) -> Option<Self> {
-        let Table::Scatter(table) = table else { return None };
-        let kind = ReflectionKind::Scatter(table.layout);
-        Some(Self { channels: 1, wavelength_nm: Vec::new(), values: table.luminance_error.clone(), kind })
+    ///
+    /// # Errors
+    /// A table that did not pass its check.
+    pub fn luminance_error(table: &Table) -> Result<Option<Self>> {
+        let Table::Scatter(table) = table else { return Ok(None) };
+        let kind = ReflectionKind::Scatter(table.lookup(table.luminance_error.clone(), 1)?);
+        Ok(Some(Self { channels: 1, wavelength_nm: Vec::new(), values: Vec::new(), kind }))
     }
 
     /// The form of the BRDF.
