@@ -116,9 +116,13 @@ fn digits(x: f64) -> String {
 
 /// Writes f of each pair.
 fn values(args: &LookupArgs, table: &Table, pairs: &[Pair], width: LobeWidth) -> Result<()> {
-    let spectral = Reflection::new(table, width, false)?;
+    let reflection = |rgb: bool| match table {
+        Table::Scatter(table) if width == LobeWidth::default() => Reflection::scatter(table, None, rgb),
+        _ => Reflection::new(table, width, rgb),
+    };
+    let spectral = reflection(false)?;
     // Only a table of invisible wavelengths has no colour.
-    let rgb = Reflection::new(table, width, true).ok();
+    let rgb = reflection(true).ok();
     let error = Reflection::luminance_error(table)?;
     let mut columns: Vec<String> = spectral.wavelength_nm.iter().map(f64::to_string).collect();
     if rgb.is_some() {

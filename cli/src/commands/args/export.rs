@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use crate::commands::args::values::{roughness, spread};
+use crate::export::bsdf::Gamut;
 use crate::export::lut::Vary;
 
 /// Arguments of `export`.
@@ -24,12 +25,16 @@ pub struct ExportArgs {
     /// merl and bsdf of mirror-like tables: the width of the lobe, α of the GGX distribution in (0, 1]
     #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
     pub roughness: Option<f64>,
-    /// bsdf of diffraction orders: the width of each order, the standard deviation of a Gaussian lobe in degrees
+    /// bsdf of diffraction orders, bsdf and merl of tables with exact lobes of flat facets: the width of each, the
+    /// standard deviation of a Gaussian lobe in degrees
     #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]
     pub spread: Option<f64>,
     /// bsdf: the table's linear RGB instead of its spectra, for RGB variants of Mitsuba
     #[arg(long)]
     pub rgb: bool,
+    /// bsdf with --rgb: what becomes of negative components, of colours out of gamut [default: clip]
+    #[arg(long, value_enum)]
+    pub gamut: Option<Gamut>,
     /// lut: texels over cos θ [default: 256]
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=4096))]
     pub width: Option<u16>,
@@ -59,7 +64,7 @@ pub enum ExportKind {
     OrderLut,
     /// The format of the MERL BRDF database (.binary)
     Merl,
-    /// The RGL tensor file of Mitsuba's `measured` (.bsdf); up to 64 MiB, for anisotropic tables 256 MiB
+    /// The RGL tensor file of Mitsuba's `measured` (.bsdf)
     Bsdf,
     /// A glTF 2.0 material: the best fit of `KHR_materials_iridescence` to a single film, and how far off it is (.gltf)
     Gltf,

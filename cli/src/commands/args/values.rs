@@ -9,6 +9,7 @@ use goniochrome::colour::{Illuminant, RgbSpace};
 use goniochrome::optics::interface::Model;
 
 use crate::colour::{SPACES, space_name};
+use crate::export::bsdf::Gamut;
 use crate::obj::Axes;
 use crate::render::tone::ToneMap;
 use crate::solve::precision::Precision;
@@ -123,6 +124,11 @@ value_enum! { Coherence:
     None => Coherence::None.name(), "Nothing interferes: all paths add as powers, as in geometric optics";
     Bin => Coherence::Bin.name(), "All paths that leave in one bin interfere, whatever their starting ray: the paper's section 2.2, literally";
     Cell => Coherence::Cell.name(), "All light interferes: the period is one field, which leaves in diffraction orders";
+}
+
+value_enum! { Gamut:
+    Clip => "clip", "Negative components become 0: no light is negative";
+    Keep => "keep", "They stay, so that sums over light keep their colour; Mitsuba warns of them";
 }
 
 value_enum! { Axes:
