@@ -142,9 +142,9 @@ impl<'a> HalfVectorWarp<'a> {
     }
 
     /// Pieces of u (`axis` 0) or v (1) that each lie within one of `intervals` even intervals of x or y, and between
-    /// two knots; none is longer than an eighth.
+    /// two knots; none is longer than 1/32.
     pub(super) fn pieces(&self, axis: usize, intervals: u32) -> impl Iterator<Item = Piece> {
-        const MIN_PIECES: usize = 8;
+        const MIN_PIECES: usize = 32;
         let axis = self.axes[axis.min(1)];
         let steps = axis.intervals * MIN_PIECES.div_ceil(axis.intervals);
         let end_of = move |interval: u32| {
