@@ -2,11 +2,10 @@
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
-use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{
-    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
-    TableError,
+    FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout,
+    ScatterSampler, ScatterTable, TableError,
 };
 
 /// Relative rounding of binary16.
@@ -14,12 +13,31 @@ const HALF_RELATIVE: f32 = 1.0 / 2048.0;
 /// Half of the smallest step of binary16.
 const HALF_ABSOLUTE: f32 = 1.0 / 33_554_432.0;
 
+/// Densities of the warp, of 3 and of 2 knots.
+const WARP: [&[f32]; 2] = [&[1.0, 2.0, 0.5], &[1.0, 1.0]];
+
+/// Grid of 3 × 2 incident directions and 3 × 4 nodes, with a lobe.
 fn layout() -> ScatterLayout {
-    ScatterLayout::new(3, 2, DirectionBins { cos: 3, phi: 4 }).unwrap()
+    ScatterLayout::new([3, 2], [3, 4], 1).unwrap()
 }
 
 fn scatter_values() -> Vec<f32> {
     (0..3 * layout().count()).map(|i| (i as f32 * 0.7).sin() * 10f32.powi(i as i32 % 7 - 4)).collect()
+}
+
+fn lobe() -> FacetLobe {
+    FacetLobe { index: 1.5, ..FacetLobe::reflection(Vec3::new(0.28, 0.0, 0.96)) }
+}
+
+fn with_scatter<T>(use_table: impl FnOnce(ScatterTable<'_>, ScatterSampler<'_>) -> T) -> T {
+    let values = scatter_values();
+    let mut pairs = [0.0; HalfVectorWarp::required_len([3, 2])];
+    let lobes = [lobe().to_numbers()];
+    let table =
+        ScatterTable::new(&values, layout(), HalfVectorWarp::new(WARP, &mut pairs).unwrap(), &lobes, 3).unwrap();
+    let mut memory = vec![0.0; ScatterSampler::required_len(&layout())];
+    let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
+    use_table(table, sampler)
 }
 
 fn mirror_values() -> Vec<f32> {
@@ -34,11 +52,7 @@ fn written(contents: Contents<'_>, precision: Precision) -> Vec<u8> {
 }
 
 fn scatter(precision: Precision) -> Vec<u8> {
-    let values = scatter_values();
-    let table = ScatterTable::new(&values, layout(), 3).unwrap();
-    let mut memory = vec![0.0; ScatterSampler::required_len(&layout())];
-    let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
-    written(Contents::Scatter(table, sampler), precision)
+    with_scatter(|table, sampler| written(Contents::Scatter(table, sampler), precision))
 }
 
 fn mirror(precision: Precision) -> Vec<u8> {
@@ -83,10 +97,6 @@ fn directions() -> impl Iterator<Item = Vec3> {
 
 #[test]
 fn single_precision_is_looked_up_bit_for_bit_wherever_it_lies() {
-    let values = scatter_values();
-    let table = ScatterTable::new(&values, layout(), 3).unwrap();
-    let mut memory = vec![0.0; ScatterSampler::required_len(&layout())];
-    let sampler = ScatterSampler::new(&table, &mut memory).unwrap();
     let bytes = scatter(Precision::Single);
     for shift in 0..4 {
         let mut moved = vec![0; shift];
@@ -94,12 +104,22 @@ fn single_precision_is_looked_up_bit_for_bit_wherever_it_lies() {
         let blob = Blob::read(&moved[shift..]).unwrap();
         assert_eq!(blob.space, Some(RgbSpace::Rec2020));
         let Contents::Scatter(read, reader) = blob.contents else { panic!("a scatter table") };
-        for (wi, wo) in directions().zip(directions().skip(3)) {
-            assert_eq!(read.rgb(wi, wo), table.rgb(wi, wo));
-            assert_eq!(reader.pdf(wi, wo), sampler.pdf(wi, wo));
-            let u = [(wi.x + 1.0) / 2.0, (wo.y + 1.0) / 2.0];
-            assert_eq!(reader.sample(wi, u), sampler.sample(wi, u));
-        }
+        with_scatter(|table, sampler| {
+            assert_eq!((read.layout(), read.channels(), read.lobe(0)), (table.layout(), 3, lobe()));
+            assert_eq!(read.warp().knots(), [3, 2]);
+            for (wi, wo) in directions().zip(directions().skip(3)) {
+                assert_eq!(read.rgb(wi, wo), table.rgb(wi, wo));
+                assert_eq!(reader.pdf(wi, wo), sampler.pdf(wi, wo));
+                let u = [(wi.x + 1.0) / 2.0, (wo.y + 1.0) / 2.0];
+                assert_eq!(reader.sample(wi, u), sampler.sample(wi, u));
+                let [mut got, mut want] = [[0.0; 4]; 2];
+                assert_eq!(read.reflected(wi, 0, &mut got), table.reflected(wi, 0, &mut want));
+                assert_eq!(got, want);
+                read.albedo(wi, &mut got);
+                table.albedo(wi, &mut want);
+                assert_eq!(got, want);
+            }
+        });
     }
     let bytes = mirror(Precision::Single);
     let Contents::Mirror(read) = Blob::read(&bytes).unwrap().contents else { panic!("a mirror table") };
@@ -157,8 +177,10 @@ fn half_precision_rounds_values_and_nothing_else() {
     let largest = scatter_values().iter().fold(0.0f32, |max, x| max.max(x.abs()));
     for (wi, wo) in directions().zip(directions().skip(3)) {
         assert_eq!(reader.pdf(wi, wo), sampler.pdf(wi, wo));
+        let cosines = wi.z.max(0.0174) * wo.z;
         for (got, want) in read.rgb(wi, wo).into_iter().zip(table.rgb(wi, wo)) {
-            assert!((got - want).abs() <= 1.01 * HALF_RELATIVE * largest + HALF_ABSOLUTE, "{got} for {want}");
+            let rounding = 1.01 * HALF_RELATIVE * largest + HALF_ABSOLUTE;
+            assert!((got - want).abs() * cosines <= rounding, "{got} for {want}");
         }
     }
     // 9 values of two bytes and their padding.
@@ -190,6 +212,27 @@ fn the_bytes_are_those_of_the_specification() {
 
 /// `zlib.crc32(blob[:60] + blob[64:])` of Python, for a blob packed there.
 const CRC_OF_PYTHON: u32 = 0x097d_2e52;
+
+#[test]
+fn the_bytes_of_scatter_tables_are_those_of_the_specification() {
+    let bytes = scatter(Precision::Half);
+    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<_>>();
+    let numbers = |numbers: &[f32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+    assert_eq!(bytes[8..44], words(&[1, 4, 2, 3, 3, 2, 3, 4, 1]));
+    assert_eq!(bytes[44..48], [3, 0, 2, 0]);
+    // 6 incident directions of 12 nodes and a lobe; 10 numbers of the warp, 10 of the lobe; 17 for each direction.
+    let from = 64 + 2 * 3 * 6 * 13;
+    assert_eq!(bytes.len(), from + 4 * (10 + 10 + 6 * 17));
+    // The mean of the densities over u is 1.375: trapezia of 1.5 and 1.25.
+    let [a, b, c] = [1.0, 2.0, 0.5].map(|d| (d / 1.375) as f32);
+    let warp = [a, 0.0, b, (1.5 / 2.75) as f32, c, 1.0, 1.0, 0.0, 1.0, 1.0];
+    assert_eq!(bytes[from..from + 40], numbers(&warp));
+    assert_eq!(bytes[from + 40..from + 80], numbers(&lobe().to_numbers()));
+    // s of the second node of the first direction, and the lobe's ρ there.
+    let single = scatter(Precision::Single);
+    assert_eq!(single[64 + 4 * 3..][..12], numbers(&scatter_values()[3..6]));
+    assert_eq!(single[64 + 4 * 3 * 12..][..12], numbers(&scatter_values()[36..39]));
+}
 
 #[test]
 fn the_bytes_of_orders_are_those_of_the_specification() {
@@ -279,8 +322,12 @@ fn absurd_headers_are_refused_or_harmless() {
                 match Blob::read(&resealed(damaged)).map(|blob| blob.contents) {
                     Ok(Contents::Mirror(table)) => assert!(table.rgb(0.3).iter().all(|x| x.is_finite())),
                     Ok(Contents::Scatter(table, sampler)) => {
-                        let (wo, pdf) = sampler.sample(Vec3::new(0.6, 0.0, 0.8), [0.3, 0.9]).unwrap();
-                        assert!(pdf >= 0.0 && table.rgb(Vec3::Z, wo).iter().all(|x| x.is_finite()));
+                        let (wi, mut albedo) = (Vec3::new(0.6, 0.0, 0.8), [0.0; 3]);
+                        assert!(sampler.sample(wi, [0.3, 0.9]).is_none_or(|(_, pdf)| pdf > 0.0));
+                        assert!(table.rgb(Vec3::Z, wi).iter().all(|x| x.is_finite()));
+                        table.albedo(wi, &mut albedo);
+                        assert!(albedo.iter().all(|x| x.is_finite()));
+                        (0..=table.layout().lobes()).for_each(|lobe| drop(table.reflected(wi, lobe, &mut albedo)));
                     }
                     Ok(Contents::Orders(table)) => {
                         let view = table.view(Vec3::new(0.6, 0.0, 0.8)).unwrap();
@@ -299,10 +346,15 @@ fn absurd_headers_are_refused_or_harmless() {
     };
     assert_eq!(set(0, 7), BlobError::Magic);
     assert_eq!(set(8, 2), BlobError::Version { found: 2 });
-    assert_eq!(set(12, 4), BlobError::Field { offset: 12 });
+    assert_eq!(set(12, 2), BlobError::Retired);
+    assert_eq!(set(12, 0), BlobError::Field { offset: 12 });
+    assert_eq!(set(12, 5), BlobError::Field { offset: 12 });
     assert_eq!(set(16, 8), BlobError::Field { offset: 16 });
     assert_eq!(set(24, u32::MAX), BlobError::Dimensions);
-    assert_eq!(set(40, 1), BlobError::Field { offset: 40 });
+    // As many lobes as no memory holds; and a warp of other knots, of the same number in all.
+    assert_eq!(set(40, u32::MAX), BlobError::Dimensions);
+    assert_eq!(set(44, 3 << 16 | 2), BlobError::Table(TableError::Warp));
+    assert_eq!(set(44, 4 << 16 | 1), BlobError::Table(TableError::Warp));
     assert_eq!(set(56, 5), BlobError::Field { offset: 56 });
     assert!(matches!(set(52, 1), BlobError::Length { .. }));
 }
@@ -317,9 +369,20 @@ fn unsound_numbers_are_refused_even_with_a_right_checksum() {
     assert!(with(mirror(Precision::Single), 64, &f32::NAN.to_le_bytes()).is_err());
     assert_eq!(with(mirror(Precision::Half), 66, &[0, 0x7c]), Err(BlobError::Range { index: 1 }));
     assert_eq!(with(mirror(Precision::Half), 82, &[1, 0]), Err(BlobError::Field { offset: 82 }));
-    let sampler = 64 + 4 * 3 * layout().count();
-    for (place, value) in [(0, -1.0), (0, f32::INFINITY), (1, f32::NAN), (2, -0.1), (3, 0.9), (4, 1.5)] {
-        assert!(with(scatter(Precision::Single), sampler + 4 * place, &f32::to_le_bytes(value)).is_err(), "{place}");
+    let warp = 64 + 4 * 3 * layout().count();
+    let number = |place: usize, value: f32| with(scatter(Precision::Single), warp + 4 * place, &value.to_le_bytes());
+    // The first density and its integral, the integral in the middle and its end; no density is below 10⁻³.
+    for (place, value) in [(0, 0.0), (0, f32::NAN), (0, 1.1), (1, 0.1), (3, 1.0), (3, 0.41), (5, 0.9), (6, 1e-4)] {
+        assert_eq!(number(place, value), Err(BlobError::Table(TableError::Warp)), "{place} {value}");
+    }
+    // The lobe follows the warp's ten numbers: its index, and its matrix.
+    for (place, value) in [(10, 0.0), (10, f32::NAN), (11, 1.0), (12, 0.5), (19, f32::INFINITY)] {
+        assert_eq!(number(place, value), Err(BlobError::Table(TableError::Lobe)), "{place} {value}");
+    }
+    // What the first incident direction reflects, then its probabilities of rows.
+    for (place, value) in [(0, -1.0), (0, f32::INFINITY), (1, f32::NAN), (2, -0.1), (4, 0.9), (5, 1.5)] {
+        let refused = Err(BlobError::Table(TableError::NotFinite { index: 0 }));
+        assert_eq!(number(20 + place, value), refused, "{place} {value}");
     }
 }
 

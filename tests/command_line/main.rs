@@ -14,6 +14,7 @@ mod exports;
 mod figures;
 mod hits;
 mod kills;
+mod lookup;
 mod meshes;
 mod order_files;
 mod plain_text;

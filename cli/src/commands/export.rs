@@ -43,13 +43,17 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         let line = format!("{}: {error}", args.source);
         if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
     };
-    let bytes = match args.to {
-        ExportKind::Merl => merl::encode(&table, args.roughness),
-        _ => bsdf::encode(&table, LobeWidth { roughness: args.roughness, spread_deg: args.spread }, args.rgb),
+    let width = LobeWidth { roughness: args.roughness, spread_deg: args.spread };
+    let (bytes, residual) = match args.to {
+        ExportKind::Merl => merl::encode(&table, width).map_err(named)?,
+        _ => (bsdf::encode(&table, width, args.rgb.then(|| args.gamut.unwrap_or_default())).map_err(named)?, None),
     };
-    let bytes = bytes.map_err(named)?;
     output::write_file(&args.output, &bytes)?;
-    note(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
+    let output = args.output.display();
+    note(args.quiet, format_args!("{output}: {} bytes", bytes.len()));
+    if let Some(residual) = residual {
+        note(args.quiet, format_args!("{output}: {residual}"));
+    }
     Ok(())
 }
 
@@ -99,11 +103,12 @@ fn check_options(args: &ExportArgs) -> Result<()> {
             "merl and bsdf",
         ),
         (args.rgb, "rgb", args.to == ExportKind::Bsdf, "bsdf"),
+        (args.gamut.is_some(), "gamut", args.to == ExportKind::Bsdf && args.rgb, "bsdf with --rgb"),
         (args.width.is_some(), "width", lut, "lut"),
         (args.vary.is_some(), "vary", lut, "lut"),
         (args.origin.is_some(), "origin", lut, "lut"),
         (args.bands.is_some(), "bands", args.to == ExportKind::OrderLut, "order-lut"),
-        (args.spread.is_some(), "spread", args.to == ExportKind::Bsdf, "bsdf"),
+        (args.spread.is_some(), "spread", matches!(args.to, ExportKind::Merl | ExportKind::Bsdf), "merl and bsdf"),
         (args.shader.is_some(), "shader", lut || args.to == ExportKind::OrderLut, "lut and order-lut"),
         (args.half, "half", args.to == ExportKind::Blob, "blob"),
     ] {

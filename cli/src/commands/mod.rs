@@ -17,6 +17,7 @@ mod scatter;
 mod orders;
 mod compare;
 mod sampling;
+mod lookup;
 mod plot;
 mod spread_option;
 mod render;
@@ -42,6 +43,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Orders(args) => orders::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Sampling(args) => sampling::run(args),
+        Command::Lookup(args) => lookup::run(args),
         Command::Plot(args) => plot::run(args),
         Command::Render(args) => render::run(args),
         Command::View(args) => view::run(args),

@@ -1,8 +1,10 @@
 //! Tables in the formats of engines and renderers, one file per format.
 
 pub mod ggx;
+mod gaussian;
 mod order_lobes;
 mod reflection;
+mod deltas;
 mod half_exr;
 mod shader;
 pub mod lut;
@@ -13,6 +15,7 @@ pub mod merl;
 pub mod bsdf;
 pub mod gltf;
 
+pub use deltas::{Delta, Deltas, RGB};
 pub use order_lobes::{LobesAt, OrderLobes};
 pub use reflection::{Evaluator, LobeWidth, Reflection, ReflectionKind};
 pub use shader::ShaderLanguage;

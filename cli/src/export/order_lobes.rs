@@ -1,22 +1,15 @@
 //! Diffraction orders of a stated width: a lobe around the exact direction of each order.
-//!
-//! The lobe is the spherical Gaussian (von Mises and Fisher) κ/(2π(1 − exp(−2κ))) exp(κ(cos γ − 1)) at the angle γ from
-//! the order's direction, with κ = 1/σ²: for small σ a Gaussian of standard deviation σ along each axis. It is divided
-//! by its share above the horizon, so that f cos θ_o integrates to the sum of the efficiencies.
-
-use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use goniochrome::colour::Quadrature;
 use goniochrome::table::Periodicity;
 
+use super::gaussian::Gaussian;
 use crate::colour::{visible_weights, xyz_to_rgb};
 use crate::support::error::Result;
 use crate::table::mirror::neighbours;
 use crate::table::orders::{LookupArrays, OrderTable};
 
-/// Angle in units of σ beyond which a lobe is left out: exp(−5²/2) is 4e-6 of its peak.
-const REACH: f64 = 5.0;
 /// Largest distance of neighbouring wavelengths of a colour, as an angle along the streak near the normal, in units of
 /// σ. A sum of Gaussians half a σ apart is smooth to 1e-30.
 const SPACING: f64 = 0.5;
@@ -27,14 +20,15 @@ const MAX_WAVELENGTHS: f64 = 2000.0;
 #[derive(Clone, Debug)]
 pub struct OrderLobes {
     arrays: LookupArrays,
-    /// Standard deviation σ in radians.
-    spread: f64,
+    gaussian: Gaussian,
     periodicity: Periodicity,
     /// Tangential component that each order adds for each nanometre of the wavelength in the medium above.
     gratings: Vec<DVec2>,
     /// Wavelengths whose orders are added up, and what a reflectance of 1 there adds to the channels.
     samples: Vec<(usize, f32, Addition)>,
     channels: usize,
+    /// Whether negative sums of colours are 0.
+    clipped: bool,
 }
 
 /// What a reflectance of 1 at a wavelength adds to the channels.
@@ -74,12 +68,11 @@ pub struct LobesAt {
 }
 
 impl OrderLobes {
-    /// The BRDF of a table, with a standard deviation in degrees, in a channel for each wavelength or in RGB.
+    /// The BRDF of a table, with a standard deviation in radians, in a channel for each wavelength or in RGB.
     ///
     /// # Errors
     /// RGB of a table without a visible wavelength.
-    pub fn new(table: &OrderTable, spread_deg: f64, rgb: bool) -> Result<Self> {
-        let spread = spread_deg.to_radians();
+    pub fn new(table: &OrderTable, spread: f64, rgb: bool) -> Result<Self> {
         let [x, y] = table.layout.period_nm().map(f64::from);
         let gratings: Vec<_> =
             table.orders.iter().map(|[m, n]| DVec2::new(f64::from(*m) / x, f64::from(*n) / y)).collect();
@@ -101,13 +94,26 @@ impl OrderLobes {
         };
         let arrays = table.arrays(vec![[0.0; 3]; known.len()]);
         arrays.table()?;
-        Ok(Self { arrays, spread, periodicity: table.layout.periodicity(), gratings, samples, channels })
+        Ok(Self {
+            arrays,
+            gaussian: Gaussian { spread },
+            periodicity: table.layout.periodicity(),
+            gratings,
+            samples,
+            channels,
+            clipped: false,
+        })
+    }
+
+    /// Makes negative components of f, of colours out of gamut, 0.
+    pub(super) fn clip(&mut self) {
+        self.clipped = true;
     }
 
     /// Standard deviation σ of a lobe, in radians.
     #[must_use]
     pub fn spread(&self) -> f64 {
-        self.spread
+        self.gaussian.spread
     }
 
     /// Axes along which the surface repeats.
@@ -131,17 +137,14 @@ impl OrderLobes {
         at.orders.clear();
         // The arrays were checked when they were made.
         let view = self.arrays.table().ok().and_then(|table| table.view(wi.as_vec3()));
-        let kappa = self.spread.powi(-2);
-        let normalised = kappa / (TAU * -(-2.0 * kappa).exp_m1());
         for order in 0..self.gratings.len() {
             let lobe = |&(wavelength, t, addition): &(usize, f32, Addition)| {
                 let light = view.as_ref()?.light_between(wavelength, t, order)?;
                 let direction = light.direction.as_dvec3().normalize();
                 let efficiency = f64::from(light.efficiency);
-                let above = below_normal(direction.z.asin() / self.spread);
                 (efficiency > 0.0).then_some(Lobe {
                     direction,
-                    peak: efficiency * normalised / above,
+                    peak: efficiency * self.gaussian.peak(direction),
                     efficiency,
                     addition,
                 })
@@ -154,8 +157,7 @@ impl OrderLobes {
     pub fn projected(&self, wi: DVec3, wo: DVec3, at: &mut LobesAt, out: &mut [f64]) {
         self.prepare(wi, at);
         out.fill(0.0);
-        let (kappa, reach) = (self.spread.powi(-2), REACH * self.spread);
-        let nearest = reach.min(TAU / 2.0).cos();
+        let reach = self.gaussian.reach();
         let offset = wo.truncate() + wi.truncate();
         for (grating, lobes) in self.gratings.iter().zip(&at.orders) {
             // Tangential components differ by no more than the angle.
@@ -163,11 +165,14 @@ impl OrderLobes {
                 continue;
             }
             for lobe in lobes {
-                let cos = lobe.direction.dot(wo);
-                if cos > nearest {
-                    lobe.addition.add(lobe.peak * (kappa * (cos - 1.0)).exp(), out);
+                let share = self.gaussian.at(lobe.direction.dot(wo));
+                if share > 0.0 {
+                    lobe.addition.add(lobe.peak * share, out);
                 }
             }
+        }
+        if self.clipped {
+            out.iter_mut().for_each(|value| *value = value.max(0.0));
         }
     }
 
@@ -191,13 +196,10 @@ fn fine(known: &[f64], step_nm: f64) -> Vec<f64> {
     between.chain(known.last().copied()).collect()
 }
 
-/// The normal distribution's integral from −∞ to x ≥ 0, to 1.5e-4 (Bowling et al. 2009).
-fn below_normal(x: f64) -> f64 {
-    1.0 / (1.0 + (-x * (1.5976 + 0.07056 * x * x)).exp())
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::support::direction::direction;
     use crate::table::orders::tests::sample;
@@ -207,7 +209,7 @@ mod tests {
 
     #[test]
     fn lobes_keep_the_energy_of_their_orders() {
-        let lobes = OrderLobes::new(&sample(), 4.0, false).unwrap();
+        let lobes = OrderLobes::new(&sample(), 4.0_f64.to_radians(), false).unwrap();
         let (rows, columns) = (360, 720);
         for (theta, phi) in [(0.0, 0.0), (0.6, 0.4), (1.2, 2.0)] {
             let (wi, mut at) = (direction(theta, phi), LobesAt::default());
@@ -233,7 +235,7 @@ mod tests {
         // Near one another: between wavelengths strengths are linear, efficiencies are not.
         let mut table = sample();
         table.wavelength_nm = vec![545.0, 560.0];
-        let lobes = OrderLobes::new(&table, 2.0, true).unwrap();
+        let lobes = OrderLobes::new(&table, 2.0_f64.to_radians(), true).unwrap();
         let wi = direction(0.3, 0.2);
         let rgb = lobes.albedo(wi, &mut LobesAt::default());
         let arrays = table.arrays(vec![[0.0; 3]; 2]);
@@ -243,13 +245,6 @@ mod tests {
         let expected = (xyz_to_rgb(table.metadata.space()) * DVec3::from_array(xyz)).to_array();
         for (found, expected) in rgb.into_iter().zip(expected) {
             assert!((found - expected).abs() < 0.02, "{found} for {expected}");
-        }
-    }
-
-    #[test]
-    fn the_share_of_a_lobe_above_the_horizon_follows_the_normal_distribution() {
-        for (x, share) in [(0.0, 0.5), (0.5, 0.691_462), (1.0, 0.841_345), (2.0, 0.977_250), (3.0, 0.998_650)] {
-            assert!((below_normal(x) - share).abs() < 1.5e-4, "{x}: {}", below_normal(x));
         }
     }
 }

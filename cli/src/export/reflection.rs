@@ -3,12 +3,13 @@
 use glam::{DVec3, Vec3};
 use goniochrome::table::ScatterTable as Lookup;
 
+use super::gaussian::Gaussian;
 use super::ggx::Ggx;
 use super::order_lobes::{LobesAt, OrderLobes};
 use crate::support::error::{Error, Result};
 use crate::table::Table;
 use crate::table::mirror::neighbours;
-use crate::table::scatter::ScatterLookup;
+use crate::table::scatter::{ScatterLookup, ScatterTable};
 
 /// A BRDF to export: in RGB, or in a channel for each wavelength.
 #[derive(Clone, Debug)]
@@ -31,8 +32,8 @@ pub enum ReflectionKind {
         /// The table's angles in radians.
         theta: Vec<f64>,
     },
-    /// A table of tilted facets.
-    Scatter(ScatterLookup),
+    /// A table of tilted facets, and the width of the lobes of its flat ones; without it they are left out.
+    Scatter(ScatterLookup, Option<Gaussian>),
     /// Diffraction orders, spread by lobes.
     Orders(OrderLobes),
 }
@@ -42,23 +43,39 @@ pub enum ReflectionKind {
 pub struct LobeWidth {
     /// α of the GGX lobe of a mirror-like table.
     pub roughness: Option<f64>,
-    /// Standard deviation of the Gaussian lobe of a diffraction order, in degrees.
+    /// Standard deviation of the Gaussian lobe of a diffraction order or of flat facets, in degrees.
     pub spread_deg: Option<f64>,
 }
 
 impl Reflection {
-    /// The BRDF of a table. A mirror-like table needs a roughness, diffraction orders a spread; other tables have
-    /// neither.
+    /// The BRDF of a table. A mirror-like table needs a roughness; diffraction orders and exact lobes of flat facets need
+    /// a spread; other tables have neither.
     ///
     /// # Errors
     /// A width that is missing or has no use; RGB of a table without colours.
     pub fn new(table: &Table, width: LobeWidth, rgb: bool) -> Result<Self> {
         let wavelength_nm = if rgb { Vec::new() } else { table.wavelength_nm().to_vec() };
-        if width.spread_deg.is_some() && !matches!(table, Table::Orders(_)) {
+        let exact = match table {
+            Table::Mirror(_) => false,
+            Table::Scatter(table) => table.layout.lobes() > 0,
+            Table::Orders(_) => true,
+        };
+        if width.spread_deg.is_some() && !exact {
             return Err(Error::usage(
-                "--spread is for tables of diffraction orders, and this one holds none: leave it out",
+                "--spread is for tables of diffraction orders or with exact lobes of flat facets, and this one holds none: \
+                 leave it out",
             ));
         }
+        let spread = || {
+            let what =
+                if matches!(table, Table::Orders(_)) { "diffraction orders" } else { "its lobes of flat facets" };
+            width.spread_deg.map(f64::to_radians).ok_or_else(|| {
+                Error::usage(format_args!(
+                    "--spread is missing: {what} are deltas in direction, which this format cannot hold; give the standard \
+                     deviation in degrees of the lobes that shall stand in for them, as --spread 2"
+                ))
+            })
+        };
         let kind = match (table, width.roughness) {
             (Table::Mirror(_), None) => {
                 return Err(Error::usage(
@@ -81,19 +98,11 @@ impl Reflection {
                 theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
             },
             (Table::Scatter(table), None) => {
-                let lookup = if rgb { table.rgb_lookup()? } else { table.spectral_lookup()? };
-                let channels = lookup.channels();
-                let kind = ReflectionKind::Scatter(lookup);
-                return Ok(Self { channels, wavelength_nm, values: Vec::new(), kind });
+                let gaussian = exact.then(spread).transpose()?.map(|spread| Gaussian { spread });
+                return Self::scatter(table, gaussian, rgb);
             }
             (Table::Orders(table), None) => {
-                let spread = width.spread_deg.ok_or_else(|| {
-                    Error::usage(
-                        "--spread is missing: diffraction orders are deltas in direction, which this format cannot hold; \
-                         give the standard deviation in degrees of the lobes that shall stand in for them, as --spread 2",
-                    )
-                })?;
-                let lobes = OrderLobes::new(table, spread, rgb)?;
+                let lobes = OrderLobes::new(table, spread()?, rgb)?;
                 let channels = lobes.channels();
                 return Ok(Self { channels, wavelength_nm, values: Vec::new(), kind: ReflectionKind::Orders(lobes) });
             }
@@ -101,6 +110,40 @@ impl Reflection {
         let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra()? };
         let channels = if rgb { 3 } else { wavelength_nm.len() };
         Ok(Self { channels, wavelength_nm, values, kind })
+    }
+
+    /// The BRDF of a table of tilted facets, with lobes of flat ones if they have a width.
+    ///
+    /// # Errors
+    /// A table that did not pass its check, or too little memory.
+    pub fn scatter(table: &ScatterTable, gaussian: Option<Gaussian>, rgb: bool) -> Result<Self> {
+        let lookup = if rgb { table.rgb_lookup()? } else { table.spectral_lookup()? };
+        let wavelength_nm = if rgb { Vec::new() } else { table.wavelength_nm.clone() };
+        let (channels, kind) = (lookup.channels(), ReflectionKind::Scatter(lookup, gaussian));
+        Ok(Self { channels, wavelength_nm, values: Vec::new(), kind })
+    }
+
+    /// The BRDF whose negative components, of colours out of gamut, are 0.
+    #[must_use]
+    pub fn clipped(mut self) -> Self {
+        let clip = |values: &mut [f32]| values.iter_mut().for_each(|value| *value = value.max(0.0));
+        match &mut self.kind {
+            ReflectionKind::Lobe { .. } => clip(&mut self.values),
+            ReflectionKind::Scatter(lookup, _) => clip(lookup.values_mut()),
+            ReflectionKind::Orders(lobes) => lobes.clip(),
+        }
+        self
+    }
+
+    /// Bound of the standard error of the luminance of f, as a BRDF of one channel; `None` for tables without one. It
+    /// interpolates the errors of the table's values as if these were wrong together.
+    ///
+    /// # Errors
+    /// A table that did not pass its check.
+    pub fn luminance_error(table: &Table) -> Result<Option<Self>> {
+        let Table::Scatter(table) = table else { return Ok(None) };
+        let kind = ReflectionKind::Scatter(table.lookup(table.luminance_error.clone(), 1)?, None);
+        Ok(Some(Self { channels: 1, wavelength_nm: Vec::new(), values: Vec::new(), kind }))
     }
 
     /// The form of the BRDF.
@@ -117,25 +160,26 @@ impl Reflection {
     pub fn evaluator(&self) -> Evaluator<'_> {
         let lookup = match &self.kind {
             ReflectionKind::Lobe { .. } | ReflectionKind::Orders(_) => None,
-            ReflectionKind::Scatter(lookup) => Some(lookup.table().expect("a checked table fits its layout")),
+            ReflectionKind::Scatter(lookup, _) => Some(lookup.table().expect("a checked table fits its layout")),
         };
         Evaluator { reflection: self, lookup, values: vec![0.0; self.channels], lobes: LobesAt::default() }
-    }
-
-    /// ρ(θ) in each channel, linear between the table's angles and constant beyond them.
-    fn interpolate(&self, theta: &[f64], at: f64, out: &mut [f64]) {
-        let (below, above, weight) = neighbours(theta, at);
-        for (c, out) in out.iter_mut().enumerate() {
-            let at = |row: usize| f64::from(self.values[row * self.channels + c]);
-            *out = at(below) + weight * (at(above) - at(below));
-        }
     }
 
     /// ρ of a mirror-like table in each channel, at the angle to the half vector.
     pub(super) fn reflectance(&self, cos_d: f64, out: &mut [f64]) {
         if let ReflectionKind::Lobe { theta, .. } = &self.kind {
-            self.interpolate(theta, cos_d.clamp(0.0, 1.0).acos(), out);
+            between_angles(theta, &self.values, cos_d.clamp(0.0, 1.0).acos(), out);
         }
+    }
+}
+
+/// ρ(θ) in each channel, linear between a mirror-like table's angles and constant beyond them; `values[angle][channel]`.
+pub(super) fn between_angles(theta: &[f64], values: &[f32], at: f64, out: &mut [f64]) {
+    let (below, above, weight) = neighbours(theta, at);
+    let channels = out.len();
+    for (c, out) in out.iter_mut().enumerate() {
+        let at = |row: usize| f64::from(values[row * channels + c]);
+        *out = at(below) + weight * (at(above) - at(below));
     }
 }
 
@@ -166,11 +210,28 @@ impl<'r> Evaluator<'r> {
             let single = |w: DVec3| Vec3::new(w.x as f32, w.y as f32, w.z as f32);
             lookup.eval(single(wi), single(wo), &mut self.values);
             out.iter_mut().zip(&self.values).for_each(|(out, value)| *out = f64::from(*value));
+            self.add_facets(wi, wo, 1.0 / wo.z, out);
         } else if let ReflectionKind::Lobe { ggx, .. } = &self.reflection.kind {
             let m = (wi + wo).normalize();
             self.reflection.reflectance(wi.dot(m), out);
             let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);
             out.iter_mut().for_each(|value| *value *= lobe);
+        }
+    }
+
+    /// Adds f cos θ_o of the lobes of flat facets, times `scale`, to each channel. Below the horizon, the lobes go on.
+    pub(super) fn add_facets(&mut self, wi: DVec3, wo: DVec3, scale: f64, out: &mut [f64]) {
+        let (Some(lookup), ReflectionKind::Scatter(_, Some(gaussian))) = (&self.lookup, &self.reflection.kind) else {
+            return;
+        };
+        for lobe in 0..lookup.layout().lobes() {
+            let Some(direction) = lookup.reflected(wi.as_vec3(), lobe, &mut self.values) else { continue };
+            let direction = direction.as_dvec3().normalize();
+            let share = gaussian.at(direction.dot(wo));
+            if share > 0.0 {
+                let scale = scale * share * gaussian.peak(direction);
+                out.iter_mut().zip(&self.values).for_each(|(out, power)| *out += scale * f64::from(*power));
+            }
         }
     }
 

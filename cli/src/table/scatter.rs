@@ -100,6 +100,11 @@ impl ScatterLookup {
     pub fn values(&self) -> &[f32] {
         &self.values
     }
+
+    /// All values, to be changed.
+    pub fn values_mut(&mut self) -> &mut [f32] {
+        &mut self.values
+    }
 }
 
 /// Pairs of density and integral of the warp of these densities, over u and over v.

@@ -18,8 +18,8 @@ use goniochrome::simd::complex::ComplexLanes;
 use goniochrome::simd::lanes::{F32, F64, Lanes, simd_level};
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
-    DiffractedLight, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler,
-    ScatterTable,
+    DiffractedLight, FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
+    ScatterLayout, ScatterSampler, ScatterTable,
 };
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
@@ -228,8 +228,18 @@ fn table(bytes: &[u8]) {
             }
             Contents::Scatter(table, sampler) => {
                 print("pdf", f64::from(sampler.pdf(wi, wo)));
-                let (drawn, pdf) = sampler.sample(wi, u).unwrap();
-                (table.rgb(wi, wo), (drawn, pdf), table.rgb(wi, drawn).map(|f| f * drawn.z / pdf))
+                let mut albedo = [0.0; 3];
+                table.albedo(wi, &mut albedo);
+                albedo.into_iter().for_each(|c| print("albedo", f64::from(c)));
+                for lobe in 0..table.layout().lobes() {
+                    let mut rgb = [0.0; 3];
+                    let direction = table.reflected(wi, lobe, &mut rgb).unwrap_or(Vec3::ZERO);
+                    direction.to_array().into_iter().for_each(|x| print("direction", f64::from(x)));
+                    rgb.into_iter().for_each(|c| print("reflectance", f64::from(c)));
+                }
+                let (drawn, pdf) = sampler.sample(wi, u).unwrap_or((Vec3::new(-wi.x, -wi.y, wi.z), 0.0));
+                let weight = |f: f32| if pdf > 0.0 { f * drawn.z / pdf } else { 0.0 };
+                (table.rgb(wi, wo), (drawn, pdf), table.rgb(wi, drawn).map(weight))
             }
             Contents::Orders(_) => unreachable!("printed above"),
         };
@@ -249,9 +259,13 @@ fn main() {
     films();
     ridge(false);
     ridge(true);
-    let layout = ScatterLayout::new(4, 2, DirectionBins { cos: 4, phi: 8 }).unwrap();
-    let lobe: Vec<f32> = (0..3 * layout.count()).map(|i| (0.2 * i as f32).sin().max(-0.1) + 0.3).collect();
-    let scatter = ScatterTable::new(&lobe, layout, 3).unwrap();
+    let layout = ScatterLayout::new([4, 2], [4, 8], 2).unwrap();
+    let values: Vec<f32> = (0..3 * layout.count()).map(|i| (0.2 * i as f32).sin().max(-0.1) + 0.3).collect();
+    let mut memory = [0.0; HalfVectorWarp::required_len([4, 3])];
+    let warp = HalfVectorWarp::new([&[1.0, 2.0, 0.5, 0.25], &[1.0, 0.5, 1.0]], &mut memory).unwrap();
+    let (tilted, level) = (FacetLobe::reflection(Vec3::new(0.28, 0.0, 0.96)), FacetLobe::reflection(Vec3::Z));
+    let lobes = [tilted, FacetLobe { index: 1.5, ..level }].map(|lobe| lobe.to_numbers());
+    let scatter = ScatterTable::new(&values, layout, warp, &lobes, 3).unwrap();
     let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
     let sampler = ScatterSampler::new(&scatter, &mut memory).unwrap();
     let ramp: Vec<f32> = (0..30).map(|i| 1.0 / (1.0 + i as f32)).collect();

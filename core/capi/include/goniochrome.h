@@ -85,7 +85,7 @@
 /*
  Size of a gonio_table in bytes.
  */
-#define GONIO_TABLE_SIZE (8 * 32)
+#define GONIO_TABLE_SIZE (8 * 40)
 
 /*
  Alignment of a gonio_table in bytes.
@@ -171,7 +171,8 @@ enum gonio_status
      */
     GONIO_STATUS_NO_DATA = 10,
     /*
-     An index refers to a medium, an interface, a vertex, an order or a wavelength that does not exist.
+     An index refers to a medium, an interface, a vertex, an order, a wavelength or a lobe that does not
+     exist.
      */
     GONIO_STATUS_INDEX = 11,
     /*
@@ -230,6 +231,10 @@ enum gonio_status
      The table blob's values are not sound.
      */
     GONIO_STATUS_BLOB_VALUES = 25,
+    /*
+     The table blob holds a scatter table of a version before 0.2: make and export the table anew.
+     */
+    GONIO_STATUS_BLOB_RETIRED = 26,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -427,7 +432,7 @@ typedef struct {
  View of a table blob; made by gonio_table_view. It may be moved, and shared between threads.
  */
 typedef struct {
-    uint64_t opaque[32];
+    uint64_t opaque[40];
 } gonio_table;
 
 /*
@@ -449,6 +454,20 @@ typedef struct {
 } gonio_table_description;
 
 /*
+ Lobe of flat facets: an exact direction into which they reflect.
+ */
+typedef struct {
+    /*
+     Direction, a unit vector; zeros if the lobe is not above the surface.
+     */
+    float direction[3];
+    /*
+     RGB fraction of the light that leaves in this direction: the radiance seen is it times the radiance from there.
+     */
+    float reflectance[3];
+} gonio_facet_lobe;
+
+/*
  Outgoing direction that was drawn, with its density and weight.
  */
 typedef struct {
@@ -457,7 +476,8 @@ typedef struct {
      */
     float wo[3];
     /*
-     Density per solid angle. It is 1 for a mirror-like surface, which has no density.
+     Density per solid angle. It is 1 for a mirror-like surface, which has no density. 0 for a draw without light,
+     which has weight 0 and counts as a sample.
      */
     float pdf;
     /*
@@ -680,12 +700,39 @@ gonio_status gonio_table_reflectance(const gonio_table *table, float cos_theta, 
 /*
  Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are
  unit vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is
- below it.
+ below it. The lobes of flat facets are not part of it: gonio_table_lobe gives each.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.
  */
 gonio_status gonio_table_rgb(const gonio_table *table, const float *wi, const float *wo, float *rgb);
+
+/*
+ Looks up the RGB albedo of a surface that reflects into every direction: the fraction of the light from `wi` that it
+ reflects, lobes included; 0 if `wi` is below the surface. It sums over the whole table: keep the result.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wi` and `rgb` to three floats.
+ */
+gonio_status gonio_table_albedo(const gonio_table *table, const float *wi, float *rgb);
+
+/*
+ Counts the lobes of flat facets of a surface that reflects into every direction. Most tables have none.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
+ */
+gonio_status gonio_table_lobe_count(const gonio_table *table, uint32_t *count);
+
+/*
+ Looks up a lobe of flat facets for light from `wi`: its direction, and the fraction of the light that it reflects.
+ The radiance that a viewer in the direction `wi` receives by it is the reflectance times the radiance from the lobe's
+ direction. Both are 0 if `wi` or the lobe is below the surface.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats.
+ */
+gonio_status gonio_table_lobe(const gonio_table *table, const float *wi, uint32_t lobe, gonio_facet_lobe *result);
 
 /*
  Looks up the density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 if either is below the
@@ -698,7 +745,8 @@ gonio_status gonio_table_pdf(const gonio_table *table, const float *wi, const fl
 
 /*
  Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes
- mirror-like and scattering tables.
+ mirror-like and scattering tables; the lobes of flat facets are not drawn. Some draws are without light: their
+ weight and density are 0, and their direction is the mirror image of `wi`.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.

@@ -34,7 +34,8 @@ pub enum Status {
     Medium = 9,
     /// A medium has no data at a wavelength.
     NoData = 10,
-    /// An index refers to a medium, an interface, a vertex, an order or a wavelength that does not exist.
+    /// An index refers to a medium, an interface, a vertex, an order, a wavelength or a lobe that does not
+    /// exist.
     Index = 11,
     /// A thickness is not from 0 to 1e9 nm.
     Thickness = 12,
@@ -64,11 +65,13 @@ pub enum Status {
     BlobDimensions = 24,
     /// The table blob's values are not sound.
     BlobValues = 25,
+    /// The table blob holds a scatter table of a version before 0.2: make and export the table anew.
+    BlobRetired = 26,
 }
 
 impl Status {
     /// Texts of the statuses, by their numbers.
-    const TEXT: [&'static CStr; 26] = [
+    const TEXT: [&'static CStr; 27] = [
         c"done",
         c"a pointer is NULL",
         c"a pointer is not aligned for what it points to",
@@ -80,7 +83,7 @@ impl Status {
         c"no wavelengths, or one is not from 1e-3 to 1e9 nm",
         c"a medium's data are empty, not finite, not increasing, or not passive",
         c"a medium has no data at a wavelength",
-        c"an index names a medium, an interface, a vertex, an order or a wavelength that is not there",
+        c"an index names a medium, an interface, a vertex, an order, a wavelength or a lobe that is not there",
         c"a thickness is not from 0 to 1e9 nm",
         c"the medium that the light comes from absorbs: its k is above 1e-3",
         c"the mesh is empty or not finite, or a triangle has no area",
@@ -95,6 +98,7 @@ impl Status {
         c"a field of the table blob's header has no meaning",
         c"the table blob's dimensions do not fit its size",
         c"the table blob's values are not sound",
+        c"the table blob holds a scatter table of a version before 0.2; make and export the table anew",
     ];
 }
 
@@ -158,6 +162,7 @@ impl From<BlobError> for Status {
             BlobError::Length { .. } => Self::BlobLength,
             BlobError::Checksum => Self::BlobChecksum,
             BlobError::Field { .. } => Self::BlobField,
+            BlobError::Retired => Self::BlobRetired,
             BlobError::Dimensions => Self::BlobDimensions,
             BlobError::Table(_) | BlobError::Range { .. } => Self::BlobValues,
         }

@@ -7,7 +7,7 @@ use glam::Vec3;
 use goniochrome::table::blob::{Blob, Contents, space_number};
 
 /// Size of a gonio_table in bytes.
-pub const GONIO_TABLE_SIZE: usize = 8 * 32;
+pub const GONIO_TABLE_SIZE: usize = 8 * 40;
 /// Alignment of a gonio_table in bytes.
 pub const GONIO_TABLE_ALIGN: usize = 8;
 
@@ -17,7 +17,7 @@ const _: () = assert!(size_of::<Table>() == GONIO_TABLE_SIZE && align_of::<Table
 #[repr(C)]
 #[derive(Debug)]
 pub struct Table {
-    opaque: [u64; 32],
+    opaque: [u64; 40],
 }
 
 /// Kind of a table: a mirror-like surface, which reflects into one direction only.
@@ -40,13 +40,24 @@ pub struct TableDescription {
     pub space: u32,
 }
 
+/// Lobe of flat facets: an exact direction into which they reflect.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct FacetLobe {
+    /// Direction, a unit vector; zeros if the lobe is not above the surface.
+    pub direction: [f32; 3],
+    /// RGB fraction of the light that leaves in this direction: the radiance seen is it times the radiance from there.
+    pub reflectance: [f32; 3],
+}
+
 /// Outgoing direction that was drawn, with its density and weight.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Direction, a unit vector.
     pub wo: [f32; 3],
-    /// Density per solid angle. It is 1 for a mirror-like surface, which has no density.
+    /// Density per solid angle. It is 1 for a mirror-like surface, which has no density. 0 for a draw without light,
+    /// which has weight 0 and counts as a sample.
     pub pdf: f32,
     /// RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface.
     pub weight: [f32; 3],
@@ -111,7 +122,7 @@ pub unsafe extern "C" fn gonio_table_reflectance(table: *const Table, cos_theta:
 
 /// Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are
 /// unit vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is
-/// below it.
+/// below it. The lobes of flat facets are not part of it: gonio_table_lobe gives each.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.
@@ -122,6 +133,67 @@ pub unsafe extern "C" fn gonio_table_rgb(table: *const Table, wi: *const f32, wo
         let (blob, wi, wo, rgb) = unsafe { (view(table)?, direction(wi)?, direction(wo)?, Results::new(rgb, 3)?) };
         let Contents::Scatter(table, _) = &blob.contents else { return Err(Status::WrongKind) };
         rgb.write(table.rgb(wi, wo));
+        Ok(())
+    })
+}
+
+/// Looks up the RGB albedo of a surface that reflects into every direction: the fraction of the light from `wi` that it
+/// reflects, lobes included; 0 if `wi` is below the surface. It sums over the whole table: keep the result.
+///
+/// # Safety
+/// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` and `rgb` to three floats.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gonio_table_albedo(table: *const Table, wi: *const f32, rgb: *mut f32) -> Status {
+    status_of(|| {
+        // SAFETY: the caller's promises.
+        let (blob, wi, rgb) = unsafe { (view(table)?, direction(wi)?, Results::new(rgb, 3)?) };
+        let Contents::Scatter(table, _) = &blob.contents else { return Err(Status::WrongKind) };
+        let mut albedo = [0.0; 3];
+        table.albedo(wi, &mut albedo);
+        rgb.write(repeated(albedo, table.channels()));
+        Ok(())
+    })
+}
+
+/// Counts the lobes of flat facets of a surface that reflects into every direction. Most tables have none.
+///
+/// # Safety
+/// Pointers that are neither NULL nor misaligned point to objects of their types.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gonio_table_lobe_count(table: *const Table, count: *mut u32) -> Status {
+    status_of(|| {
+        // SAFETY: the caller's promises.
+        let (blob, count) = unsafe { (view(table)?, Results::new(count, 1)?) };
+        let Contents::Scatter(table, _) = &blob.contents else { return Err(Status::WrongKind) };
+        count.write([table.layout().lobes() as u32]);
+        Ok(())
+    })
+}
+
+/// Looks up a lobe of flat facets for light from `wi`: its direction, and the fraction of the light that it reflects.
+/// The radiance that a viewer in the direction `wi` receives by it is the reflectance times the radiance from the lobe's
+/// direction. Both are 0 if `wi` or the lobe is below the surface.
+///
+/// # Safety
+/// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gonio_table_lobe(
+    table: *const Table,
+    wi: *const f32,
+    lobe: u32,
+    result: *mut FacetLobe,
+) -> Status {
+    status_of(|| {
+        // SAFETY: the caller's promises.
+        let (blob, wi, result) = unsafe { (view(table)?, direction(wi)?, Results::new(result, 1)?) };
+        let Contents::Scatter(table, _) = &blob.contents else { return Err(Status::WrongKind) };
+        let lobe = lobe as usize;
+        if lobe >= table.layout().lobes() {
+            return Err(Status::Index);
+        }
+        let mut rgb = [0.0; 3];
+        let direction = table.reflected(wi, lobe, &mut rgb).map_or([0.0; 3], |direction| direction.to_array());
+        result.write([FacetLobe { direction, reflectance: repeated(rgb, table.channels()) }]);
         Ok(())
     })
 }
@@ -143,7 +215,8 @@ pub unsafe extern "C" fn gonio_table_pdf(table: *const Table, wi: *const f32, wo
 }
 
 /// Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes
-/// mirror-like and scattering tables.
+/// mirror-like and scattering tables; the lobes of flat facets are not drawn. Some draws are without light: their
+/// weight and density are 0, and their direction is the mirror image of `wi`.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
@@ -165,10 +238,10 @@ pub unsafe extern "C" fn gonio_table_sample(
             return Err(Status::Direction);
         }
         let (wo, pdf, weight) = match &blob.contents {
-            Contents::Mirror(table) => (Vec3::new(-wi.x, -wi.y, wi.z), 1.0, table.rgb(angle(wi.z.min(1.0)))),
+            Contents::Mirror(table) => (mirrored(wi), 1.0, table.rgb(angle(wi.z.min(1.0)))),
             Contents::Scatter(table, sampler) => {
-                let (wo, pdf) = sampler.sample(wi, u).ok_or(Status::Direction)?;
-                // The division comes last, so 0 stays 0 however small the density is.
+                // A draw below the horizon has no density, and the division comes last, so 0 stays 0 however small it is.
+                let (wo, pdf) = sampler.sample(wi, u).unwrap_or((mirrored(wi), 0.0));
                 let weight = |f: f32| if pdf > 0.0 { f * wo.z / pdf } else { 0.0 };
                 (wo, pdf, table.rgb(wi, wo).map(weight))
             }
@@ -177,6 +250,20 @@ pub unsafe extern "C" fn gonio_table_sample(
         sample.write([Sample { wo: wo.to_array(), pdf, weight }]);
         Ok(())
     })
+}
+
+/// Direction into which a mirror reflects.
+fn mirrored(wi: Vec3) -> Vec3 {
+    Vec3::new(-wi.x, -wi.y, wi.z)
+}
+
+/// RGB of a table with so many channels, of which the last is repeated.
+fn repeated([r, g, b]: [f32; 3], channels: usize) -> [f32; 3] {
+    match channels {
+        1 => [r; 3],
+        2 => [r, g, g],
+        _ => [r, g, b],
+    }
 }
 
 /// View that has been made in a gonio_table.

@@ -159,6 +159,20 @@ static void orders(const gonio_table *table) {
     }
 }
 
+static void lobes(const gonio_table *table, const float wi[3]) {
+    float albedo[3];
+    uint32_t count;
+    need(gonio_table_albedo(table, wi, albedo));
+    for (int c = 0; c < 3; c++) print("albedo", albedo[c]);
+    need(gonio_table_lobe_count(table, &count));
+    for (uint32_t i = 0; i < count; i++) {
+        gonio_facet_lobe lobe;
+        need(gonio_table_lobe(table, wi, i, &lobe));
+        for (int c = 0; c < 3; c++) print("direction", lobe.direction[c]);
+        for (int c = 0; c < 3; c++) print("reflectance", lobe.reflectance[c]);
+    }
+}
+
 static void table(const char *path) {
     FILE *file = fopen(path, "rb");
     static uint8_t bytes[1 << 16];
@@ -188,6 +202,7 @@ static void table(const char *path) {
             need(gonio_table_rgb(&view, wi, wo, rgb));
             need(gonio_table_pdf(&view, wi, wo, &pdf));
             print("pdf", pdf);
+            lobes(&view, wi);
         }
         need(gonio_table_sample(&view, wi, u, &drawn));
         print("pdf", drawn.pdf);

@@ -258,8 +258,11 @@ static void blob(const char *path) {
     for (int i = 0; i < 3; i++) {
         EXPECT(DIRECTION, gonio_table_rgb(&table, odd[i], up, untouched));
         EXPECT(DIRECTION, gonio_table_pdf(&table, up, odd[i], untouched));
+        EXPECT(DIRECTION, gonio_table_albedo(&table, odd[i], untouched));
     }
     gonio_sample sample;
+    gonio_facet_lobe lobe;
+    uint32_t lobes;
     const float down[3] = {0, 0, -1}, wrong[][2] = {{1.0f, 0.5f}, {-0.1f, 0.5f}, {0.5f, NAN}};
     EXPECT(DIRECTION, gonio_table_sample(&table, down, half, &sample));
     for (int i = 0; i < 3; i++) EXPECT(ARGUMENT, gonio_table_sample(&table, up, wrong[i], &sample));
@@ -269,6 +272,15 @@ static void blob(const char *path) {
     if (description.kind != GONIO_KIND_SCATTER) {
         EXPECT(WRONG_KIND, gonio_table_rgb(&table, up, up, untouched));
         EXPECT(WRONG_KIND, gonio_table_pdf(&table, up, up, untouched));
+        EXPECT(WRONG_KIND, gonio_table_albedo(&table, up, untouched));
+        EXPECT(WRONG_KIND, gonio_table_lobe_count(&table, &lobes));
+        EXPECT(WRONG_KIND, gonio_table_lobe(&table, up, 0, &lobe));
+    } else {
+        EXPECT(OK, gonio_table_lobe_count(&table, &lobes));
+        EXPECT(INDEX, gonio_table_lobe(&table, up, lobes, &lobe));
+        EXPECT(DIRECTION, gonio_table_lobe(&table, odd[0], 0, &lobe));
+        EXPECT(NULL_POINTER, gonio_table_lobe(&table, up, 0, NULL));
+        EXPECT(NULL_POINTER, gonio_table_lobe_count(&table, NULL));
     }
     if (description.kind == GONIO_KIND_ORDERS) {
         EXPECT(WRONG_KIND, gonio_table_sample(&table, up, half, &sample));
@@ -284,7 +296,7 @@ int main(int count, char **arguments) {
     films();
     cells();
     for (int i = 1; i < count; i++) blob(arguments[i]);
-    const int odd[] = {-1, 26, 2147483647};
+    const int odd[] = {-1, 27, 2147483647};
     for (int i = 0; i < 3; i++) {
         if (strcmp(gonio_status_text(odd[i]), "no status of this library") != 0) failures++;
     }

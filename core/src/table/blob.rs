@@ -428,7 +428,7 @@ fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, Blob
             let lobes = numbers.part(of_u + of_v, of_lobes);
             let table = ScatterTable::of(values, layout, warp, lobes, channels)?;
             let from = of_u + of_v + of_lobes;
-            let sampler = ScatterSampler::of(numbers.part(from, numbers.len() - from), table)?;
+            let sampler = ScatterSampler::of(numbers.part(from, numbers.len() - from), &table)?;
             Ok(Contents::Scatter(table, sampler))
         }
         _ => {

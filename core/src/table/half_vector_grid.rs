@@ -1,6 +1,6 @@
 //! Exits of rays counted in the boxes and lobes of a scatter table.
 
-use super::layout::{ScatterLayout, azimuth};
+use super::layout::ScatterLayout;
 use super::warp::HalfVectorWarp;
 use crate::measure::bins::DirectionGrid;
 use glam::{DVec3, Vec3};
@@ -37,8 +37,7 @@ impl<'a> HalfVectorGrid<'a> {
     #[must_use]
     pub fn new(layout: ScatterLayout, warp: HalfVectorWarp<'a>, wi: DVec3, lobes: &'a [LobeDirection]) -> Self {
         let wi = wi.as_vec3();
-        let origin = if layout.is_isotropic() { azimuth(wi) } else { 0.0 };
-        Self { layout, warp, wi, origin, lobes }
+        Self { layout, warp, wi, origin: layout.origin(wi), lobes }
     }
 
     /// Azimuth from which half vectors count.

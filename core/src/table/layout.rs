@@ -1,7 +1,8 @@
 //! Grid of directions of a [`ScatterTable`](super::ScatterTable), and interpolation on it.
 
+use super::angles::{azimuth, polar};
 use super::error::TableError;
-use core::f32::consts::{PI, TAU};
+use core::f32::consts::TAU;
 use glam::Vec3;
 
 /// Grid of incident directions × nodes of the warped square of half vectors, and number of facet lobes.
@@ -132,28 +133,35 @@ impl ScatterLayout {
     #[must_use]
     pub fn incident_nodes(&self, wi: Vec3) -> [GridNode; 4] {
         let [rows, columns] = self.incident;
-        let row = polar(wi) / Self::THETA_MAX as f32 * (rows - 1) as f32;
-        product(clamped(row, rows), periodic((azimuth(wi) + PI) / TAU, columns), columns)
+        let row = polar(wi) * ((rows - 1) as f32 / Self::THETA_MAX as f32);
+        let around = if self.is_isotropic() {
+            [GridNode { index: 0, weight: 1.0 }, GridNode::default()]
+        } else {
+            periodic(azimuth(wi) * (1.0 / TAU) + 0.5, columns)
+        };
+        product(clamped(row, rows), around, columns)
     }
 
     /// Interpolation nodes for a place (x, y) of the square: linear in x, and linear and periodic in y.
     #[must_use]
     pub fn square_nodes(&self, x: f32, y: f32) -> [GridNode; 4] {
-        let [u, v] = self.square;
-        product(periodic(y, v), clamped(x * (u - 1) as f32, u), u)
+        let [columns, rows] = self.square_axes(x, y);
+        product(rows, columns, self.square[0])
     }
-}
 
-/// Polar angle θ of a vector.
-#[inline]
-pub(super) fn polar(w: Vec3) -> f32 {
-    libm::atan2f(libm::hypotf(w.x, w.y), w.z)
-}
+    /// Two columns and two rows of nodes between which a place (x, y) of the square lies.
+    #[inline]
+    pub(super) fn square_axes(&self, x: f32, y: f32) -> [[GridNode; 2]; 2] {
+        let [u, v] = self.square;
+        [clamped(x * (u - 1) as f32, u), periodic(y, v)]
+    }
 
-/// Azimuth φ of a vector, in (−π, π]; 0 along the normal.
-#[inline]
-pub(super) fn azimuth(w: Vec3) -> f32 {
-    libm::atan2f(w.y, w.x)
+    /// Azimuth from which those of half vectors count: 0, or that of the light in isotropic tables.
+    #[must_use]
+    #[inline]
+    pub fn origin(&self, wi: Vec3) -> f32 {
+        if self.is_isotropic() { azimuth(wi) } else { 0.0 }
+    }
 }
 
 /// Linear interpolation at `place` among `count` nodes, constant beyond the ends.
@@ -173,13 +181,12 @@ pub(super) fn clamped(place: f32, count: u32) -> [GridNode; 2] {
 #[inline]
 fn periodic(fraction: f32, count: u32) -> [GridNode; 2] {
     let place = (fraction - libm::floorf(fraction)) * count as f32;
-    let whole = libm::floorf(place);
-    let weight = place - whole;
-    let below = whole as u32 % count.max(1);
-    [
-        GridNode { index: below as usize, weight: 1.0 - weight },
-        GridNode { index: ((below + 1) % count.max(1)) as usize, weight },
-    ]
+    let whole = place as u32;
+    let weight = place - whole as f32;
+    // A fraction just below 0 is rounded to the whole circle.
+    let below = if whole < count { whole } else { 0 };
+    let above = if below + 1 < count { below + 1 } else { 0 };
+    [GridNode { index: below as usize, weight: 1.0 - weight }, GridNode { index: above as usize, weight }]
 }
 
 /// Bilinear interpolation: products of the weights of two rows and two columns of a grid `width` wide.

@@ -12,6 +12,7 @@
 
 mod error;
 mod values;
+mod angles;
 mod layout;
 mod mirror;
 mod warp;
@@ -24,6 +25,7 @@ mod order_layout;
 mod orders;
 pub mod blob;
 
+pub use angles::MIN_COS;
 pub use error::{MAX_MAGNITUDE, TableError};
 pub use half_vector_grid::{HalfVectorGrid, LobeDirection};
 pub use layout::{GridNode, ScatterLayout};

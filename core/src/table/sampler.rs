@@ -2,9 +2,10 @@
 
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::layout::{GridNode, ScatterLayout};
-use super::scatter::{Place, ScatterTable, divisor};
+use super::scatter::{ScatterTable, divisor};
 use super::tents::tent_solid_angles;
 use super::values::Values;
+use super::warp::HalfVectorWarp;
 use glam::Vec3;
 
 /// Importance sampler of a [`ScatterTable`], without its lobes.
@@ -14,12 +15,13 @@ use glam::Vec3;
 /// weight in [`ScatterTable::eval`]. The density over the square is therefore the bilinear interpolation of the nodes'
 /// probabilities divided by their areas: it integrates to 1, and is positive wherever any channel of s is not 0 and
 /// wherever a direction is drawn. Between incident directions the density is the mixture of theirs, with their
-/// interpolation weights times what each reflects. A surface that reflects nothing is sampled evenly.
+/// interpolation weights times what each reflects. A surface that reflects nothing is sampled over all of the square.
 ///
 /// Some places of the square are half vectors that reflect below the horizon. A draw there is a sample without light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterSampler<'a> {
-    table: ScatterTable<'a>,
+    layout: ScatterLayout,
+    warp: HalfVectorWarp<'a>,
     /// Numbers of each incident direction: what it reflects, without lobes; cumulative probabilities of the rows;
     /// cumulative probabilities of the nodes in each row.
     cumulative: Values<'a>,
@@ -46,7 +48,7 @@ impl<'a> ScatterSampler<'a> {
         for (incident, memory) in memory.chunks_exact_mut(stride(&layout)).enumerate() {
             fill(table, incident, memory);
         }
-        Ok(Self { table: *table, cumulative: Values::Numbers(memory) })
+        Ok(Self { layout, warp: table.warp(), cumulative: Values::Numbers(memory) })
     }
 
     /// Checks cumulative probabilities that were computed earlier.
@@ -54,13 +56,13 @@ impl<'a> ScatterSampler<'a> {
     /// # Errors
     /// [`TableError::Length`] unless there are [`ScatterSampler::required_len`] numbers, and [`TableError::NotFinite`]
     /// at the first incident direction whose numbers are not sound.
-    pub(super) fn of(cumulative: Values<'a>, table: ScatterTable<'a>) -> Result<Self, TableError> {
+    pub(super) fn of(cumulative: Values<'a>, table: &ScatterTable<'a>) -> Result<Self, TableError> {
         let layout = table.layout();
         let required = Self::required_len(&layout);
         if cumulative.len() != required {
             return Err(TableError::Length { required });
         }
-        let sampler = Self { table, cumulative };
+        let sampler = Self { layout, warp: table.warp(), cumulative };
         match (0..layout.incident_count()).find(|&incident| !sampler.is_sound(incident)) {
             Some(incident) => Err(TableError::NotFinite { index: incident * stride(&layout) }),
             None => Ok(sampler),
@@ -70,17 +72,15 @@ impl<'a> ScatterSampler<'a> {
     /// Whether an incident direction reflects a finite power, and its probabilities are not negative and add up to 1.
     fn is_sound(&self, incident: usize) -> bool {
         let [columns, rows] = self.sides();
-        let memory = self.of_incident(incident);
-        let ends_at_1 = |sums: Values<'_>| {
+        let ends_at_1 = |from, count| {
             let mut last = 0.0;
+            let sums = self.cumulative.part(from, count);
             sums.iter().all(|sum| core::mem::replace(&mut last, sum) <= sum) && last == 1.0
         };
-        let reflected = memory.at(0);
-        let of_row = |row| memory.part(1 + rows + row * columns, columns);
         // The square covers 2π at most, and cos θ_i is 0.017 at least.
-        (0.0..=400.0 * MAX_MAGNITUDE).contains(&reflected)
-            && ends_at_1(memory.part(1, rows))
-            && (0..rows).all(|row| ends_at_1(of_row(row)))
+        (0.0..=400.0 * MAX_MAGNITUDE).contains(&self.power(incident))
+            && ends_at_1(self.rows_of(incident), rows)
+            && (0..rows).all(|row| ends_at_1(self.nodes_of(incident, row), columns))
     }
 
     pub(super) fn values(&self) -> Values<'a> {
@@ -90,15 +90,14 @@ impl<'a> ScatterSampler<'a> {
     /// Numbers of columns (along x) and rows (along y) of the square.
     #[inline]
     fn sides(&self) -> [usize; 2] {
-        self.table.layout().square_sides().map(|side| side as usize)
+        self.layout.square_sides().map(|side| side as usize)
     }
 
     /// Fraction of the light from `wi` that the table reflects without its lobes: the mean of |s| over the channels,
-    /// summed over the square. It serves to choose between lobes and [`ScatterSampler::sample`].
+    /// summed over the square, over cos θ_i. It serves to choose between lobes and [`ScatterSampler::sample`].
     #[must_use]
     pub fn reflected(&self, wi: Vec3) -> f32 {
-        let power = |node: &GridNode| node.weight * self.of_incident(node.index).at(0);
-        self.table.layout().incident_nodes(wi).iter().map(power).sum()
+        self.layout.incident_nodes(wi).iter().map(|node| node.weight * self.power(node.index)).sum()
     }
 
     /// Draws an outgoing direction for light from `wi`, by `u` uniform in [0, 1)²; returns the direction and its
@@ -124,61 +123,113 @@ impl<'a> ScatterSampler<'a> {
             }
             from += node.weight;
         }
-        let memory = self.of_incident(chosen);
         let [columns, rows] = self.sides();
-        let row = invert_cdf(memory.part(1, rows), &mut u0);
-        let column = invert_cdf(memory.part(1 + rows + row * columns, columns), &mut u1);
+        let row = self.invert(self.rows_of(chosen), rows, &mut u0);
+        let column = self.invert(self.nodes_of(chosen, row), columns, &mut u1);
         let x = column as f32 + end_tent(u1, column == 0, column + 1 == columns);
         let y = row as f32 + tent(u0);
-        let place = [x / columns.saturating_sub(1).max(1) as f32, y / rows.max(1) as f32];
-        let place = [place[0], place[1] - libm::floorf(place[1])];
-        let (m, solid_angle) = self.table.warp().half_vector(place, self.table.origin(wi));
+        let (x, y) = (x / columns.saturating_sub(1).max(1) as f32, y / rows.max(1) as f32);
+        let (m, solid_angle) = self.warp.half_vector([x, y - libm::floorf(y)], self.layout.origin(wi));
         let cos_d = wi.dot(m);
         let wo = 2.0 * cos_d * m - wi;
-        let density = self.over_square(&mixture, &self.table.layout().square_nodes(place[0], place[1]));
-        let pdf = density / (solid_angle * cos_d);
-        (cos_d > 0.0 && wo.z > 0.0 && pdf > 0.0 && pdf.is_finite()).then(|| (wo.normalize(), pdf))
+        let pdf = self.over_square(&mixture, x, y) / (solid_angle * cos_d);
+        let drawn = cos_d > 0.0 && wo.z > 0.0 && pdf > 0.0 && pdf.is_finite();
+        drawn.then(|| (wo.normalize_or_zero(), pdf))
     }
 
     /// Density per solid angle with which [`ScatterSampler::sample`] draws `wo` for `wi`; 0 if either is below the
-    /// horizon. Over the hemisphere it integrates to 1 less the fraction of draws below the horizon.
+    /// horizon. Over the hemisphere it integrates to 1 less the fraction of draws below the horizon. At the pole, for
+    /// `wo` exactly opposite in azimuth and equal in polar angle, the density is not finite, and 0 is returned.
     #[must_use]
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let Some(Place { nodes, solid_angle, .. }) = self.table.place(wi, wo) else { return 0.0 };
-        let pdf = self.over_square(&self.mixture(wi), &nodes) / solid_angle;
+        let above = wi.z > 0.0 && wo.z > 0.0;
+        if !above {
+            return 0.0;
+        }
+        let warped = self.warp.warped(wi, wo, self.layout.origin(wi));
+        let [x, y] = warped.place;
+        let pdf = self.over_square(&self.mixture(wi), x, y) / warped.solid_angle;
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
-    /// Density over the square at a place between `nodes`.
-    fn over_square(&self, mixture: &[GridNode; 4], nodes: &[GridNode; 4]) -> f32 {
+    /// Density over the square at a place.
+    #[inline]
+    fn over_square(&self, mixture: &[GridNode; 4], x: f32, y: f32) -> f32 {
         let [columns, rows] = self.sides();
+        let [along_x, along_y] = self.layout.square_axes(x, y);
+        // The first and the last column have half a tent.
+        let along_x = along_x.map(|GridNode { index, weight }| {
+            let half = index == 0 || index + 1 == columns;
+            GridNode { index, weight: if half { 2.0 * weight } else { weight } }
+        });
         let mut density = 0.0;
         for incident in mixture.iter().filter(|incident| incident.weight > 0.0) {
-            let memory = self.of_incident(incident.index);
-            for node in nodes {
-                let (row, column) = (node.index / columns.max(1), node.index % columns.max(1));
-                let of_row = memory.part(1 + rows + row * columns, columns);
-                let probability = probability_at(memory.part(1, rows), row) * probability_at(of_row, column);
-                // The first and the last column have half a tent.
-                let half = column == 0 || column + 1 == columns;
-                density += incident.weight * node.weight * probability * if half { 2.0 } else { 1.0 };
+            for row in along_y {
+                let nodes = self.nodes_of(incident.index, row.index);
+                let of_row: f32 = along_x.iter().map(|node| node.weight * self.probability(nodes, node.index)).sum();
+                density +=
+                    incident.weight * row.weight * self.probability(self.rows_of(incident.index), row.index) * of_row;
             }
         }
-        density * columns.saturating_sub(1) as f32 * rows as f32
+        density * (columns.saturating_sub(1) * rows) as f32
     }
 
     /// Interpolation nodes for `wi`, weighted by what each incident direction reflects; the weights add up to 1.
+    #[inline]
     fn mixture(&self, wi: Vec3) -> [GridNode; 4] {
-        let nodes = self.table.layout().incident_nodes(wi);
-        let power = |node: GridNode| node.weight * self.of_incident(node.index).at(0);
-        let sum: f32 = nodes.map(power).iter().sum();
-        if sum > 0.0 { nodes.map(|node| GridNode { weight: power(node) / sum, ..node }) } else { nodes }
+        let nodes = self.layout.incident_nodes(wi);
+        let powers = nodes.map(|node| if node.weight > 0.0 { node.weight * self.power(node.index) } else { 0.0 });
+        let sum: f32 = powers.iter().sum();
+        if sum > 0.0 { core::array::from_fn(|i| GridNode { weight: powers[i] / sum, ..nodes[i] }) } else { nodes }
     }
 
-    /// Numbers of an incident direction.
-    fn of_incident(&self, incident: usize) -> Values<'a> {
-        let stride = stride(&self.table.layout());
-        self.cumulative.part(incident * stride, stride)
+    /// What an incident direction reflects, without lobes.
+    #[inline]
+    fn power(&self, incident: usize) -> f32 {
+        self.cumulative.at(incident * stride(&self.layout))
+    }
+
+    /// Index of the cumulative probabilities of an incident direction's rows.
+    #[inline]
+    fn rows_of(&self, incident: usize) -> usize {
+        incident * stride(&self.layout) + 1
+    }
+
+    /// Index of the cumulative probabilities of the nodes in a row.
+    #[inline]
+    fn nodes_of(&self, incident: usize, row: usize) -> usize {
+        let [columns, rows] = self.sides();
+        self.rows_of(incident) + rows + row * columns
+    }
+
+    /// Probability of one index among cumulative ones that begin at `from`.
+    #[inline]
+    fn probability(&self, from: usize, index: usize) -> f32 {
+        self.cumulative.at(from + index) - self.before(from, index)
+    }
+
+    /// Probability of all indices before one.
+    #[inline]
+    fn before(&self, from: usize, index: usize) -> f32 {
+        if index == 0 { 0.0 } else { self.cumulative.at(from + index - 1) }
+    }
+
+    /// Inverts `count` cumulative probabilities that begin at `from`: returns the first index whose sum is larger than
+    /// `u`, and makes `u` uniform in [0, 1) again. An index of probability 0 has the sum of the one before it, so it is
+    /// never the first.
+    #[inline]
+    fn invert(&self, from: usize, count: usize, u: &mut f32) -> usize {
+        // Halves without branches, which random numbers would mispredict.
+        let (mut index, mut left) = (0, count);
+        while left > 1 {
+            let half = left / 2;
+            index += if self.cumulative.at(from + index + half - 1) <= *u { half } else { 0 };
+            left -= half;
+        }
+        let before = self.before(from, index);
+        let width = self.cumulative.at(from + index) - before;
+        *u = if width > 0.0 { inside_unit((*u - before) / width) } else { 0.5 };
+        index
     }
 }
 
@@ -207,13 +258,16 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
     let per_channel = 1.0 / (table.channels() as f32 * divisor(wi));
     memory.fill(0.0);
     let (head, nodes) = memory.split_at_mut(1 + rows);
-    tent_solid_angles(&layout, &table.warp(), wi, table.origin(wi), |node, solid_angle| {
+    tent_solid_angles(&layout, &table.warp(), wi, layout.origin(wi), |node, solid_angle| {
         if let Some(part) = nodes.get_mut(node) {
             *part += solid_angle;
         }
     });
     for (node, part) in nodes.iter_mut().enumerate() {
-        *part *= table.at(incident, node).map(|s| s.abs() * per_channel).sum::<f32>();
+        let mean: f32 = table.at(incident, node).map(|s| s.abs() * per_channel).sum();
+        // Between incident directions the horizon leaves nodes that it hides from this one, and they may hold light.
+        let lit = table.at(incident, node).any(|s| s != 0.0);
+        *part = if lit { (*part * mean).max(f32::MIN_POSITIVE) } else { 0.0 };
     }
     let (total, row_sums) = head.split_at_mut(1);
     let mut whole = 0.0;
@@ -249,29 +303,6 @@ fn accumulate(parts: &mut [f32], whole: f64) {
 fn share(part: f64, whole: f64, lit: usize) -> f64 {
     const MIN: f64 = f32::EPSILON as f64;
     if part > 0.0 { (part / whole + MIN) / (1.0 + lit as f64 * MIN) } else { 0.0 }
-}
-
-/// Probability of one index.
-fn probability_at(cumulative: Values<'_>, index: usize) -> f32 {
-    cumulative.at(index) - probability_before(cumulative, index)
-}
-
-/// Probability of all indices before one.
-fn probability_before(cumulative: Values<'_>, index: usize) -> f32 {
-    index.checked_sub(1).map_or(0.0, |index| cumulative.at(index))
-}
-
-/// Inverts a cumulative distribution: returns the first index whose sum is larger than `u`, and makes `u` uniform in
-/// [0, 1) again. An index of probability 0 has the sum of the one before it, so it is never the first.
-fn invert_cdf(cumulative: Values<'_>, u: &mut f32) -> usize {
-    let (mut index, mut last) = (0, cumulative.len().saturating_sub(1));
-    while index < last {
-        let middle = index.midpoint(last);
-        if cumulative.at(middle) <= *u { index = middle + 1 } else { last = middle }
-    }
-    let width = probability_at(cumulative, index);
-    *u = if width > 0.0 { inside_unit((*u - probability_before(cumulative, index)) / width) } else { 0.5 };
-    index
 }
 
 /// Draws from a tent over (−1, 1) by a uniform number.

@@ -1,7 +1,8 @@
 //! f(wi, wo) of surfaces that reflect into every direction.
 
+use super::angles::MIN_COS;
 use super::error::{MAX_MAGNITUDE, TableError};
-use super::layout::{GridNode, ScatterLayout, azimuth};
+use super::layout::ScatterLayout;
 use super::lobe::FacetLobe;
 use super::tents::tent_solid_angles;
 use super::values::Values;
@@ -26,15 +27,6 @@ pub struct ScatterTable<'a> {
     lobes: Values<'a>,
     values: Values<'a>,
     channels: usize,
-}
-
-/// Where directions lie in a table.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub incident: [GridNode; 4],
-    pub nodes: [GridNode; 4],
-    /// Solid angle of outgoing directions per area of the warped square.
-    pub solid_angle: f32,
 }
 
 impl<'a> ScatterTable<'a> {
@@ -106,12 +98,6 @@ impl<'a> ScatterTable<'a> {
         self.lobes
     }
 
-    /// Azimuth from which half vectors count.
-    #[inline]
-    pub(super) fn origin(&self, wi: Vec3) -> f32 {
-        if self.layout.is_isotropic() { azimuth(wi) } else { 0.0 }
-    }
-
     /// Index of the first channel of a value.
     #[inline]
     fn index(&self, incident: usize, place: usize) -> usize {
@@ -132,34 +118,35 @@ impl<'a> ScatterTable<'a> {
         }
     }
 
-    /// Where two directions lie; `None` unless both lie above the horizon.
+    /// Calls `add(incident, node, weight)` for all values between which f(wi, wo) is interpolated; the weights include
+    /// 1/(cos θ_i cos θ_o).
     #[inline]
-    pub(super) fn place(&self, wi: Vec3, wo: Vec3) -> Option<Place> {
-        if !(wi.z > 0.0 && wo.z > 0.0) {
-            return None;
+    fn between(&self, wi: Vec3, wo: Vec3, mut add: impl FnMut(usize, usize, f32)) {
+        let above = wi.z > 0.0 && wo.z > 0.0;
+        if !above {
+            return;
         }
-        let warped = self.warp.warped(wi, wo, self.origin(wi));
-        let [x, y] = warped.place;
+        let [x, y] = self.warp.warped(wi, wo, self.layout.origin(wi)).place;
         let (incident, nodes) = (self.layout.incident_nodes(wi), self.layout.square_nodes(x, y));
-        Some(Place { incident, nodes, solid_angle: warped.solid_angle })
+        let scale = 1.0 / (divisor(wi) * wo.z.max(MIN_COS));
+        for i in incident.iter().filter(|i| i.weight > 0.0) {
+            for node in nodes {
+                add(i.index, node.index, i.weight * node.weight * scale);
+            }
+        }
     }
 
     /// Writes f(wi, wo) to `out`, in 1/sr, without the cosine and without lobes; 0 if either direction is below the
     /// horizon.
     ///
     /// f = s/(cos θ_i cos θ_o), with s linear between the grid's directions ([`ScatterLayout`]). Beyond the largest
-    /// incident angle of the grid, s/cos θ_i is held. `out` receives as many channels as it has elements; elements
-    /// beyond the table's channels become 0.
+    /// incident angle of the grid, s/cos θ_i is held. For θ_o at the horizon f grows as 1/cos θ_o; cos θ_o is held at
+    /// [`MIN_COS`], so that f stays finite. `out` receives as many channels as it has elements; elements beyond the
+    /// table's channels become 0.
     #[inline]
     pub fn eval(&self, wi: Vec3, wo: Vec3, out: &mut [f32]) {
         out.fill(0.0);
-        let Some(Place { incident, nodes, .. }) = self.place(wi, wo) else { return };
-        let scale = 1.0 / (divisor(wi) * wo.z);
-        for i in incident {
-            for node in nodes {
-                self.add(out, i.index, node.index, i.weight * node.weight * scale);
-            }
-        }
+        self.between(wi, wo, |incident, node, weight| self.add(out, incident, node, weight));
     }
 
     /// First three channels of f(wi, wo), as [`ScatterTable::eval`] gives them. A table with fewer channels repeats its
@@ -168,13 +155,11 @@ impl<'a> ScatterTable<'a> {
     #[inline]
     pub fn rgb(&self, wi: Vec3, wo: Vec3) -> [f32; 3] {
         let mut rgb = [0.0; 3];
-        self.eval(wi, wo, &mut rgb);
-        let [r, g, b] = rgb;
-        match self.channels {
-            1 => [r; 3],
-            2 => [r, g, g],
-            _ => [r, g, b],
-        }
+        self.between(wi, wo, |incident, node, weight| {
+            let [r, g, b] = self.values.three(self.index(incident, node), self.channels);
+            rgb = [rgb[0] + weight * r, rgb[1] + weight * g, rgb[2] + weight * b];
+        });
+        rgb
     }
 
     /// Lobe by its index, below [`ScatterLayout::lobes`].
@@ -210,7 +195,7 @@ impl<'a> ScatterTable<'a> {
         }
         let incident = self.layout.incident_nodes(wi);
         let scale = 1.0 / divisor(wi);
-        tent_solid_angles(&self.layout, &self.warp, wi, self.origin(wi), |node, solid_angle| {
+        tent_solid_angles(&self.layout, &self.warp, wi, self.layout.origin(wi), |node, solid_angle| {
             for i in incident {
                 self.add(out, i.index, node, i.weight * solid_angle * scale);
             }
@@ -228,5 +213,7 @@ impl<'a> ScatterTable<'a> {
 /// cos θ_i, held beyond the largest angle of the grid.
 #[inline]
 pub(super) fn divisor(wi: Vec3) -> f32 {
-    wi.z.max(libm::cos(ScatterLayout::THETA_MAX) as f32)
+    /// Cosine of [`ScatterLayout::THETA_MAX`].
+    const COS_MAX: f32 = 0.017_452_406;
+    wi.z.max(COS_MAX)
 }

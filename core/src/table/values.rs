@@ -31,6 +31,24 @@ impl<'a> Values<'a> {
         number.unwrap_or(0.0)
     }
 
+    /// The first three of `count` values from an index, the last repeated if there are fewer.
+    #[inline]
+    pub fn three(self, from: usize, count: usize) -> [f32; 3] {
+        fn chunk<T: Copy>(all: &[T], from: usize) -> Option<&[T; 3]> {
+            all.get(from..)?.first_chunk()
+        }
+        if count < 3 {
+            return [0, 1, 1].map(|place: usize| self.at(from + place.min(count.saturating_sub(1))));
+        }
+        // One check of the bounds for all three.
+        let three = match self {
+            Self::Numbers(numbers) => chunk(numbers, from).copied(),
+            Self::Single(bytes) => chunk(bytes, from).map(|bytes| bytes.map(f32::from_le_bytes)),
+            Self::Half(bytes) => chunk(bytes, from).map(|bytes| bytes.map(|x| from_half(u16::from_le_bytes(x)))),
+        };
+        three.unwrap_or([0.0; 3])
+    }
+
     /// The `count` values from an index; empty if there are fewer.
     #[inline]
     pub fn part(self, from: usize, count: usize) -> Self {

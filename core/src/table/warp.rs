@@ -1,9 +1,9 @@
 //! Warp of the unit square of half vectors: nodes lie close where facets have their normals.
 
+use super::angles::{azimuth, level, polar};
 use super::error::TableError;
-use super::layout::{azimuth, polar};
 use super::values::Values;
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 
 /// Map between half vectors and the warped unit square.
@@ -26,6 +26,15 @@ pub struct Warped {
     pub solid_angle: f32,
 }
 
+/// Piece of u or v.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// Interval of x or y in which it lies.
+    pub interval: u32,
+    pub from: f32,
+    pub to: f32,
+}
+
 /// Density along one axis, with its integral: pairs for each knot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Axis<'a> {
@@ -41,7 +50,7 @@ const MIN_DENSITY: f32 = 1e-3;
 impl<'a> HalfVectorWarp<'a> {
     /// Number of elements that [`HalfVectorWarp::new`] needs as memory for densities of these numbers of knots.
     #[must_use]
-    pub fn required_len(knots: [usize; 2]) -> usize {
+    pub const fn required_len(knots: [usize; 2]) -> usize {
         2 * (knots[0] + knots[1])
     }
 
@@ -97,38 +106,65 @@ impl<'a> HalfVectorWarp<'a> {
         self.axes.get(axis).map_or(0.0, |axis| axis.pairs.at(2 * knot))
     }
 
-    /// Place of the half vector of two directions above the surface. `origin` is the azimuth from which φ_m counts: 0,
-    /// or that of `wi` in isotropic tables.
+    /// Place of the half vector of two unit vectors above the surface. `origin` is the azimuth from which φ_m counts: 0,
+    /// or that of `wi` in isotropic tables ([`ScatterLayout::origin`](super::ScatterLayout::origin)). The place stays
+    /// the same, bit for bit, if the directions are exchanged.
     #[must_use]
     #[inline]
     pub fn warped(&self, wi: Vec3, wo: Vec3, origin: f32) -> Warped {
-        let m = (wi + wo).normalize_or_zero();
-        let theta = polar(m);
-        let u = libm::sqrtf(theta / FRAC_PI_2).min(1.0);
-        let turns = (azimuth(m) - origin) / TAU + 0.5;
+        let sum = wi + wo;
+        let u = libm::sqrtf(polar(sum) * FRAC_2_PI).min(1.0);
+        let turns = (azimuth(sum) - origin) * (1.0 / TAU) + 0.5;
         let v = turns - libm::floorf(turns);
         let [(x, density_u), (y, density_v)] = [self.axes[0].place(u), self.axes[1].place(v)];
-        let area = jacobian(u, wi.dot(m)) / (density_u * density_v);
-        Warped { place: [x, y], solid_angle: area }
+        // |wi + wo| is 2 wi·m, so its tangential part is 2 (wi·m) sin θ_m.
+        let solid_angle = plain_solid_angle(u, 0.5 * level(sum)) / (density_u * density_v);
+        Warped { place: [x, y], solid_angle }
     }
 
     /// Half vector at a place of the warped square, and what [`Warped::solid_angle`] is there over wi·m.
     #[must_use]
     #[inline]
     pub fn half_vector(&self, place: [f32; 2], origin: f32) -> (Vec3, f32) {
-        let [u, v] = [self.axes[0].plain(place[0]), self.axes[1].plain(place[1])];
-        let [density_u, density_v] = [self.axes[0].place(u).1, self.axes[1].place(v).1];
-        let (theta, phi) = (u * u * FRAC_PI_2, TAU * v - PI + origin);
-        let sin = libm::sinf(theta);
-        let m = Vec3::new(sin * libm::cosf(phi), sin * libm::sinf(phi), libm::cosf(theta));
-        (m, jacobian(u, 1.0) / (density_u * density_v))
+        let (u, density_u) = self.axes[0].plain(place[0]);
+        let (sin_phi, cos_phi, density_v) = self.azimuth_of(place[1], origin);
+        let (sin, cos) = libm::sincosf(u * u * FRAC_PI_2);
+        let m = Vec3::new(sin * cos_phi, sin * sin_phi, cos);
+        (m, plain_solid_angle(u, sin) / (density_u * density_v))
     }
 
     /// Sine and cosine of φ_m at y, and the density over v there.
+    #[inline]
     pub(super) fn azimuth_of(&self, y: f32, origin: f32) -> (f32, f32, f32) {
-        let v = self.axes[1].plain(y);
+        let (v, density) = self.axes[1].plain(y);
         let (sin, cos) = libm::sincosf(TAU * v - PI + origin);
-        (sin, cos, self.axes[1].place(v).1)
+        (sin, cos, density)
+    }
+
+    /// Pieces of u (`axis` 0) or v (1) that each lie within one of `intervals` even intervals of x or y, and between
+    /// two knots; none is longer than 1/32.
+    pub(super) fn pieces(&self, axis: usize, intervals: u32) -> impl Iterator<Item = Piece> {
+        const MIN_PIECES: usize = 32;
+        let axis = self.axes[axis.min(1)];
+        let steps = axis.intervals * MIN_PIECES.div_ceil(axis.intervals);
+        let end_of = move |interval: u32| {
+            if interval + 1 < intervals { axis.plain((interval + 1) as f32 / intervals as f32).0 } else { 1.0 }
+        };
+        let (mut step, mut interval, mut from, mut end) = (0, 0, 0.0, end_of(0));
+        core::iter::from_fn(move || {
+            let step_end = (step + 1) as f32 / steps as f32;
+            let piece = Piece { interval, from, to: end.min(step_end) };
+            if step >= steps || interval >= intervals {
+                return None;
+            }
+            step += usize::from(step_end <= piece.to);
+            if end <= piece.to {
+                interval += 1;
+                end = end_of(interval);
+            }
+            from = piece.to;
+            Some(piece)
+        })
     }
 
     /// Place x of u (`axis` 0) or y of v (1), in [0, 1].
@@ -140,14 +176,14 @@ impl<'a> HalfVectorWarp<'a> {
     /// Place u of x (`axis` 0) or v of y (1), in [0, 1]: the inverse of [`HalfVectorWarp::place`].
     #[must_use]
     pub fn plain(&self, axis: usize, place: f32) -> f32 {
-        self.axes.get(axis).map_or(0.0, |axis| axis.plain(place))
+        self.axes.get(axis).map_or(0.0, |axis| axis.plain(place).0)
     }
 }
 
-/// |dω_o|/(du dv) = 8π² u sin θ_m (wi·m), by dω_o = 4 (wi·m) dω_m.
+/// |dω_o|/(du dv) = 8π² u sin θ_m (wi·m), by dω_o = 4 (wi·m) dω_m; `rest` is the product of the last two.
 #[inline]
-fn jacobian(u: f32, cos_d: f32) -> f32 {
-    8.0 * PI * PI * u * libm::sinf(u * u * FRAC_PI_2) * cos_d
+pub(super) fn plain_solid_angle(u: f32, rest: f32) -> f32 {
+    8.0 * PI * PI * u * rest
 }
 
 /// Writes pairs of normalised density and integral for each knot.
@@ -173,16 +209,24 @@ fn prepare(density: &[f32], pairs: &mut [f32]) -> Result<(), TableError> {
 }
 
 impl Axis<'_> {
-    /// Whether densities are positive, and integrals increase from 0 to 1.
+    /// Whether densities are positive, and integrals increase from 0 to 1 by what the densities add up to.
     fn is_sound(&self) -> bool {
+        // Two integrals below 1, a mean of two densities over the number of intervals, which is below 1 too, and its two
+        // operations: each is rounded by half a unit of 2⁻²³ at most, the densities by as much together.
+        const ROUNDING: f32 = 3.0 * f32::EPSILON;
         let knots = self.intervals + 1;
         let number = |knot: usize, part: usize| self.pairs.at(2 * knot + part);
+        let adds_up = |knot: usize| {
+            let (from, to) = (number(knot, 1), number(knot + 1, 1));
+            let area = 0.5 * (number(knot, 0) + number(knot + 1, 0)) / self.intervals as f32;
+            from < to && (to - from - area).abs() <= ROUNDING
+        };
         (2..=MAX_KNOTS).contains(&knots)
             && self.pairs.len() == 2 * knots
-            && (0..knots).all(|knot| (MIN_DENSITY..=MAX_KNOTS as f32).contains(&number(knot, 0)))
+            && (0..knots).all(|knot| (MIN_DENSITY..=2.0 * MAX_KNOTS as f32).contains(&number(knot, 0)))
             && number(0, 1) == 0.0
             && number(self.intervals, 1) == 1.0
-            && (0..self.intervals).all(|knot| number(knot, 1) < number(knot + 1, 1))
+            && (0..self.intervals).all(adds_up)
     }
 
     /// Densities at the ends of an interval, and the integral before it.
@@ -202,9 +246,9 @@ impl Axis<'_> {
         ((before + part * 0.5 * (from + density) / self.intervals as f32).min(1.0), density)
     }
 
-    /// Place at which the integral is `place`.
+    /// Place at which the integral is `place`, and the density there.
     #[inline]
-    fn plain(&self, place: f32) -> f32 {
+    fn plain(&self, place: f32) -> (f32, f32) {
         let place = place.max(0.0).min(1.0);
         let (mut index, mut last) = (0, self.intervals - 1);
         while index < last {
@@ -212,11 +256,11 @@ impl Axis<'_> {
             if self.pairs.at(2 * middle + 3) <= place { index = middle + 1 } else { last = middle }
         }
         let [from, to, before] = self.interval(index);
-        // The root of from·t + ½ (to − from) t² = rest, without cancellation.
+        // The root of from·t + ½ (to − from) t² = rest, without cancellation; its discriminant is the density's square.
         let rest = (place - before) * self.intervals as f32;
-        let root = libm::sqrtf((from * from + 2.0 * rest * (to - from)).max(0.0));
-        let part = (2.0 * rest / (from + root)).max(0.0).min(1.0);
-        (index as f32 + part) / self.intervals as f32
+        let density = libm::sqrtf((from * from + 2.0 * rest * (to - from)).max(0.0));
+        let part = (2.0 * rest / (from + density)).max(0.0).min(1.0);
+        ((index as f32 + part) / self.intervals as f32, density.max(from.min(to)).min(from.max(to)))
     }
 }
 

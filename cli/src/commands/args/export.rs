@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::commands::args::values::{roughness, spread};
+use crate::export::bsdf::Gamut;
 use crate::export::lut::Vary;
 
 /// Arguments of `export`.
@@ -23,12 +25,16 @@ pub struct ExportArgs {
     /// merl and bsdf of mirror-like tables: the width of the lobe, α of the GGX distribution in (0, 1]
     #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
     pub roughness: Option<f64>,
-    /// bsdf of diffraction orders: the width of each order, the standard deviation of a Gaussian lobe in degrees
+    /// bsdf of diffraction orders, bsdf and merl of tables with exact lobes of flat facets: the width of each, the
+    /// standard deviation of a Gaussian lobe in degrees
     #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]
     pub spread: Option<f64>,
     /// bsdf: the table's linear RGB instead of its spectra, for RGB variants of Mitsuba
     #[arg(long)]
     pub rgb: bool,
+    /// bsdf with --rgb: what becomes of negative components, of colours out of gamut [default: clip]
+    #[arg(long, value_enum)]
+    pub gamut: Option<Gamut>,
     /// lut: texels over cos θ [default: 256]
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=4096))]
     pub width: Option<u16>,
@@ -58,7 +64,7 @@ pub enum ExportKind {
     OrderLut,
     /// The format of the MERL BRDF database (.binary)
     Merl,
-    /// The RGL tensor file of Mitsuba's `measured` (.bsdf); up to 64 MiB, for anisotropic tables 256 MiB
+    /// The RGL tensor file of Mitsuba's `measured` (.bsdf)
     Bsdf,
     /// A glTF 2.0 material: the best fit of `KHR_materials_iridescence` to a single film, and how far off it is (.gltf)
     Gltf,
@@ -76,35 +82,9 @@ pub enum Origin {
     Bottom,
 }
 
-/// The smallest roughness: below it, single precision no longer holds the peak of the lobe.
-const MIN_ROUGHNESS: f64 = 1e-3;
-
-/// Ends of the range of `--spread`, in degrees: a narrower lobe falls between the samples of a file, a wider one is no
-/// longer that of an order.
-const SPREAD_DEG: [f64; 2] = [0.5, 30.0];
-
-/// Parses `--spread`.
-fn spread(text: &str) -> Result<f64, String> {
-    let [least, most] = SPREAD_DEG;
-    match text.parse::<f64>() {
-        Ok(degrees) if (least..=most).contains(&degrees) => Ok(degrees),
-        Ok(_) => Err(format!("must lie in [{least}, {most}] degrees")),
-        Err(error) => Err(error.to_string()),
-    }
-}
-
 /// Parses `--bands`.
 fn bands(text: &str) -> Result<u16, String> {
     let count = text.parse::<u16>().map_err(|error| error.to_string())?;
     let good = (4..=64).contains(&count) && count.is_multiple_of(4);
     if good { Ok(count) } else { Err("must be a multiple of 4, from 4 to 64".into()) }
-}
-
-/// Parses `--roughness`.
-fn roughness(text: &str) -> Result<f64, String> {
-    let alpha = text.parse::<f64>().map_err(|error| error.to_string())?;
-    if alpha > 0.0 && alpha < MIN_ROUGHNESS {
-        return Err(format!("must be at least {MIN_ROUGHNESS}: a smoother lobe is a mirror; export a lut"));
-    }
-    if alpha > 0.0 && alpha <= 1.0 { Ok(alpha) } else { Err("must lie in (0, 1]".into()) }
 }

@@ -9,6 +9,7 @@ mod scatter;
 mod orders;
 mod compare;
 mod sampling;
+mod lookup;
 mod plot;
 mod render;
 mod view;
@@ -25,6 +26,7 @@ pub use compare::CompareArgs;
 pub use estimate::{CellSampling, EstimateArgs};
 pub use export::{ExportArgs, ExportKind, Origin};
 pub use figures::FiguresArgs;
+pub use lookup::LookupArgs;
 pub use orders::OrdersArgs;
 pub use plot::{OrderArg, PlotArgs, PlotKind};
 pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
@@ -32,7 +34,7 @@ pub use sampling::SamplingArgs;
 pub use scatter::ScatterArgs;
 pub use shared::{Colouring, Computing, Diffracting, Running};
 pub use spectrum::SpectrumArgs;
-pub use values::{Bins, IlluminantArg, ModelArg, SpaceArg, spelled};
+pub use values::{Bins, DirectionArg, IlluminantArg, ModelArg, SpaceArg, spelled};
 pub use view::PageArgs;
 
 /// Compute how layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.
@@ -79,6 +81,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Compute the colour error against the number of wavelengths (the paper's figure 6)
     Sampling(SamplingArgs),
+    /// Look up what a table says of one pair of directions: f in 1/sr, or light in exact directions
+    Lookup(LookupArgs),
     /// Draw a table: BRDF disc, lobes, spectra, map, path of the colour
     Plot(PlotArgs),
     /// Render a lit body with a table as its surface: teapot, sphere, plane or any OBJ
@@ -104,6 +108,7 @@ impl Command {
             | Self::Compare(_) => true,
             Self::Presets { .. }
             | Self::Sampling(_)
+            | Self::Lookup(_)
             | Self::Plot(_)
             | Self::Render(_)
             | Self::View(_)

@@ -15,6 +15,7 @@ fn commands_that_have_the_option_ask_for_wavelengths() {
         "orders s",
         "compare s",
         "sampling s",
+        "lookup t.exr --wi 0,0",
         "plot t.exr -o p.png",
         "render t.exr -o p.png",
         "view t.exr -o v.html",

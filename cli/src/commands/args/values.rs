@@ -4,16 +4,19 @@ use std::str::FromStr;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use glam::DVec3;
 use goniochrome::colour::{Illuminant, RgbSpace};
 use goniochrome::optics::interface::Model;
 
 use crate::colour::{SPACES, space_name};
+use crate::export::bsdf::Gamut;
 use crate::obj::Axes;
 use crate::render::tone::ToneMap;
 use crate::solve::precision::Precision;
 use crate::solve::scatter::Coherence;
 use crate::solve::spectra::Method;
 use crate::solve::waves::OrderMethod;
+use crate::support::direction::direction;
 
 /// The values of `--model`.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
@@ -123,6 +126,11 @@ value_enum! { Coherence:
     Cell => Coherence::Cell.name(), "All light interferes: the period is one field, which leaves in diffraction orders";
 }
 
+value_enum! { Gamut:
+    Clip => "clip", "Negative components become 0: no light is negative";
+    Keep => "keep", "They stay, so that sums over light keep their colour; Mitsuba warns of them";
+}
+
 value_enum! { Axes:
     ZUp => "z-up", "z, as everywhere in this program";
     YUp => "y-up", "y, as modelling programs export unless told otherwise: x, y, z become x, −z, y";
@@ -138,6 +146,71 @@ value_enum! { ToneMap:
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().map_err(|error| error.to_string())?;
     if number > 0.0 && number.is_finite() { Ok(number) } else { Err("must be positive".into()) }
+}
+
+/// The smallest roughness: below it, single precision no longer holds the peak of the lobe.
+const MIN_ROUGHNESS: f64 = 1e-3;
+
+/// Ends of the range of `--spread`, in degrees: a narrower lobe falls between the samples of a file, a wider one is no
+/// longer that of an order.
+const SPREAD_DEG: [f64; 2] = [0.5, 30.0];
+
+/// Parses `--spread`.
+pub(super) fn spread(text: &str) -> Result<f64, String> {
+    let [least, most] = SPREAD_DEG;
+    match text.parse::<f64>() {
+        Ok(degrees) if (least..=most).contains(&degrees) => Ok(degrees),
+        Ok(_) => Err(format!("must lie in [{least}, {most}] degrees")),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Parses `--roughness`.
+pub(super) fn roughness(text: &str) -> Result<f64, String> {
+    let alpha = text.parse::<f64>().map_err(|error| error.to_string())?;
+    if alpha > 0.0 && alpha < MIN_ROUGHNESS {
+        return Err(format!("must be at least {MIN_ROUGHNESS}: a smoother lobe is a mirror"));
+    }
+    if alpha > 0.0 && alpha <= 1.0 { Ok(alpha) } else { Err("must lie in (0, 1]".into()) }
+}
+
+/// A direction above the surface, as polar angle and azimuth in degrees, such as `30,180`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionArg(pub [f64; 2]);
+
+impl DirectionArg {
+    /// Checks the angles.
+    ///
+    /// # Errors
+    /// A direction at or below the horizon, an azimuth that is not finite.
+    pub fn new(theta_deg: f64, phi_deg: f64) -> Result<Self, String> {
+        if !(0.0..90.0).contains(&theta_deg) {
+            return Err(format!("θ = {theta_deg} is not above the horizon; it must lie in [0, 90) degrees"));
+        }
+        if !phi_deg.is_finite() {
+            return Err(format!("φ = {phi_deg} is not finite"));
+        }
+        Ok(Self([theta_deg, phi_deg]))
+    }
+
+    /// The unit vector.
+    #[must_use]
+    pub fn vector(self) -> DVec3 {
+        let [theta, phi] = self.0.map(f64::to_radians);
+        direction(theta, phi)
+    }
+}
+
+impl FromStr for DirectionArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        match text.split_once(',').map(|(theta, phi)| (number(theta), number(phi))) {
+            Some((Some(theta), Some(phi))) => Self::new(theta, phi),
+            _ => Err("expected THETA,PHI in degrees such as 30,180".into()),
+        }
+    }
 }
 
 /// Numbers of bins in cos θ and in φ, such as `8x16`.

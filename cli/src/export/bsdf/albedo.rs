@@ -1,4 +1,4 @@
-//! Correction of the albedo of scattering tables for interpolation.
+//! Correction of the albedo of diffraction orders for interpolation.
 //!
 //! A lobe as narrow as the spacing of the file's samples loses or gains some per cent by interpolation. The spectra of
 //! each incident direction are therefore scaled so that, interpolated, they reflect as much as the table does.
@@ -6,16 +6,11 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
-use goniochrome::table::ScatterLayout;
 
 use super::grid::BsdfGrid;
-use crate::export::reflection::Evaluator;
-use crate::support::direction::direction;
 
 /// Largest factor by which a channel is scaled. Where colours out of gamut cancel, there is no albedo to keep.
-pub const MAX_SCALE: f64 = 1.1;
-/// Largest factor for lobes of orders, which may be narrower than the file's samples and are not negative.
-pub const MAX_SCALE_OF_ORDERS: f64 = 2.0;
+const MAX_SCALE: f64 = 2.0;
 /// The two points of Gauss's quadrature on [0, 1], exact up to cubics.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
@@ -56,11 +51,11 @@ pub fn interpolated(grid: &BsdfGrid, wi: DVec3, origin: f64, samples: &[f32]) ->
     total * 8.0 * PI * PI / 4.0
 }
 
-/// Scales one channel from its interpolated to its exact albedo, by at most `limit` either way.
-pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64, limit: f64) {
+/// Scales one channel from its interpolated to its exact albedo, by at most a factor of 2 either way.
+pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64) {
     let scale = exact / interpolated;
     if scale.is_finite() {
-        let scale = scale.clamp(1.0 / limit, limit) as f32;
+        let scale = scale.clamp(1.0 / MAX_SCALE, MAX_SCALE) as f32;
         samples.iter_mut().for_each(|value| *value *= scale);
     }
 }
@@ -69,6 +64,7 @@ pub fn keep(samples: &mut [f32], exact: f64, interpolated: f64, limit: f64) {
 mod tests {
     use super::*;
     use crate::export::bsdf::density::Density;
+    use crate::support::direction::direction;
 
     #[test]
     fn a_white_diffuse_reflector_interpolated_has_albedo_one() {
@@ -88,7 +84,7 @@ mod tests {
             // Interpolation of a curved function: (π/SIDE)²/8 and similar terms.
             assert!((albedo - 1.0).abs() < 2e-3, "{theta}: {albedo}");
             let mut scaled = samples;
-            keep(&mut scaled, 1.0, albedo, MAX_SCALE);
+            keep(&mut scaled, 1.0, albedo);
             assert!((interpolated(&grid, wi, 0.0, &scaled) - 1.0).abs() < 1e-6);
         }
     }
@@ -96,9 +92,9 @@ mod tests {
     #[test]
     fn what_has_no_albedo_is_left_as_it_is() {
         let mut samples = [1.0, 2.0];
-        keep(&mut samples, 0.0, 0.0, MAX_SCALE);
+        keep(&mut samples, 0.0, 0.0);
         assert_eq!(samples, [1.0, 2.0]);
-        keep(&mut samples, 5.0, 1.0, MAX_SCALE);
+        keep(&mut samples, 5.0, 1.0);
         assert_eq!(samples, [MAX_SCALE as f32, 2.0 * MAX_SCALE as f32]);
     }
 }

@@ -10,20 +10,13 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use goniochrome::table::Periodicity;
 
 use super::density::Density;
-use crate::export::reflection::ReflectionKind;
-use crate::export::{OrderLobes, Reflection};
+use crate::export::OrderLobes;
+use crate::export::ggx::Ggx;
 
 /// Largest number of values in a file: 64 MiB.
 const MAX_VALUES: usize = 1 << 24;
-/// Largest number of values in the file of an anisotropic table, which has an axis more: 256 MiB.
-const MAX_ANISOTROPIC_VALUES: usize = 1 << 26;
-/// Samples of the square for each interval of the piecewise linear table, if the file has the room. The half vector
-/// moves by half of what the outgoing direction does, so the square has two intervals for each of cos θ_o.
-const PER_INTERVAL: f64 = 8.0;
-/// Samples of θ_i for each row of the table. Along a fixed half vector, θ_i also moves θ_o through its intervals.
-const PER_ROW: f64 = 20.0;
-/// Samples of φ_i for each of the table's azimuths. Along a fixed half vector, φ_i turns φ_o − φ_i twice as fast.
-const PER_TURN: f64 = 12.0;
+/// Largest number of values in a file of diffraction orders, which has an axis more: 256 MiB.
+const MAX_VALUES_OF_ORDERS: usize = 1 << 26;
 /// Smallest number of samples along each side of the square, and of φ_i.
 const MIN_SAMPLES: f64 = 4.0;
 /// Density e of θ_i at the horizon, where masking changes over a scale of cos θ_i: samples lie closer there by (1 +
@@ -67,34 +60,21 @@ pub struct BsdfGrid {
 }
 
 impl BsdfGrid {
-    /// The grid for the tensor file of a BRDF.
+    /// The grid for a lobe around the mirror direction, in a number of channels.
     #[must_use]
-    pub fn new(reflection: &Reflection) -> Self {
-        // Values for each sample: the spectra, and the luminance.
-        let values = (reflection.channels + 1) as f64;
-        match reflection.kind() {
-            ReflectionKind::Lobe { ggx, .. } => {
-                let side = (MAX_VALUES as f64 / values).cbrt() as usize;
-                Self::of([radial(ggx.alpha), across()], side, grazing(side), vec![0.0])
-            }
-            ReflectionKind::Scatter(lookup) => {
-                let layout = lookup.layout();
-                let ([rows, columns], [u, v]) = (layout.incident_sides(), layout.square_sides());
-                let side = MIN_SAMPLES as usize * u.max(v) as usize;
-                let theta = (0..rows).map(|row| layout.incident((row * columns) as usize)[0]).collect();
-                let turn = |i: u32| TAU * f64::from(i) / f64::from(columns) - PI;
-                let phi = if columns == 1 { vec![0.0] } else { (0..=columns).map(turn).collect() };
-                Self::of([Density::uniform(), Density::uniform()], side, theta, phi)
-            }
-            ReflectionKind::Orders(lobes) => Self::of_orders(lobes, MAX_ANISOTROPIC_VALUES as f64 / values),
-        }
+    pub fn of_lobe(ggx: Ggx, channels: usize) -> Self {
+        // Values for each sample: the channels, and the luminance.
+        let side = (MAX_VALUES as f64 / (channels + 1) as f64).cbrt() as usize;
+        Self::of([radial(ggx.alpha), across()], side, grazing(side), vec![0.0])
     }
 
-    /// The grid for lobes around diffraction orders, of at most `room` samples.
+    /// The grid for lobes around diffraction orders.
     ///
     /// The half vector of an order lies along its grating vector, whatever the direction of the light: for lines always
     /// at one azimuth, and nodes lie close to that. A lobe is half as wide over half vectors as over directions.
-    fn of_orders(lobes: &OrderLobes, room: f64) -> Self {
+    #[must_use]
+    pub fn of_orders(lobes: &OrderLobes) -> Self {
+        let room = MAX_VALUES_OF_ORDERS as f64 / (lobes.channels() + 1) as f64;
         let width = 0.5 * lobes.spread();
         let along = match lobes.periodicity() {
             Periodicity::Both => Density::uniform(),
@@ -139,13 +119,6 @@ impl BsdfGrid {
     #[must_use]
     pub fn slices(&self) -> usize {
         self.theta.len() * self.phi.len()
-    }
-
-    /// The warp's density for one incident direction, row by row, and its number of columns.
-    #[must_use]
-    pub fn warp(&self) -> (Vec<f32>, usize) {
-        let [u, v] = &self.density;
-        (v.0.iter().flat_map(|v| u.0.iter().map(move |u| (u * v) as f32)).collect(), u.0.len())
     }
 }
 

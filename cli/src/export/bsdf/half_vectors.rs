@@ -1,0 +1,206 @@
+//! Scatter tables: the file holds the table's own numbers.
+//!
+//! A table holds s = f cos θ_i cos θ_o on a warped square of half vectors, which is the format's own. With D = 1 and σ =
+//! cos θ_i/4 the file's values are s, and readers interpolate them as the table does. The format wants a square of
+//! equally many samples along both sides: their steps are the largest that hit every node of the table, so that linear
+//! interpolation gives the table back. With lobes of flat facets of a width the steps are smaller.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+use goniochrome::table::{GridNode, HalfVectorWarp, ScatterLayout, ScatterTable as Lookup, tent_solid_angles};
+
+use super::contents::{Contents, over_u, raise};
+use crate::export::Reflection;
+use crate::export::gaussian::Gaussian;
+use crate::export::reflection::Evaluator;
+use crate::support::direction::direction;
+use crate::support::error::{Error, Result};
+use crate::support::memory::filled;
+use crate::support::parallel;
+use crate::table::scatter::ScatterLookup;
+
+/// Largest number of values in a file: 256 MiB.
+const MAX_VALUES: usize = 1 << 26;
+/// Largest number of samples along a side of the square, less 1: that of nodes of a table.
+const MAX_STEPS: usize = 1023;
+/// Samples for each standard deviation of a lobe over half vectors, along θ_m, and between directions of the light.
+const PER_LOBE: [f64; 2] = [2.0, 1.0];
+
+/// Steps of the file: between θ_i, between φ_i, and along each side of the square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Steps {
+    theta: usize,
+    phi: usize,
+    square: usize,
+}
+
+impl Steps {
+    /// The steps of a table, each divided as often as the lobes of flat facets need, if there is room.
+    fn new(layout: &ScatterLayout, channels: usize, gaussian: Option<Gaussian>) -> Result<Self> {
+        let ([rows, columns], [u, v]) =
+            (layout.incident_sides().map(|n| n as usize), layout.square_sides().map(|n| n as usize));
+        let least = Self { theta: rows - 1, phi: if columns > 1 { columns } else { 0 }, square: lcm(u - 1, v) };
+        if least.square > MAX_STEPS || least.values(channels) > MAX_VALUES {
+            return Err(Error::failed(format_args!(
+                "{u} × {v} half vectors share no square of a .bsdf file within {} MiB; estimate with --half-vectors {}x{}, \
+                 whose steps fit",
+                MAX_VALUES >> 18,
+                v / 2 + 1,
+                v / 2 * 2
+            )));
+        }
+        let Some(Gaussian { spread }) = gaussian else { return Ok(least) };
+        // A lobe over half vectors is half as wide as over directions.
+        let width = 0.5 * spread;
+        let wanted = [FRAC_PI_2 * PER_LOBE[0] / width / least.square as f64, FRAC_PI_2 / width / least.theta as f64];
+        let mut steps = least;
+        loop {
+            let mut finer = steps;
+            // Divides first what is furthest from what is wanted.
+            let lacks = [
+                wanted[0] * least.square as f64 / steps.square as f64,
+                PER_LOBE[1] * wanted[1] * least.theta as f64 / steps.theta as f64,
+            ];
+            if lacks[0] >= lacks[1] {
+                finer.square += least.square;
+            } else {
+                finer.theta += least.theta;
+                finer.phi += least.phi;
+            }
+            let enough = lacks[0].max(lacks[1]) <= 1.0;
+            if enough || finer.square > MAX_STEPS || finer.values(channels) > MAX_VALUES {
+                return Ok(steps);
+            }
+            steps = finer;
+        }
+    }
+
+    /// Number of values: those of the channels, and the density of samples.
+    fn values(self, channels: usize) -> usize {
+        (self.theta + 1) * (self.phi + 1) * (self.square + 1).pow(2) * (channels + 1)
+    }
+}
+
+/// Least common multiple.
+fn lcm(a: usize, b: usize) -> usize {
+    let (mut divisor, mut rest) = (a, b);
+    while rest > 0 {
+        (divisor, rest) = (rest, divisor % rest);
+    }
+    a / divisor * b
+}
+
+/// The file's numbers of a table of scattered light.
+///
+/// # Errors
+/// A table whose nodes fit no square of the format, or too little memory.
+pub(super) fn contents(
+    reflection: &Reflection,
+    lookup: &ScatterLookup,
+    gaussian: Option<Gaussian>,
+) -> Result<Contents> {
+    let table = lookup.table()?;
+    let (layout, channels) = (lookup.layout(), lookup.channels());
+    let steps = Steps::new(&layout, channels, gaussian)?;
+    let side = steps.square + 1;
+    let theta: Vec<f64> = (0..=steps.theta).map(|i| ScatterLayout::THETA_MAX * i as f64 / steps.theta as f64).collect();
+    let phi: Vec<f64> = match steps.phi {
+        0 => vec![0.0],
+        turn => (0..=turn).map(|i| TAU * i as f64 / turn as f64 - PI).collect(),
+    };
+    let (slices, area) = (theta.len() * phi.len(), side * side);
+    let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;
+    let mut values = filled(0.0, slices * channels * area, "the .bsdf file")?;
+    let square = ScatterLayout::new([2, 1], [side as u32, steps.square as u32], 0).map_err(Error::failed)?;
+    let work = luminance.chunks_mut(area).zip(values.chunks_mut(channels * area)).enumerate();
+    parallel::for_each(
+        parallel::available(),
+        work,
+        || reflection.evaluator(),
+        |evaluator, (i, (luminance, values))| {
+            let incident = [theta[i % theta.len()], phi[i / theta.len()]];
+            fill(evaluator, &table, lookup, &square, incident, luminance, values);
+        },
+    );
+    let warp = table.warp();
+    let [of_u, of_v] = [0, 1].map(|axis| (0..warp.knots()[axis]).map(|knot| warp.density(axis, knot)).collect());
+    let least = ScatterLayout::THETA_MAX.cos();
+    Ok(Contents {
+        theta,
+        phi,
+        densities: [of_u, of_v],
+        side,
+        luminance,
+        values,
+        density_of_facets: over_u(|_| 1.0),
+        visible_area: over_u(|cos| 0.25 * cos.max(least)),
+    })
+}
+
+/// Computes the numbers of one incident direction on a square whose last row repeats the first.
+fn fill(
+    evaluator: &mut Evaluator<'_>,
+    table: &Lookup<'_>,
+    lookup: &ScatterLookup,
+    square: &ScatterLayout,
+    [theta, phi]: [f64; 2],
+    luminance: &mut [f32],
+    values: &mut [f32],
+) {
+    let (wi, warp) = (direction(theta, phi), table.warp());
+    let (channels, area) = (table.channels(), luminance.len());
+    let incident = lookup.layout().incident_nodes(wi.as_vec3());
+    let side = square.square_sides()[0] as usize;
+    let mut here = vec![0.0; channels];
+    let mut strength = vec![0.0; area];
+    for row in 0..side {
+        for column in 0..side {
+            let at = row * side + column;
+            if row + 1 == side {
+                strength[at] = strength[column];
+                values.chunks_mut(area).for_each(|channel| channel[at] = channel[column]);
+                continue;
+            }
+            let [x, y] = square.node(at);
+            interpolate(lookup, &incident, [x, y], &mut here);
+            facets(evaluator, &warp, wi, [x, y], &mut here);
+            // Of all densities for all channels, the root of the sum of squares has the smallest sum of variances.
+            strength[at] = here.iter().map(|s| s * s).sum::<f32>().sqrt();
+            values.chunks_mut(area).zip(&here).for_each(|(channel, s)| channel[at] = *s);
+        }
+    }
+    // Solid angle above the horizon that a node stands for, over the area of its tent, which is halved at the ends of x.
+    tent_solid_angles(square, &warp, wi.as_vec3(), phi as f32, |node, solid_angle| luminance[node] += solid_angle);
+    for row in 0..side - 1 {
+        luminance[row * side] *= 2.0;
+        luminance[row * side + side - 1] *= 2.0;
+    }
+    luminance.copy_within(..side, area - side);
+    luminance.iter_mut().zip(strength).for_each(|(density, strength)| *density *= strength);
+    raise(luminance);
+}
+
+/// s in each channel at a place of the square, for light between these incident directions.
+fn interpolate(lookup: &ScatterLookup, incident: &[GridNode; 4], [x, y]: [f64; 2], out: &mut [f32]) {
+    let layout = lookup.layout();
+    let channels = out.len();
+    out.fill(0.0);
+    for node in layout.square_nodes(x as f32, y as f32).iter().filter(|node| node.weight > 0.0) {
+        for light in incident.iter().filter(|light| light.weight > 0.0) {
+            let first = (light.index * layout.places() + node.index) * channels;
+            let weight = light.weight * node.weight;
+            out.iter_mut().zip(&lookup.values()[first..]).for_each(|(out, s)| *out += weight * s);
+        }
+    }
+}
+
+/// Adds s of the lobes of flat facets.
+fn facets(evaluator: &mut Evaluator<'_>, warp: &HalfVectorWarp<'_>, wi: DVec3, [x, y]: [f64; 2], s: &mut [f32]) {
+    let (m, _) = warp.half_vector([x as f32, y as f32], 0.0);
+    let m = m.as_dvec3().normalize();
+    let wo = 2.0 * wi.dot(m) * m - wi;
+    let mut lobes = vec![0.0; s.len()];
+    evaluator.add_facets(wi, wo, wi.z, &mut lobes);
+    s.iter_mut().zip(lobes).for_each(|(s, lobe)| *s += lobe as f32);
+}

@@ -1,0 +1,105 @@
+//! Mirror-like tables through a lobe, and diffraction orders of a width: sampled on a grid of the file's own.
+//!
+//! A mirror-like table becomes GGX facets: D and σ are those of the lobe, and the remaining factor is smooth. For
+//! diffraction orders D = 1 and σ = 1/4. The warp only decides where the BRDF is sampled ([`BsdfGrid`]).
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+
+use super::albedo;
+use super::contents::{Contents, over_u, raise};
+use super::grid::BsdfGrid;
+use crate::export::Reflection;
+use crate::export::reflection::{Evaluator, ReflectionKind};
+use crate::support::direction::direction;
+use crate::support::error::Result;
+use crate::support::memory::filled;
+use crate::support::parallel;
+
+/// Computes f cos θ_o in each channel; returns whether wo is above the horizon.
+///
+/// Renderers do not evaluate directions below the horizon, but interpolate across it. There f cos θ_o is continued
+/// without a kink: that of facets as an odd function of cos θ_o, lobes of orders by their formula.
+fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]) -> bool {
+    let wo = 2.0 * wi.dot(m) * m - wi;
+    if !evaluator.projected_orders(wi, wo, out) {
+        let reflection = evaluator.reflection();
+        reflection.reflectance(wi.dot(m), out);
+        if let ReflectionKind::Lobe { ggx, .. } = reflection.kind() {
+            let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z.abs()) * wo.z;
+            out.iter_mut().for_each(|value| *value *= lobe);
+        }
+    }
+    wo.z > 0.0
+}
+
+/// The part of the file that belongs to one incident direction.
+struct Slice<'f> {
+    luminance: &'f mut [f32],
+    spectra: &'f mut [f32],
+}
+
+/// Computes the slice of an incident direction.
+fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
+    let reflection = evaluator.reflection();
+    let wi = direction(theta, phi);
+    let origin = if grid.isotropic() { phi } else { 0.0 };
+    let mut values = vec![0.0; reflection.channels];
+    let area = slice.luminance.len();
+    let [across, along] = &grid.nodes;
+    let places = along.iter().flat_map(|v| across.iter().map(move |u| (*u, *v)));
+    for (i, ((u, density_u), (v, density_v))) in places.enumerate() {
+        let theta_m = u * u * FRAC_PI_2;
+        let m = direction(theta_m, TAU * v - PI + origin);
+        let above = projected(evaluator, wi, m, &mut values);
+        // |dω_o| per area of the square, up to a constant factor.
+        let jacobian = u * theta_m.sin() * wi.dot(m).max(0.0);
+        // Of all densities for all channels, the root of the sum of squares has the smallest sum of variances. It is
+        // also positive where components of colours out of gamut cancel each other.
+        let strength = if above { values.iter().map(|value| value * value).sum::<f64>().sqrt() } else { 0.0 };
+        slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
+        let scale = match reflection.kind() {
+            ReflectionKind::Lobe { ggx, .. } => 4.0 * ggx.visible_area(wi.z) / ggx.density(m.z),
+            _ => 1.0,
+        };
+        for (c, value) in values.iter().enumerate() {
+            slice.spectra[c * area + i] = (value * scale) as f32;
+        }
+    }
+    if let Some(exact) = evaluator.albedo_of_orders(wi) {
+        for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact) {
+            albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel));
+        }
+    }
+    raise(slice.luminance);
+}
+
+/// The file's numbers of a mirror-like table or of diffraction orders.
+///
+/// # Errors
+/// Too little memory.
+pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Contents> {
+    let (slices, channels, side) = (grid.slices(), reflection.channels, grid.side());
+    let area = side * side;
+    let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;
+    let mut spectra = filled(0.0, slices * channels * area, "the .bsdf file")?;
+    let work = luminance.chunks_mut(area).zip(spectra.chunks_mut(channels * area));
+    let work = work.map(|(luminance, spectra)| Slice { luminance, spectra }).enumerate();
+    parallel::for_each(
+        parallel::available(),
+        work,
+        || reflection.evaluator(),
+        |evaluator, (i, slice)| {
+            let incident = [grid.theta[i % grid.theta.len()], grid.phi[i / grid.theta.len()]];
+            fill(evaluator, &grid, incident, slice);
+        },
+    );
+    let (density_of_facets, visible_area) = match reflection.kind() {
+        ReflectionKind::Lobe { ggx, .. } => (over_u(|cos| ggx.density(cos)), over_u(|cos| ggx.visible_area(cos))),
+        _ => (over_u(|_| 1.0), over_u(|_| 0.25)),
+    };
+    let densities = grid.density.map(|density| density.0.iter().map(|d| *d as f32).collect());
+    let (theta, phi) = (grid.theta, grid.phi);
+    Ok(Contents { theta, phi, densities, side, luminance, values: spectra, density_of_facets, visible_area })
+}

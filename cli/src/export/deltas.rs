@@ -1,0 +1,97 @@
+//! Light that a table sends into exact directions, where f is a delta.
+
+use glam::DVec3;
+use goniochrome::table::OrderTable as Lookup;
+
+use super::reflection::between_angles;
+use crate::support::error::Result;
+use crate::table::Table;
+use crate::table::mirror::MirrorTable;
+use crate::table::orders::LookupArrays;
+
+/// Names of the components of a colour, in the order of [`Delta::power`] and of channels of RGB.
+pub const RGB: [&str; 3] = ["R", "G", "B"];
+
+/// Light of one channel that leaves in an exact direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Delta {
+    /// What reflects it: `mirror`, or an order as `order 1 0`.
+    pub name: String,
+    /// Wavelength in nm, or one of [`RGB`].
+    pub channel: String,
+    /// Direction in which the light leaves.
+    pub direction: DVec3,
+    /// Its power over that of the incident light, or what it adds to a component of the colour.
+    pub power: f64,
+}
+
+/// The exact directions of a table.
+#[derive(Debug)]
+pub enum Deltas<'t> {
+    /// The mirror direction.
+    Mirror(&'t MirrorTable),
+    /// Diffraction orders: their numbers, the wavelengths, and what the library looks up.
+    Orders(&'t [[i32; 2]], &'t [f64], LookupArrays),
+}
+
+impl<'t> Deltas<'t> {
+    /// The exact directions of a table; `None` if it has none.
+    #[must_use]
+    pub fn new(table: &'t Table) -> Option<Self> {
+        match table {
+            Table::Mirror(table) => Some(Self::Mirror(table)),
+            Table::Scatter(_) => None,
+            Table::Orders(table) => {
+                let weights = table.wavelength_nm.iter().map(|_| [0.0; 3]);
+                Some(Self::Orders(&table.orders, &table.wavelength_nm, table.arrays(weights)))
+            }
+        }
+    }
+
+    /// Light that leaves in exact directions, for light from `wi` above the horizon. Orders that reflect nothing are
+    /// left out.
+    ///
+    /// # Errors
+    /// A table that the library refuses.
+    pub fn at(&self, wi: DVec3) -> Result<Vec<Delta>> {
+        match self {
+            Self::Mirror(table) => Ok(mirror(table, wi)),
+            Self::Orders(orders, wavelength_nm, arrays) => {
+                let table = arrays.table()?;
+                Ok(orders.iter().enumerate().flat_map(|order| leaving(&table, wavelength_nm, order, wi)).collect())
+            }
+        }
+    }
+}
+
+/// ρ(θ) in the mirror direction, spectral and RGB.
+fn mirror(table: &MirrorTable, wi: DVec3) -> Vec<Delta> {
+    let theta: Vec<f64> = table.theta_deg.iter().map(|theta| theta.to_radians()).collect();
+    let spectra: Vec<f32> = table.unpolarised().map(|rho| rho as f32).collect();
+    let channels = table.wavelength_nm.iter().map(f64::to_string);
+    let channels = channels.chain(RGB.into_iter().filter(|_| !table.rgb.is_empty()).map(str::to_owned));
+    let mut power = vec![0.0; table.wavelength_nm.len() + 3];
+    let (spectral, rgb) = power.split_at_mut(table.wavelength_nm.len());
+    between_angles(&theta, &spectra, wi.z.acos(), spectral);
+    if !table.rgb.is_empty() {
+        between_angles(&theta, table.rgb.as_flattened(), wi.z.acos(), rgb);
+    }
+    let direction = DVec3::new(-wi.x, -wi.y, wi.z);
+    let delta = |(channel, power)| Delta { name: "mirror".to_owned(), channel, direction, power };
+    channels.zip(power).map(delta).collect()
+}
+
+/// Light of each wavelength in an order, which is given by its place in the table and its numbers.
+fn leaving(table: &Lookup<'_>, wavelength_nm: &[f64], (place, [m, n]): (usize, &[i32; 2]), wi: DVec3) -> Vec<Delta> {
+    let view = table.view(wi.as_vec3());
+    let delta = |(wavelength, nm): (usize, &f64)| {
+        let light = view.as_ref()?.light(wavelength, place)?;
+        (light.efficiency > 0.0).then(|| Delta {
+            name: format!("order {m} {n}"),
+            channel: nm.to_string(),
+            direction: light.direction.as_dvec3(),
+            power: f64::from(light.efficiency),
+        })
+    };
+    wavelength_nm.iter().enumerate().filter_map(delta).collect()
+}
