@@ -7,7 +7,7 @@ use std::time::Instant;
 use goniochrome::table::{HalfVectorGrid, HalfVectorWarp, LobeDirection, ScatterLayout, tent_solid_angles};
 use goniochrome_cli::colour::visible_weights;
 use goniochrome_cli::scene::load;
-use goniochrome_cli::solve::cell_table::{TableRequest, estimate};
+use goniochrome_cli::solve::cell_table::{TableRequest, default_rays, default_sides, estimate};
 use goniochrome_cli::solve::mesh_scene::MeshScene;
 use goniochrome_cli::solve::precision::Precision;
 use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, Tracing, scatter};
@@ -51,12 +51,18 @@ fn main() {
         _ => Coherence::None,
     };
     let wavelength = [550.0];
-    let rays = number(5, 4096);
+    let rays = number(5, default_rays(&mesh_scene));
+    let sides = default_sides(&mesh_scene);
     let tracing = Tracing { coherence, rays, seed: 0, precision: Precision::F32, threads: 2 };
-    let weights = visible_weights(&wavelength, goniochrome::colour::Illuminant::D65, goniochrome::colour::Quadrature::Interpolated).unwrap();
+    let weights = visible_weights(
+        &wavelength,
+        goniochrome::colour::Illuminant::D65,
+        goniochrome::colour::Quadrature::Interpolated,
+    )
+    .unwrap();
     let request = TableRequest {
-        incident: [number(1, 10), number(2, 12)],
-        half_vectors: [number(3, 16), number(4, 32)],
+        incident: [number(1, sides.incident[0]), number(2, sides.incident[1])],
+        half_vectors: [number(3, sides.half_vectors[0]), number(4, sides.half_vectors[1])],
         tracing,
         target_error: None,
         weights: &weights,
@@ -65,7 +71,14 @@ fn main() {
     };
     let start = Instant::now();
     let table = estimate(&mesh_scene, &wavelength, &request, None, &|| ()).unwrap();
-    println!("{}: {:?} {:.1} s, {} lobes, error {:.1e}", scene.name, table.layout, start.elapsed().as_secs_f64(), table.lobes.len(), table.worst_error());
+    println!(
+        "{}: {:?} {:.1} s, {} lobes, error {:.1e}",
+        scene.name,
+        table.layout,
+        start.elapsed().as_secs_f64(),
+        table.lobes.len(),
+        table.worst_error()
+    );
     let [u, v] = &table.warp;
     let mut memory = vec![0.0; HalfVectorWarp::required_len([u.len(), v.len()])];
     HalfVectorWarp::new([u, v], &mut memory).unwrap();
@@ -81,12 +94,21 @@ fn main() {
             .lobes
             .iter()
             .enumerate()
-            .filter_map(|(lobe, map)| Some(LobeDirection { direction: map.direction(wi.as_vec3())?.as_dvec3().normalize(), lobe }))
+            .filter_map(|(lobe, map)| {
+                Some(LobeDirection { direction: map.direction(wi.as_vec3())?.as_dvec3().normalize(), lobe })
+            })
             .collect();
         lobes.sort_by(|a, b| a.direction.x.total_cmp(&b.direction.x));
         let grid = HalfVectorGrid::new(table.layout, warp, wi, &lobes);
         let direct_rays = if coherence == Coherence::Ray { 1 << 15 } else { 1 << 18 };
-        let request = ScatterRequest { coherence, rays: direct_rays, seed: 7, bins: &grid, precision: Precision::F32, threads: 2 };
+        let request = ScatterRequest {
+            coherence,
+            rays: direct_rays,
+            seed: 7,
+            bins: &grid,
+            precision: Precision::F32,
+            threads: 2,
+        };
         let direct = &scatter(&mesh_scene, wi, &wavelength, &request, &|| ()).unwrap()[0];
         let power = of_table(&table, &pairs, wi);
         let (mut difference, mut sum, mut whole, mut noise, mut lobe) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -102,7 +124,12 @@ fn main() {
         worst = worst.max(difference / sum);
         println!(
             "  {theta:5.1} {phi:5.1}: L1 {:.3} (lobes {:.3}, noise of the reference {:.3}), albedo {:.4} for {:.4} ({:+.2} %)",
-            difference / sum, lobe / sum, noise / sum, whole, sum, 100.0 * (whole / sum - 1.0)
+            difference / sum,
+            lobe / sum,
+            noise / sum,
+            whole,
+            sum,
+            100.0 * (whole / sum - 1.0)
         );
     }
     println!("  worst {worst:.3}");

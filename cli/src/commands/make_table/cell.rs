@@ -11,7 +11,7 @@ use crate::commands::make_table::metadata::scatter_metadata;
 use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
 use crate::commands::notes::{note_on_front, note_on_media};
 use crate::scene::Scene;
-use crate::solve::cell_table::{TableRequest, estimate};
+use crate::solve::cell_table::{TableRequest, default_rays, default_sides, estimate};
 use crate::solve::cell_warnings::{not_converged, too_few, unbalanced};
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::grid::Wavelengths;
@@ -21,9 +21,6 @@ use crate::solve::spectra::Method;
 use crate::support::error::{Error, Result};
 use crate::support::progress::{bar, note};
 use crate::table::Table;
-
-/// The default number of starting rays of an incident direction.
-const RAYS: u32 = 4096;
 
 /// Traces the table of a cell; also returns its summary, and its checkpoint if it has an output.
 pub(super) fn scatter_table(
@@ -49,11 +46,12 @@ pub(super) fn scatter_table(
     let wavelengths = args.wavelengths.as_ref().map_or_else(|| Wavelengths::every(10.0), Wavelengths::increasing);
     let wavelength_nm = listed_wavelengths(&wavelengths, scene)?;
     let cell = &args.cell;
-    let layout = scatter_layout(args)?;
+    let mesh_scene = MeshScene::new(scene)?;
+    let layout = scatter_layout(args, default_sides(&mesh_scene))?;
     let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
     let tracing = Tracing {
         coherence,
-        rays: cell.rays.unwrap_or(RAYS),
+        rays: cell.rays.unwrap_or_else(|| default_rays(&mesh_scene)),
         seed: cell.seed.unwrap_or(0),
         precision: args.computing.precision,
         threads: args.computing.request().threads,
@@ -62,7 +60,6 @@ pub(super) fn scatter_table(
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let (incident, half_vectors) = (layout.incident_sides(), layout.square_sides());
     let request = TableRequest { incident, half_vectors, tracing, target_error, weights: &weights, space, reciprocal };
-    let mesh_scene = MeshScene::new(scene)?;
     note_on_media(scene, wavelength_nm, args.computing.running.quiet);
     note_on_front(scene, args.computing.running.quiet);
     let checkpoint = match output {

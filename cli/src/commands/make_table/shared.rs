@@ -7,19 +7,16 @@ use goniochrome::table::ScatterLayout;
 use indicatif::ProgressBar;
 
 use crate::commands::args::EstimateArgs;
+use crate::solve::cell_table::Sides;
 use crate::solve::checkpoint::Checkpoint;
 use crate::support::error::{Error, Result};
 use crate::support::progress::note;
 
-/// Default rows in θ_i and columns in φ_i.
-const INCIDENT: [u32; 2] = [10, 12];
-/// Default nodes of half vectors along θ_m and around the normal.
-const HALF_VECTORS: [u32; 2] = [16, 32];
-
-/// The grid of a table of scattered light, without lobes.
-pub(super) fn scatter_layout(args: &EstimateArgs) -> Result<ScatterLayout> {
-    let incident = args.cell.incident.map_or(INCIDENT, |sides| sides.0);
-    let half_vectors = args.cell.half_vectors.map_or(HALF_VECTORS, |sides| sides.0);
+/// The grid of a table of scattered light, without lobes: as the options say, else these sides.
+pub(super) fn scatter_layout(args: &EstimateArgs, defaults: Sides) -> Result<ScatterLayout> {
+    let incident = args.cell.incident.map_or(defaults.incident, |sides| sides.0);
+    let otherwise = if incident[1] == 1 { Sides::ISOTROPIC } else { defaults };
+    let half_vectors = args.cell.half_vectors.map_or(otherwise.half_vectors, |sides| sides.0);
     let ([theta, phi], [u, v]) = (incident, half_vectors);
     ScatterLayout::new(incident, half_vectors, 0)
         .map_err(|error| Error::usage(format_args!("--incident {theta}x{phi} --half-vectors {u}x{v}: {error}")))

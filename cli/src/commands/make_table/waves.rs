@@ -12,6 +12,7 @@ use crate::commands::make_table::metadata::wave_metadata;
 use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
 use crate::commands::notes::note_on_media;
 use crate::scene::{Periods, Scene};
+use crate::solve::cell_table::Sides;
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::grid::Wavelengths;
 use crate::solve::spectra::Method;
@@ -62,7 +63,10 @@ pub(super) fn wave_table(
         Periods::Coherent => None,
         Periods::Random => {
             let illuminant = args.colouring.illuminant.into();
-            Some((scatter_layout(args)?, visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?))
+            Some((
+                scatter_layout(args, Sides::LINES)?,
+                visible_weights(wavelength_nm, illuminant, Quadrature::Interpolated)?,
+            ))
         }
     };
     note_on_media(scene, wavelength_nm, quiet);

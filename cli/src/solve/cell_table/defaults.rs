@@ -1,0 +1,69 @@
+//! The grid and the rays of a cell's table, unless the user names others.
+
+use glam::DVec3;
+
+use crate::solve::cell_table::flat::flat_normals;
+use crate::solve::mesh_scene::MeshScene;
+
+/// Sides of a table: incident directions in θ_i × φ_i, and half vectors outwards × around the normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sides {
+    /// Rows in θ_i and columns in φ_i.
+    pub incident: [u32; 2],
+    /// Nodes of half vectors along x and along y.
+    pub half_vectors: [u32; 2],
+}
+
+impl Sides {
+    /// Curved surfaces: as many incident directions as half vectors.
+    pub const CURVED: Self = Self { incident: [16, 16], half_vectors: [12, 20] };
+    /// Surfaces of lines: half vectors lie across the lines, so few azimuths of them are needed.
+    pub const LINES: Self = Self { incident: [20, 24], half_vectors: [16, 8] };
+    /// Surfaces of flat facets: lobes are exact, boxes hold the rest, and the power of lobes has kinks where a facet's
+    /// shadow begins.
+    pub const FLAT: Self = Self { incident: [22, 20], half_vectors: [8, 16] };
+    /// Tables that are averaged around the normal: one incident azimuth.
+    pub const ISOTROPIC: Self = Self { incident: [24, 1], half_vectors: [24, 32] };
+}
+
+/// Share of the area, seen from above, that flat facets have at least on surfaces of flat facets.
+const MIN_FLAT: f64 = 0.9;
+/// Largest horizontal part of normals along lines: the rounding of meshes in single precision.
+const ALONG: f64 = 1e-5;
+
+/// Default number of starting rays of an incident direction: some for each box.
+const RAYS: u32 = 4096;
+/// Default number where waves pass between interfaces, each ray of which costs as much as ten others.
+const RAYS_BETWEEN: u32 = 1024;
+
+/// The default sides of the table of a cell. Together they hold at most 65 536 values in each channel, 16 of which are
+/// left for lobes on curved surfaces.
+#[must_use]
+pub fn default_sides(mesh_scene: &MeshScene<'_>) -> Sides {
+    let flat = flat_normals(mesh_scene);
+    let (mut area, mut of_flat, mut along) = (0.0, 0.0, [0.0f64; 2]);
+    for ([a, b, c], _, _) in mesh_scene.triangles() {
+        let twice = (b - a).cross(c - a);
+        let normal: DVec3 = twice.normalize_or_zero();
+        area += twice.z.abs();
+        along = [along[0].max(normal.x.abs()), along[1].max(normal.y.abs())];
+        if flat.iter().any(|flat| flat.dot(normal).abs() > 1.0 - 1e-9) {
+            of_flat += twice.z.abs();
+        }
+    }
+    match () {
+        () if of_flat >= MIN_FLAT * area => Sides::FLAT,
+        () if along.iter().any(|part| *part < ALONG) => Sides::LINES,
+        () => Sides::CURVED,
+    }
+}
+
+/// The default number of starting rays of each incident direction.
+#[must_use]
+pub fn default_rays(mesh_scene: &MeshScene<'_>) -> u32 {
+    if mesh_scene.scene().shape.polygons().is_some_and(|cell| cell.interfaces().len() > 1) {
+        RAYS_BETWEEN
+    } else {
+        RAYS
+    }
+}
