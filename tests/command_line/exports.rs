@@ -91,7 +91,7 @@ fn what_gltf_cannot_hold_is_refused_with_the_reason() {
     user.ok("estimate paper-fig4 -o t.exr --angles 4 --wavelengths 400,550 --quiet");
     user.ok("estimate file.toml -o paper.exr --model paper --angles 4 --wavelengths 400,550 --quiet");
     user.ok("estimate file.toml -o file.exr --angles 4 --wavelengths 400,550 --quiet");
-    user.ok("estimate bumpy-glass -o bumpy.exr --incident 2x1 --wavelengths 450,550 --bins 4x8 --rays 32 --quiet");
+    user.ok("estimate bumpy-glass -o bumpy.exr --incident 2x1 --wavelengths 450,550 --half-vectors 4x8 --rays 32 --quiet");
     for (line, says) in [
         ("export t.exr --to gltf -o a.gltf", ["is a single film", "export a lut"]),
         ("export bumpy.exr --to gltf -o a.gltf", ["scatters", "export a bsdf"]),

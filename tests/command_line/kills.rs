@@ -11,10 +11,13 @@ use crate::user::User;
 const SCENE: &str = "[cell]\nperiod_nm = [1000, 1000]\n\
                      surface = { kind = \"pyramids\", count = [1, 1], fill = [0.6, 0.6] }\n\
                      [interface.pyramids]\nabove = 1.0\nbelow = 1.5\n";
-const TABLE: &str = "--incident 4x8 --bins 4x8 --rays 2048 --wavelengths 450,550 --coherence none";
+const TABLE: &str = "--incident 4x8 --half-vectors 4x8 --rays 2048 --wavelengths 450,550 --coherence none";
 const CHECKPOINT: &str = "t.exr.checkpoint";
-/// Bytes of a checkpoint's record for [`TABLE`]: number, energy, f and errors of 32 bins, checksum.
-const RECORD: u64 = 8 + 6 * 8 + 3 * 32 * 4 + 32;
+/// Bytes of a checkpoint's record for [`TABLE`]: number, energy, s of two wavelengths and errors, checksum. The cell has
+/// LOBES lobes beside its 32 nodes.
+const RECORD: u64 = 8 + 9 * 8 + 3 * (32 + LOBES) * 4 + 32;
+/// Lobes of one, two and three walls and of the floor.
+const LOBES: u64 = 1;
 /// Number of kills in a plain test run; `GONIOCHROME_KILLS` asks for more.
 const KILLS: u32 = 40;
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::UnknownArgumentValueParser;
 use clap::{Args, FromArgMatches as _};
 
 use crate::commands::args::shared::{Colouring, Computing};
@@ -60,6 +61,9 @@ pub struct CellSampling {
     /// [default: 16x32]
     #[arg(long, value_name = "THETAxPHI")]
     pub half_vectors: Option<Bins>,
+    /// What sized tables of versions before 0.2
+    #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--half-vectors"))]
+    pub bins: Option<String>,
     /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096]
     #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
     pub rays: Option<u32>,
