@@ -136,6 +136,10 @@ fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
         let scene = field.scene();
         let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
         for coherence in [Coherence::Ray, Coherence::None] {
+            // In films the exits of a ray interfere within a cell of the grid, and these grids differ.
+            if coherence == Coherence::Ray && !field.depths_nm.is_empty() {
+                continue;
+            }
             let request =
                 ScatterRequest { coherence, rays: 2048, seed: 5, bins: BINS, precision: Precision::F64, threads: 1 };
             let table = table(&mesh_scene, 4, request.tracing()).expect("a good mesh");
@@ -162,7 +166,8 @@ fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
             let (mut power, mut variance, mut rho) = ([0.0; 32], [0.0; 32], [0.0]);
             for lobe in 0..table.layout.lobes() {
                 if let Some(wo) = lookup.reflected(wi.as_vec3(), lobe, &mut rho) {
-                    let error = table.luminance_error[incident * table.layout.places() + table.layout.node_count() + lobe];
+                    let error =
+                        table.luminance_error[incident * table.layout.places() + table.layout.node_count() + lobe];
                     power[BINS.index(wo.as_dvec3())] += f64::from(rho[0]);
                     variance[BINS.index(wo.as_dvec3())] += f64::from(error).powi(2);
                 }
@@ -218,8 +223,7 @@ fn an_isotropic_table_of_interfering_rays_keeps_what_each_azimuth_reflects() {
 fn a_table_of_orders_is_refused_with_the_command_that_computes_them() {
     let scene = small_cells()[0].scene();
     let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
-    let tracing =
-        Tracing { coherence: Coherence::Cell, rays: 64, seed: 0, precision: Precision::F64, threads: 1 };
+    let tracing = Tracing { coherence: Coherence::Cell, rays: 64, seed: 0, precision: Precision::F64, threads: 1 };
     let error = table(&mesh_scene, 4, tracing).unwrap_err();
     assert!(error.exit_code() == 2 && error.to_string().contains("use orders"), "{error}");
 }

@@ -193,8 +193,8 @@ fn a_reciprocal_table_is_the_mean_of_both_ways() {
         let [there, found] = [&traced, &mean].map(|table| f64::from(table.row(incident, 0)[node]));
         let expected = 0.5 * (there + back);
         worst = worst.max((found - expected).abs() / (1.0 + expected));
-        let [before, after] = [&traced, &mean]
-            .map(|table| table.luminance_error[incident * table.layout.places() + node]);
+        let [before, after] =
+            [&traced, &mean].map(|table| table.luminance_error[incident * table.layout.places() + node]);
         if before > 0.0 {
             compared += 1;
             less_noise += usize::from(after < before);
@@ -345,7 +345,8 @@ fn wavelengths_too_few_for_films_on_facets_are_told() {
         )
     };
     let user = User::with(&[("thick.toml", &scene(15_000)), ("thin.toml", &scene(150))]);
-    let said = |line: &str| user.ok(&format!("estimate {line} -o t.exr --incident 2x2 --half-vectors 2x4 --rays 32")).stderr;
+    let said =
+        |line: &str| user.ok(&format!("estimate {line} -o t.exr --incident 2x2 --half-vectors 2x4 --rays 32")).stderr;
     assert!(said("thick.toml").contains("too few for the fringes of films"));
     assert!(table(&user, "t.exr").metadata.get("warning").unwrap().contains("too few"));
     for line in ["thin.toml", "thick.toml --wavelengths 400:500:0.5", "thick.toml --coherence none"] {

@@ -120,12 +120,8 @@ pub fn lobes(table: &ScatterTable, name: &str, theta_deg: &[f64], phi_deg: f64) 
             let wo = direction_deg(theta_o, phi_deg + 180.0);
             (theta_o, f64::from(lookup.rgb(wi, wo)[0] * wo.z))
         });
-        let line = |label: String, points: Vec<(f64, f64)>, dash| Series {
-            label,
-            colour: (*colour).to_owned(),
-            points,
-            dash,
-        };
+        let line =
+            |label: String, points: Vec<(f64, f64)>, dash| Series { label, colour: (*colour).to_owned(), points, dash };
         series.push(line(format!("light at {theta}°"), points.collect(), Dash::None));
         for (wo, [rho, ..]) in facet_lobes(&lookup, wi) {
             let across = wo - wo.dot(plane) * plane - wo.z * Vec3::Z;
@@ -201,11 +197,8 @@ mod tests {
         let (x, y) = (0.5 * picture.size().0 - 170.0 * 60.0 / 90.0, 240.0);
         let dot = pixels.pixel((x + 2.0) as u32, (y - 2.0) as u32).unwrap();
         assert!(dot.red() == 255 && dot.green() < 200 && dot.blue() < dot.green(), "{dot:?}");
-        let without = ScatterTable {
-            layout: ScatterLayout::new([3, 2], [4, 6], 0).unwrap(),
-            lobes: Vec::new(),
-            ..even()
-        };
+        let without =
+            ScatterTable { layout: ScatterLayout::new([3, 2], [4, 6], 0).unwrap(), lobes: Vec::new(), ..even() };
         let places = even().layout.places();
         let bare = |i: &usize| i % places != places - 1;
         let kept: Vec<usize> = (0..even().layout.count()).filter(bare).collect();
