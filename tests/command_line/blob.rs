@@ -39,7 +39,9 @@ fn a_planar_table_loads_with_its_colours_and_space() {
 #[test]
 fn a_table_of_a_cell_loads_with_its_sampler() {
     let user = User::new();
-    user.ok("estimate beetle-pits -o t.exr --incident 3x2 --bins 4x8 --rays 64 --wavelengths 400:700:60 --quiet");
+    user.ok(
+        "estimate beetle-pits -o t.exr --incident 3x2 --half-vectors 4x8 --rays 64 --wavelengths 400:700:60 --quiet",
+    );
     user.ok("export t.exr --to blob -o t.gonio --quiet");
     let bytes = user.read("t.gonio");
     let Table::Scatter(table) = file::read(&user.at("t.exr")).unwrap() else { panic!("a cell's table") };

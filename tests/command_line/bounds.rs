@@ -54,9 +54,9 @@ fn grids_are_counted_before_they_are_made() {
     refused(&user, "spectrum paper-fig3 --wavelengths 1:1000000:1", 2, &many);
     let steep = ["89000000001 angles are more than the 16384 allowed"];
     refused(&user, "spectrum paper-fig3 --theta 0:89:1e-9", 2, &steep);
-    let pairs = ["pairs of directions", "are too many", "4194304"];
-    refused(&user, "estimate bumpy-glass -o t.exr --incident 4000x4000 --bins 4000x4000", 2, &["--incident"]);
-    refused(&user, "estimate bumpy-glass -o t.exr --incident 64x128 --bins 64x128", 1, &pairs);
+    let pairs = ["67108864 values", "are too many", "4194304"];
+    refused(&user, "estimate bumpy-glass -o t.exr --incident 4000x4000 --half-vectors 4000x4000", 2, &["--incident"]);
+    refused(&user, "estimate bumpy-glass -o t.exr --incident 64x128 --half-vectors 64x128", 1, &pairs);
     let petabytes = ["not enough memory for all --bins at all --wavelengths, which takes 2147", "GB; ask for less"];
     refused(&user, "scatter bumpy-glass --bins 1024x1024 --wavelengths 1000:9000:1", 1, &petabytes);
 }
@@ -142,13 +142,13 @@ fn surfaces_of_too_many_triangles_are_refused() {
 
 #[test]
 fn making_a_table_takes_its_own_size_and_little_more() {
-    /// Size of the table: incident directions × bins × (40 wavelengths, R, G, B, the error), numbers of four bytes.
+    /// Size of the table: incident directions × nodes × (40 wavelengths, R, G, B, the error), numbers of four bytes.
     const TABLE_KIB: u32 = 16 * 65_536 * 44 * 4 / 1024;
     /// Size of all else: the program (45 MB unoptimised), its stack, the file that it writes, and one row of blocks
     /// being compressed.
     const BESIDES_KIB: u32 = 80 << 10;
     let user = User::new();
-    let options = "--incident 4x4 --bins 256x256 --wavelengths 385:775:10 --rays 32 --threads 1 --quiet";
+    let options = "--incident 4x4 --half-vectors 256x256 --wavelengths 385:775:10 --rays 32 --threads 1 --quiet";
     let line = format!("estimate bumpy-glass -o t.exr {options}");
     let (code, message) = run_within(&user, TABLE_KIB + BESIDES_KIB, &line);
     assert_eq!(code, Some(0), "{message}");

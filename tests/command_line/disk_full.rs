@@ -95,7 +95,8 @@ fn a_full_file_system_keeps_what_it_had() {
 #[test]
 fn a_full_file_system_keeps_the_directions_that_are_finished() {
     let user = User::new();
-    let table = "silicon-pyramids --incident 4x8 --bins 16x32 --rays 32 --wavelengths 450,550 --coherence none -q";
+    let table =
+        "silicon-pyramids --incident 4x8 --half-vectors 16x32 --rays 32 --wavelengths 450,550 --coherence none -q";
     let script = "\"$0\" estimate TABLE -o tiny/t.exr; echo \"code $?\"; ls -A tiny; mount -o remount,size=4m tiny; \
                   \"$0\" estimate TABLE -o tiny/t.exr; echo \"code $?\"; ls -A tiny; cp tiny/t.exr resumed.exr";
     let Some((stdout, stderr)) = beside_a_tiny_disk(&user, &script.replace("TABLE", table)) else {

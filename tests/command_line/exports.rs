@@ -56,7 +56,7 @@ fn what_a_format_cannot_hold_is_refused_with_the_remedy() {
 #[test]
 fn an_anisotropic_table_is_refused_by_merl_and_an_isotropic_one_needs_no_roughness() {
     let user = User::new();
-    let options = "--wavelengths 450,550,650 --bins 4x8 --rays 32 --quiet";
+    let options = "--wavelengths 450,550,650 --half-vectors 4x8 --rays 32 --quiet";
     user.ok(&format!("estimate bumpy-glass -o aniso.exr --incident 2x4 {options}"));
     user.ok(&format!("estimate bumpy-glass -o iso.exr --incident 2x1 {options}"));
     user.refused("export aniso.exr --to merl -o a.binary", 1, &["anisotropic", "--incident 2x1"]);
@@ -91,7 +91,9 @@ fn what_gltf_cannot_hold_is_refused_with_the_reason() {
     user.ok("estimate paper-fig4 -o t.exr --angles 4 --wavelengths 400,550 --quiet");
     user.ok("estimate file.toml -o paper.exr --model paper --angles 4 --wavelengths 400,550 --quiet");
     user.ok("estimate file.toml -o file.exr --angles 4 --wavelengths 400,550 --quiet");
-    user.ok("estimate bumpy-glass -o bumpy.exr --incident 2x1 --wavelengths 450,550 --bins 4x8 --rays 32 --quiet");
+    user.ok(
+        "estimate bumpy-glass -o bumpy.exr --incident 2x1 --wavelengths 450,550 --half-vectors 4x8 --rays 32 --quiet",
+    );
     for (line, says) in [
         ("export t.exr --to gltf -o a.gltf", ["is a single film", "export a lut"]),
         ("export bumpy.exr --to gltf -o a.gltf", ["scatters", "export a bsdf"]),

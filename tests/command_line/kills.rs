@@ -3,7 +3,11 @@
 
 use std::fs::{self, File};
 use std::process::{Child, Stdio};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
+
+use goniochrome_cli::table::Table;
+use goniochrome_cli::table::file::read;
 
 use crate::random::Random;
 use crate::user::User;
@@ -11,10 +15,15 @@ use crate::user::User;
 const SCENE: &str = "[cell]\nperiod_nm = [1000, 1000]\n\
                      surface = { kind = \"pyramids\", count = [1, 1], fill = [0.6, 0.6] }\n\
                      [interface.pyramids]\nabove = 1.0\nbelow = 1.5\n";
-const TABLE: &str = "--incident 4x8 --bins 4x8 --rays 2048 --wavelengths 450,550 --coherence none";
+const TABLE: &str = "--incident 4x8 --half-vectors 4x8 --rays 2048 --wavelengths 450,550 --coherence none";
 const CHECKPOINT: &str = "t.exr.checkpoint";
-/// Bytes of a checkpoint's record for [`TABLE`]: number, energy, f and errors of 32 bins, checksum.
-const RECORD: u64 = 8 + 6 * 8 + 3 * 32 * 4 + 32;
+/// Bytes of a checkpoint's record for [`TABLE`]: number, energy, values of two wavelengths and errors, checksum.
+static RECORD: LazyLock<u64> = LazyLock::new(|| {
+    let user = user();
+    user.ok(&estimate(2));
+    let Table::Scatter(table) = read(&user.at("t.exr")).unwrap() else { panic!("a table of scattered light") };
+    8 + 9 * 8 + 3 * 4 * table.layout.places() as u64 + 32
+});
 /// Number of kills in a plain test run; `GONIOCHROME_KILLS` asks for more.
 const KILLS: u32 = 40;
 
@@ -74,10 +83,10 @@ fn a_killed_run_resumes_to_the_same_bytes() {
             code => panic!("{code:?}: {}", String::from_utf8_lossy(&output.stderr)),
         }
         let now = fs::metadata(user.at(CHECKPOINT)).map_or(0, |file| file.len());
-        resumed += u32::from(held > RECORD && now > held);
+        resumed += u32::from(held > *RECORD && now > held);
         // A power cut may lose the end of what was written, within a record as well as between two.
         if now > 0 && random.below(3) == 0 {
-            let kept = now.saturating_sub(random.below(2 * RECORD));
+            let kept = now.saturating_sub(random.below(2 * *RECORD));
             File::options().write(true).open(user.at(CHECKPOINT)).unwrap().set_len(kept).unwrap();
             cut += 1;
         }
@@ -121,7 +130,7 @@ fn interrupted(user: &User) -> Vec<u8> {
     let mut child = start(user, &estimate(1));
     loop {
         let length = fs::metadata(user.at(CHECKPOINT)).map_or(0, |file| file.len());
-        if length > 2 * RECORD + 512 {
+        if length > 2 * *RECORD + 512 {
             break;
         }
         assert!(child.try_wait().unwrap().is_none(), "the run ended before its third record");
@@ -137,10 +146,10 @@ fn a_log_cut_at_any_record_resumes_to_the_same_bytes() {
     let user = user();
     let (table, _) = uninterrupted(&user);
     let log = interrupted(&user);
-    let head = log.len() as u64 % RECORD;
-    for record in 0..=(log.len() as u64 - head) / RECORD {
+    let head = log.len() as u64 % *RECORD;
+    for record in 0..=(log.len() as u64 - head) / *RECORD {
         for offset in [-1, 0, 1] {
-            let Some(length) = (head + record * RECORD).checked_add_signed(offset) else { continue };
+            let Some(length) = (head + record * *RECORD).checked_add_signed(offset) else { continue };
             user.write(CHECKPOINT, &log[..(length as usize).min(log.len())]);
             user.ok(&estimate(2));
             assert!(user.read("t.exr") == table, "record {record} {offset:+}");

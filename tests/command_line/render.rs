@@ -5,8 +5,7 @@ use std::io::Cursor;
 
 use exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, WritableImage};
 use glam::{DVec3, Vec3};
-use goniochrome::measure::bins::DirectionBins;
-use goniochrome::table::ScatterLayout;
+use goniochrome::table::{HalfVectorWarp, ScatterLayout};
 use goniochrome_cli::table::mirror::MirrorTable;
 use goniochrome_cli::table::scatter::{Energy, ScatterTable};
 use goniochrome_cli::table::{Table, file};
@@ -170,22 +169,30 @@ fn a_sphere_in_white_light_has_the_tables_colours_also_by_wavelengths() {
 /// A table of a broad lobe around the mirror direction that reddens, f in 1/sr. It is not reciprocal, so that swapped
 /// directions show.
 fn lobes() -> ScatterTable {
-    let layout = ScatterLayout::new(6, 4, DirectionBins { cos: 8, phi: 16 }).unwrap();
-    let bins = layout.bins().count();
-    let rgb: Vec<[f32; 3]> = (0..layout.count())
-        .map(|pair| {
-            let ([theta, phi], [cos, turn]) = (layout.incident(pair / bins), layout.outgoing(pair % bins));
-            let lobe = (2.0 * (theta.cos() - cos)).powi(2) + (turn - PI).cos().mul_add(-0.6, 0.6);
-            let f = (0.05 + 0.5 * (-lobe).exp() * (1.0 + 0.3 * (phi + 0.4).sin())) as f32;
-            [f, 0.5 * f, 0.1 + 0.1 * theta as f32]
-        })
-        .collect();
+    let layout = ScatterLayout::new([6, 4], [8, 16], 0).unwrap();
+    let mut memory = [0.0; 8];
+    let warp = HalfVectorWarp::new([&[1.0; 2]; 2], &mut memory).unwrap();
+    let s = |value: usize| {
+        let [theta, phi] = layout.incident(value / layout.places());
+        let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let (m, _) = warp.half_vector(layout.node(value % layout.places()).map(|place| place as f32), 0.0);
+        let m = m.as_dvec3();
+        let wo = 2.0 * wi.dot(m) * m - wi;
+        let cos = wo.z.max(0.0);
+        let turn = wo.y.atan2(wo.x) - phi;
+        let lobe = (2.0 * (theta.cos() - cos)).powi(2) + (turn - PI).cos().mul_add(-0.6, 0.6);
+        let f = 0.05 + 0.5 * (-lobe).exp() * (1.0 + 0.3 * (phi + 0.4).sin());
+        [f, 0.5 * f, 0.1 + 0.1 * theta].map(|f| (f * theta.cos() * cos) as f32)
+    };
+    let rgb: Vec<[f32; 3]> = (0..layout.count()).map(s).collect();
     ScatterTable {
         wavelength_nm: vec![550.0],
-        brdf: rgb.iter().map(|rgb| rgb[1]).collect(),
+        values: rgb.iter().map(|rgb| rgb[1]).collect(),
         luminance_error: vec![0.0; layout.count()],
         energy: vec![Energy::default(); layout.incident_count()],
         metadata: Default::default(),
+        warp: [vec![1.0; 2], vec![1.0; 2]],
+        lobes: Vec::new(),
         layout,
         rgb,
     }
@@ -199,8 +206,8 @@ fn a_scattering_plane_reflects_what_its_table_integrates_to() {
     environment(&user, "one.exr", [16, 8], |_, _| [1.0; 3]);
     // Brighter on one side, so that the light's own sampling counts.
     environment(&user, "side.exr", [16, 8], |x, y| [if (x, y) == (5, 2) { 30.0 } else { 0.5 }; 3]);
-    let values: Vec<f32> = table.rgb.iter().flatten().copied().collect();
-    let core = goniochrome::table::ScatterTable::new(&values, table.layout, 3).unwrap();
+    let lookup = table.rgb_lookup().unwrap();
+    let core = lookup.table().unwrap();
     for elevation in [75.0, 30.0] {
         let (sin, cos) = f64::to_radians(elevation).sin_cos();
         let wo = Vec3::new(cos as f32, 0.0, sin as f32);

@@ -7,7 +7,7 @@ const SCENE: &str = "[cell]\nmesh = \"m.obj\"\nperiod_nm = [1000, 800]\n\
                      [interface.top]\nabove = 1.0\nbelow = 1.5\n[interface.base]\nabove = 1.5\nbelow = 1.3\n";
 
 const ESTIMATE: &str =
-    "estimate s.toml -o t.exr --incident 1x1 --bins 2x4 --rays 32 --wavelengths 550 --coherence none -q";
+    "estimate s.toml -o t.exr --incident 2x1 --half-vectors 2x4 --rays 32 --wavelengths 550 --coherence none -q";
 
 /// The mesh of a roof over the period, its ridge along y: vertices in lines 1 to 6, faces in 8 and 9.
 const ROOF: &str = "v 0 0 0\nv 0 800 0\nv 500 0 300\nv 500 800 300\nv 1000 0 0\nv 1000 800 0\n\

@@ -30,7 +30,7 @@ fn a_default_table_becomes_one_small_page() {
 #[test]
 fn a_table_of_a_cell_becomes_a_page() {
     let user = User::new();
-    user.ok("estimate bumpy-glass -o t.exr --incident 2x2 --bins 4x8 --rays 32 --wavelengths 450:650:50 -q");
+    user.ok("estimate bumpy-glass -o t.exr --incident 2x2 --half-vectors 4x8 --rays 32 --wavelengths 450:650:50 -q");
     user.ok("view t.exr -o view.html");
     assert!(text(&user, "view.html").contains("\"kind\":\"scatter\""));
 }

@@ -123,21 +123,21 @@ fn an_interrupted_table_is_taken_up_again() {
 fn random_periods_spread_the_power_of_the_orders() {
     let user = user();
     user.write("random.toml", LINES.replace("coherent", "random"));
-    user.ok("estimate random.toml -o t.exr --incident 2x4 --bins 16x32 --wavelengths 450:600:50 -q");
+    user.ok("estimate random.toml -o t.exr --incident 2x4 --half-vectors 16x32 --wavelengths 450:600:50 -q");
     let Table::Scatter(table) = read(&user.at("t.exr")).unwrap() else { panic!("a table of scattered light") };
-    for incident in 0..table.layout.incident_count() {
-        let bins = table.layout.bins();
-        let luminance = |wavelength: usize| -> f64 {
-            let row = table.row(incident, wavelength).iter().enumerate();
-            row.map(|(bin, f)| f64::from(*f) * bins.projected_solid_angle(bin)).sum()
-        };
-        // The mean of the spectrum by luminance lies between its ends; each is a sum over all bins.
-        let albedo: Vec<f64> = (0..table.wavelength_nm.len()).map(luminance).collect();
-        let reflected = table.energy[incident].reflected.value;
-        let (least, most) = (albedo.iter().copied().fold(1.0, f64::min), albedo.iter().copied().fold(0.0, f64::max));
+    let lookup = table.spectral_lookup().unwrap();
+    let lookup = lookup.table().unwrap();
+    for (incident, energy) in table.energy.iter().enumerate() {
+        let [theta, phi] = table.layout.incident(incident).map(|angle| angle as f32);
+        let wi = glam::Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let mut albedo = vec![0.0; table.wavelength_nm.len()];
+        lookup.albedo(wi, &mut albedo);
+        // The mean of the spectrum by luminance lies between its ends; each is a sum over all nodes.
+        let reflected = energy.reflected.value as f32;
+        let (least, most) = (albedo.iter().copied().fold(1.0, f32::min), albedo.iter().copied().fold(0.0, f32::max));
         assert!(least - 1e-4 <= reflected && reflected <= most + 1e-4, "{incident}: {reflected} {albedo:?}");
-        // Light of several bins: no order keeps its one direction.
-        assert!(table.row(incident, 0).iter().filter(|f| **f > 0.0).count() > 4);
+        // Light of several nodes: no order keeps its one direction.
+        assert!(table.row(incident, 0).iter().filter(|s| **s > 0.0).count() > 4);
     }
 }
 

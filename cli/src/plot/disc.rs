@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use super::encode::srgb8;
+use super::encode::{hex, srgb8};
 use super::place::Place;
 use super::raster::Raster;
 use super::svg::{AXIS, Anchor, Canvas, SOFT_INK, Style, text_width};
@@ -29,12 +29,14 @@ pub struct Disc<'a> {
 }
 
 /// Shape of a [`Mark`].
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum MarkShape {
     /// Circle around the direction.
     Ring,
     /// Upright cross in the direction.
     Cross,
+    /// Dot of a linear RGB colour at the direction.
+    Dot([f32; 3]),
     /// Text whose middle lies in the direction.
     Text(String),
 }
@@ -106,11 +108,18 @@ impl std::fmt::Debug for Disc<'_> {
 
 fn draw_mark(canvas: &mut Canvas, centre: (f64, f64), radius: f64, mark: &Mark) {
     const SIZE: f64 = 6.0;
+    const DOT: f64 = 3.5;
     let (sin, cos) = mark.phi_deg.to_radians().sin_cos();
     let at = radius * mark.theta_deg / 90.0;
     let (x, y) = (centre.0 + at * cos, centre.1 - at * sin);
     if let MarkShape::Text(text) = &mark.shape {
         canvas.text(x, y + 4.0, Anchor::Middle, Style { colour: "#ddd", ..Style::tick() }, text);
+        return;
+    }
+    if let MarkShape::Dot(rgb) = mark.shape {
+        canvas.dot((x, y), DOT + 1.6, "#000");
+        canvas.dot((x, y), DOT + 0.8, "#fff");
+        canvas.dot((x, y), DOT, &hex(rgb));
         return;
     }
     // Dark under light, as for the rings.

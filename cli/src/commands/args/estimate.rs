@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::UnknownArgumentValueParser;
 use clap::{Args, FromArgMatches as _};
 
 use crate::commands::args::shared::{Colouring, Computing};
@@ -52,15 +53,19 @@ impl EstimateArgs {
 #[derive(Debug, Clone, Args)]
 pub struct CellSampling {
     /// Cells: number of incident directions, θ × φ; with one φ the table is isotropic, averaged around the normal
-    /// [default: 16x16, for lines 20x24, for flat facets 22x20]. Diffraction orders: cone angles β × α, where sin α is the component along the period
-    /// [default: 9x33, for cells with two periods 13x13]
+    /// [default: 16x16, for lines 20x24, for flat facets 22x20]. Diffraction orders: cone angles β × α, where sin α is
+    /// the component along the period [default: 9x33, for cells with two periods 13x13]
     #[arg(long, value_name = "THETAxPHI")]
     pub incident: Option<Bins>,
     /// Cells: number of half vectors at which the table holds values, outwards from the normal × around it
     /// [default: 12x20, for lines 16x8, for flat facets 8x16, for isotropic tables 24x32]
     #[arg(long, value_name = "THETAxPHI")]
     pub half_vectors: Option<Bins>,
-    /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096, between interfaces 1024]
+    /// What sized tables of versions before 0.2
+    #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--half-vectors"))]
+    pub bins: Option<String>,
+    /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096, between
+    /// interfaces 1024]
     #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
     pub rays: Option<u32>,
     /// Cells: which light interferes where it leaves [default: cell for scenes that name their periods, else ray]

@@ -213,7 +213,7 @@ impl FromStr for DirectionArg {
     }
 }
 
-/// Numbers of bins in cos θ and in φ, such as `8x16`.
+/// Numbers of bins, incident directions or half vectors along both angles, such as `8x16`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bins(pub [u32; 2]);
 

@@ -17,7 +17,11 @@ use crate::table::scatter::ScatterTable;
 const STEPS: u32 = 90;
 
 /// A picture of f against the wavelength, one curve for each angle of the light. The light comes from the first azimuth
-/// of `phi_deg` and goes towards the second, at `theta_out_deg` or else at the angle of the light.
+/// of `phi_deg` and goes towards the second, at `theta_out_deg` or else at the angle of the light. f leaves out lobes of
+/// flat facets.
+///
+/// # Errors
+/// A table that cannot be looked up.
 pub fn spectra(
     table: &ScatterTable,
     name: &str,
@@ -44,7 +48,8 @@ pub fn spectra(
         })
         .collect();
     let title = format!("{name}: light from φ = {phi}° towards φ = {}°", phi_out.rem_euclid(360.0));
-    Ok(line_chart(&title, "Wavelength (nm)", "BRDF f (1/sr)", &series, LineOptions::default()))
+    let label = if table.lobes.is_empty() { "BRDF f (1/sr)" } else { "BRDF f (1/sr), without exact lobes" };
+    Ok(line_chart(&title, "Wavelength (nm)", label, &series, LineOptions::default()))
 }
 
 /// The unit vector of angles in degrees.
@@ -59,7 +64,7 @@ fn reflected(lookup: &Lookup<'_>, theta_deg: f64, phi_deg: f64) -> Vec<f64> {
     albedo.into_iter().map(f64::from).collect()
 }
 
-/// The light reflected in all directions together, over angle and wavelength.
+/// The light reflected in all directions together, lobes of flat facets included, over angle and wavelength.
 ///
 /// # Errors
 /// A table of one wavelength.
