@@ -13,17 +13,24 @@ use crate::render::decode::decode;
 use crate::render::environment::{Environment, EnvironmentLight};
 use crate::render::lamp::Lamp;
 use crate::render::mesh::{Axes, DEFAULT_LEVEL, TriangleMesh};
+use crate::render::noise::{Display, NoiseReached};
 use crate::render::spread::spread_environment;
 use crate::render::surface::Surface;
 use crate::render::tone::ToneMap;
-use crate::render::{Quality, Stage, render};
+use crate::render::{Progress, Quality, Sampling, Stage, render};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
+use crate::support::text::plain;
 use crate::table::Table;
 
 /// The size of the largest file that is read as an environment: 1 GiB.
 const MAX_BYTES: u64 = 1 << 30;
+
+/// Noise that a picture has by default, in steps of 1/255: nobody sees it.
+const DEFAULT_TARGET: f64 = 1.0;
+/// Smallest and largest target of noise: less than the rounding to 8 bits, and a tenth of the range.
+const TARGETS: [f64; 2] = [0.1, 30.0];
 
 pub fn run(args: &RenderArgs) -> Result<()> {
     let format = RenderFormat::of(&args.output)?;
@@ -49,6 +56,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
             args.output.display()
         )));
     }
+    let sampling = sampling(args)?;
     let view = args.view.view();
     // Bad options are refused before files are read.
     Camera::new(&view, glam::DVec3::ZERO, 1.0)?;
@@ -75,15 +83,26 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let stage = Stage {
         body: &body,
         surface: &surface,
-        environment: spread.as_ref().unwrap_or(&environment),
-        backdrop: &environment,
+        environment: &environment,
+        widened: spread.as_ref().unwrap_or(&environment),
         camera: &camera,
         background: args.background.0,
     };
-    let quality = Quality { samples: args.samples, reflections: args.reflections, threads: args.running.threads() };
-    let progress = bar(table.name(), view.size[1] as usize, args.running.quiet);
-    let film = render(&stage, &quality, &|| progress.inc(1))?;
-    progress.finish_and_clear();
+    let display = Display { stops: args.exposure, tone: args.tonemap };
+    let quality = Quality { sampling, reflections: args.reflections, display, threads: args.running.threads() };
+    let bar = bar(table.name(), 0, args.running.quiet);
+    let report = |progress: Progress| {
+        bar.set_length(progress.expected);
+        bar.set_position(progress.done);
+        if let Some(noise) = progress.noise {
+            bar.set_message(format!("{}, noise {noise:.2} of 255", plain(table.name())));
+        }
+    };
+    let film = render(&stage, &quality, &report)?;
+    bar.finish_and_clear();
+    if let Some(said) = film.noise.and_then(|reached| said_of_noise(reached, args.target_noise)) {
+        note(args.running.quiet, said);
+    }
     if !film.shows_body {
         note(args.running.quiet, "the body is not in the picture: no ray from the camera meets it; move the camera");
     }
@@ -98,6 +117,39 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         RenderFormat::Exr => film.exr(&format!("{} on {} in {} light", table.name(), args.mesh, args.env))?,
     };
     output::write_file(&args.output, &bytes)
+}
+
+/// How the options say that pixels are sampled.
+fn sampling(args: &RenderArgs) -> Result<Sampling> {
+    let [min, max] = TARGETS;
+    match (args.samples, args.target_noise, args.preview) {
+        (Some(_), Some(_), _) => Err(Error::usage(
+            "--target-noise: takes as many samples as it needs; leave either --target-noise or --samples out",
+        )),
+        (Some(_), None, true) => Err(Error::usage("--preview: has samples of its own; leave --samples out")),
+        (None, Some(_), true) => Err(Error::usage("--preview: has no noise; leave --target-noise out")),
+        (None, None, true) if args.reflections > 1 => {
+            Err(Error::usage("--preview: shows one reflection; leave either --preview or --reflections out"))
+        }
+        (None, None, true) => Ok(Sampling::Preview),
+        (Some(samples), None, false) => Ok(Sampling::Fixed(samples)),
+        (None, Some(target), false) if !(min..=max).contains(&target) => Err(Error::usage(format_args!(
+            "--target-noise {target}: must be from {min} to {max} steps of 1/255; about 1 is the least that one sees"
+        ))),
+        (None, target, false) => Ok(Sampling::ToNoise(target.unwrap_or(DEFAULT_TARGET))),
+    }
+}
+
+/// What is said of the noise that was reached: always if a target was asked for, else only if the default was missed.
+fn said_of_noise(reached: NoiseReached, asked: Option<f64>) -> Option<String> {
+    let NoiseReached { rms, mean_rays, most_rays } = reached;
+    let target = asked.unwrap_or(DEFAULT_TARGET);
+    let missed = rms > target;
+    let remedy =
+        if missed { format!(", more than {target}: {most_rays} samples a pixel are the limit") } else { String::new() };
+    (missed || asked.is_some()).then(|| {
+        format!("noise {rms:.2} of 255 (root mean square over the body), by {mean_rays:.0} samples a pixel{remedy}")
+    })
 }
 
 /// The format of a rendered picture.

@@ -9,9 +9,10 @@ use crate::render::body::{Body, BodyShape, BvhMemory};
 use crate::render::camera::{Camera, View};
 use crate::render::environment::{Environment, EnvironmentLight};
 use crate::render::mesh::{DEFAULT_LEVEL, TriangleMesh};
+use crate::render::noise::Display;
 use crate::render::surface::Surface;
 use crate::render::tone::ToneMap;
-use crate::render::{Background, Quality, Stage, render};
+use crate::render::{Background, Quality, Sampling, Stage, render};
 use crate::solve::colours::Colour;
 use crate::support::error::Result;
 use crate::support::output;
@@ -52,7 +53,7 @@ pub(super) fn draw(
     let (centre, radius) = body.bounds();
     let view = View { size: SIZE, distance: Some(DISTANCE), ..View::default() };
     let camera = Camera::new(&view, centre, radius)?;
-    let quality = Quality { samples: SAMPLES, reflections: 3, threads };
+    let quality = Quality { sampling: Sampling::Fixed(SAMPLES), reflections: 3, display: Display::default(), threads };
     lights
         .into_iter()
         .map(|(file, light)| {
@@ -64,11 +65,11 @@ pub(super) fn draw(
                 body: &body,
                 surface: &surface,
                 environment: &environment,
-                backdrop: &environment,
+                widened: &environment,
                 camera: &camera,
                 background,
             };
-            let picture = render(&stage, &quality, &|| ())?;
+            let picture = render(&stage, &quality, &|_| ())?;
             output::write_file(&folder.join(file), &picture.png(0.0, ToneMap::None).0)?;
             Ok(file.to_owned())
         })

@@ -16,7 +16,13 @@ use crate::colour::luminance;
 /// 8-bit sRGB of a colour, under the gamut policy of this module.
 #[must_use]
 pub fn srgb8(linear: [f32; 3]) -> [u8; 3] {
-    in_gamut(linear).map(|c| (255.0 * transfer(c)).round() as u8)
+    srgb(linear).map(|c| (255.0 * c).round() as u8)
+}
+
+/// Encoded sRGB of a colour, from 0 to 1, under the gamut policy of this module.
+#[must_use]
+pub fn srgb(linear: [f32; 3]) -> [f64; 3] {
+    in_gamut(linear).map(transfer)
 }
 
 /// The code `#rrggbb` of a colour, under the gamut policy of this module.

@@ -22,7 +22,7 @@ pub mod tables;
 pub use chromaticity::{ColourAt, chromaticity, xy};
 pub use compare::{Profile, side_by_side};
 pub use disc::{Disc, Mark, MarkShape, disc, disc_grid, marked_disc};
-pub use encode::{grey, hex, in_gamut, srgb8, wavelength_colour};
+pub use encode::{grey, hex, in_gamut, srgb, srgb8, wavelength_colour};
 pub use gamut::OutOfGamut;
 pub use heat_map::{HeatAxis, heat_map};
 pub use layout::rows;

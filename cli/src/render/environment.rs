@@ -122,7 +122,12 @@ impl Environment {
     /// Linear RGB radiance from a unit direction of the world.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> [f32; 3] {
-        self.light.radiance(self.turned(direction, -1.0))
+        self.light.radiance(self.before_turn(direction))
+    }
+
+    /// The direction in which the light that comes from a direction of the world lay before it was turned.
+    pub(super) fn before_turn(&self, direction: DVec3) -> DVec3 {
+        self.turned(direction, -1.0)
     }
 
     /// Draws a unit direction of the world in proportion to the light's luminance around it; returns it with its

@@ -4,6 +4,7 @@ use std::io::Cursor;
 
 use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage};
 
+use super::noise::NoiseReached;
 use super::tone::{ToneMap, exposure};
 use crate::plot::{OutOfGamut, Raster};
 use crate::support::error::{Error, Result};
@@ -17,6 +18,8 @@ pub struct Framebuffer {
     pub pixels: Vec<[f32; 4]>,
     /// Whether some ray hit the body.
     pub shows_body: bool,
+    /// Noise that was reached, where it was measured.
+    pub noise: Option<NoiseReached>,
 }
 
 impl Framebuffer {

@@ -23,23 +23,30 @@ pub mod lamp;
 mod distribution;
 pub mod environment;
 pub mod spread;
+mod pyramid;
 mod orders;
 pub mod surface;
 pub mod camera;
+pub mod noise;
 pub mod framebuffer;
+mod scattering;
 mod tracer;
+mod film;
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use body::Body;
 use camera::Camera;
 use environment::Environment;
+use film::{Film, Pixel};
 use framebuffer::Framebuffer;
+use noise::Display;
+use pyramid::Pyramid;
 use surface::Surface;
-use tracer::{SampleStream, Scratch, Tracer};
+use tracer::{PREVIEW_RAYS, SampleStream, Scratch, Tracer};
 
 use crate::support::error::Result;
-use crate::support::{memory, parallel};
+use crate::support::parallel;
 
 /// The background of a picture, seen past the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,15 +60,41 @@ pub enum Background {
     Colour([f32; 3]),
 }
 
+/// How many rays go through a pixel, and what they do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// So many rays through each pixel: one through its centre, or several spread evenly over its square.
+    Fixed(u32),
+    /// Rays until the noise is small enough: the root mean square, over the pixels that show the body, of the error of
+    /// a component of 8-bit sRGB. More rays go where there is more noise.
+    ToNoise(f64),
+    /// A few rays and fixed directions, equal for all pixels, each of which sees the light blurred: no noise, a little
+    /// blur.
+    Preview,
+}
+
 /// The quality of a picture, and the threads that draw it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Rays through each pixel: one through its centre, or several spread evenly over its square.
-    pub samples: u32,
-    /// Largest number of reflections by the body on a light path, at least 1.
+    /// Rays through each pixel.
+    pub sampling: Sampling,
+    /// Largest number of reflections by the body on a light path, at least 1; a preview has 1.
     pub reflections: u32,
+    /// How the picture is shown, in which its noise is measured.
+    pub display: Display,
     /// Number of threads; the picture does not depend on it.
     pub threads: usize,
+}
+
+/// How far a picture has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Rays that have been followed.
+    pub done: u64,
+    /// Rays that are expected in all.
+    pub expected: u64,
+    /// Noise so far, in steps of 8-bit sRGB, once it is known.
+    pub noise: Option<f64>,
 }
 
 /// A body in its light, seen by a camera.
@@ -71,76 +104,116 @@ pub struct Stage<'a> {
     pub body: &'a Body<'a>,
     /// The reflection of the body's surface.
     pub surface: &'a Surface,
-    /// The light on the body.
+    /// The light on the body, which is also seen past it.
     pub environment: &'a Environment,
-    /// The light that is seen past the body.
-    pub backdrop: &'a Environment,
+    /// The light as diffraction orders and facet lobes see it, which may be spread.
+    pub widened: &'a Environment,
     /// The camera.
     pub camera: &'a Camera,
     /// The background.
     pub background: Background,
 }
 
-/// Renders the picture of a stage; `tick` is called after each row of pixels.
+/// Renders the picture of a stage; `report` is called after each row of pixels.
 ///
 /// # Errors
 /// A table that cannot be sampled, or too little memory for the picture.
-pub fn render(stage: &Stage<'_>, quality: &Quality, tick: &(dyn Fn() + Sync)) -> Result<Framebuffer> {
+pub fn render(stage: &Stage<'_>, quality: &Quality, report: &(dyn Fn(Progress) + Sync)) -> Result<Framebuffer> {
     let mut memory = Vec::new();
+    let is_preview = quality.sampling == Sampling::Preview;
     let tracer = Tracer {
         body: stage.body,
         surface: stage.surface.prepare(&mut memory)?,
         channels: stage.surface.channels(),
         environment: stage.environment,
+        widened: stage.widened,
+        pyramid: is_preview.then(|| Pyramid::new(stage.environment)).transpose()?,
         reflections: quality.reflections.max(1),
     };
-    let [width, height] = stage.camera.size;
-    let what = format_args!("a picture of {width} × {height} pixels");
-    let mut pixels = memory::filled([0.0; 4], width as usize * height as usize, what)?;
-    let rows = pixels.chunks_mut(width as usize).zip(0..height);
-    let shows_body = AtomicBool::new(false);
-    let scratch = || Scratch::new(tracer.channels.count());
-    parallel::for_each(quality.threads, rows, scratch, |scratch, (row, y)| {
-        for (pixel, x) in row.iter_mut().zip(0..width) {
-            let (mean, covered) = shade(stage, &tracer, quality.samples.max(1), [x, y], scratch);
-            *pixel = mean;
-            if covered {
-                shows_body.store(true, Ordering::Relaxed);
+    let size = stage.camera.size;
+    let is_transparent = stage.background == Background::Transparent;
+    let painter = Painter { stage, tracer: &tracer, quality, report };
+    match quality.sampling {
+        Sampling::Fixed(_) | Sampling::Preview => {
+            let rays = if let Sampling::Fixed(rays) = quality.sampling { rays.max(1) } else { PREVIEW_RAYS };
+            let mut film = Film::new(size, 1, rays)?;
+            painter.paint(&mut film, None);
+            Ok(film.develop(None, is_transparent))
+        }
+        Sampling::ToNoise(target) => {
+            let mut film = Film::new(size, 2, film::FIRST_RAYS)?;
+            let mut noise = None;
+            loop {
+                painter.paint(&mut film, noise);
+                let reached = film.noise();
+                noise = Some(reached.rms);
+                if !film.ask_for_more(target, reached.rms) {
+                    return Ok(film.develop(Some(reached), is_transparent));
+                }
             }
         }
-        tick();
-    });
-    Ok(Framebuffer { size: stage.camera.size, pixels, shows_body: shows_body.into_inner() })
+    }
 }
 
-/// The mean over the samples of a pixel, and whether any of them hit the body.
-fn shade(
-    stage: &Stage<'_>,
-    tracer: &Tracer<'_>,
-    samples: u32,
-    [x, y]: [u32; 2],
-    scratch: &mut Scratch,
-) -> ([f32; 4], bool) {
-    let camera = stage.camera;
-    let (mut behind, mut covered) = ([0.0; 3], 0);
-    scratch.radiance.fill(0.0);
-    for sample in 0..samples {
-        let mut stream = SampleStream::new(sample, y * camera.size[0] + x);
-        let [right, down] = if samples == 1 { [0.5; 2] } else { stream.next() };
-        let direction = camera.direction(f64::from(x) + right, f64::from(y) + down);
-        if tracer.trace(camera.eye, direction, &mut stream, scratch) {
-            covered += 1;
-            continue;
-        }
-        let rgb = match stage.background {
-            Background::Environment => stage.backdrop.radiance(direction),
-            Background::Transparent => continue,
-            Background::Colour(rgb) => rgb,
-        };
-        (0..3).for_each(|c| behind[c] += rgb[c]);
+/// What all pixels share while they are painted.
+struct Painter<'a> {
+    stage: &'a Stage<'a>,
+    tracer: &'a Tracer<'a>,
+    quality: &'a Quality,
+    report: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl Painter<'_> {
+    /// Follows the rays that pixels ask for.
+    fn paint(&self, film: &mut Film, noise: Option<f64>) {
+        let expected = film.expected();
+        let done = AtomicU64::new(film.done());
+        let halves = film.halves();
+        let rows = film.rows_mut().zip(0..);
+        let scratch = || Scratch::new(self.tracer.channels.count());
+        parallel::for_each(self.quality.threads, rows, scratch, |scratch, (row, y)| {
+            let mut rays = 0;
+            for (pixel, x) in row.iter_mut().zip(0..) {
+                if pixel.done < pixel.wanted {
+                    rays += halves as u64 * u64::from(pixel.wanted - pixel.done);
+                    (0..halves).for_each(|half| self.shade(pixel, half, [x, y], scratch));
+                    pixel.done = pixel.wanted;
+                    if halves == 2 {
+                        pixel.variance = self.quality.display.variance(pixel.means());
+                    }
+                }
+            }
+            let done = done.fetch_add(rays, Ordering::Relaxed) + rays;
+            (self.report)(Progress { done, expected, noise });
+        });
     }
-    let count = samples as f32;
-    let [r, g, b] = tracer.channels.colour(&scratch.radiance);
-    let coverage = if stage.background == Background::Transparent { covered as f32 / count } else { 1.0 };
-    ([(r + behind[0]) / count, (g + behind[1]) / count, (b + behind[2]) / count, coverage], covered > 0)
+
+    /// Adds the rays that a pixel still wants to one of its halves.
+    fn shade(&self, pixel: &mut Pixel, half: usize, [x, y]: [u32; 2], scratch: &mut Scratch) {
+        let camera = self.stage.camera;
+        let (mut behind, mut covered) = ([0.0; 3], 0.0);
+        scratch.radiance.fill(0.0);
+        for ray in pixel.done..pixel.wanted {
+            let mut stream = SampleStream::new(ray, y * camera.size[0] + x, half as u32);
+            let [right, down] = match self.quality.sampling {
+                Sampling::Fixed(1) => [0.5; 2],
+                Sampling::Preview => tracer::preview_place(ray),
+                _ => stream.next(),
+            };
+            let direction = camera.direction(f64::from(x) + right, f64::from(y) + down);
+            if self.tracer.trace(camera.eye, direction, &mut stream, scratch) {
+                covered += 1.0;
+                continue;
+            }
+            let rgb = match self.stage.background {
+                Background::Environment => self.stage.environment.radiance(direction),
+                Background::Transparent => continue,
+                Background::Colour(rgb) => rgb,
+            };
+            (0..3).for_each(|c| behind[c] += rgb[c]);
+        }
+        let rgb = self.tracer.channels.colour(&scratch.radiance);
+        (0..3).for_each(|c| pixel.sums[half][c] += rgb[c] + behind[c]);
+        pixel.covered[half] += covered;
+    }
 }

@@ -1,4 +1,4 @@
-//! The light around a body as a surface sees it that spreads each diffraction order over a width.
+//! The light around a body as a surface sees it that spreads each diffraction order, or facet lobe, over a width.
 //!
 //! The environment is convolved once, on the sphere, with K(γ) ∝ exp((cos γ − 1)/σ²) (von Mises and Fisher), which for
 //! small σ is a Gaussian with the standard deviation σ along each of the two axes. White light stays exactly white.
@@ -99,7 +99,7 @@ fn spread(light: &EnvironmentLight, width: Spread, threads: usize) -> Result<Lat
 }
 
 /// Mean radiance over each cell of a lat-long grid, for red, green and blue apart.
-fn cells(light: &EnvironmentLight, height: usize) -> Result<[Vec<f32>; 3]> {
+pub(super) fn cells(light: &EnvironmentLight, height: usize) -> Result<[Vec<f32>; 3]> {
     let width = 2 * height;
     let texel = PI / height as f64;
     let plane = || memory::filled(0.0f32, width * height, "the environment before it is spread");

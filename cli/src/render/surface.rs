@@ -30,8 +30,16 @@ enum Reflectance {
 /// A [`Surface`] with the sampler of its directions.
 pub(super) enum Prepared<'a> {
     Mirror { theta_deg: &'a [f64], values: &'a [f32] },
-    Scatter { table: ScatterTable<'a>, sampler: ScatterSampler<'a> },
+    Scatter(Scattering<'a>),
     Orders(OrderShading<'a>),
+}
+
+/// A table of scattered light with its sampler. The table's incident direction is the viewer throughout: f is
+/// reciprocal, and the sampler draws the light's direction for it.
+#[derive(Clone, Copy)]
+pub(super) struct Scattering<'a> {
+    pub table: ScatterTable<'a>,
+    pub sampler: ScatterSampler<'a>,
 }
 
 impl Surface {
@@ -91,7 +99,7 @@ impl Surface {
                 let table = lookup.table()?;
                 *memory = filled(0.0, ScatterSampler::required_len(&table.layout()), "sampling the table")?;
                 let sampler = ScatterSampler::new(&table, memory).map_err(Error::failed)?;
-                Ok(Prepared::Scatter { table, sampler })
+                Ok(Prepared::Scatter(Scattering { table, sampler }))
             }
             Reflectance::Orders(orders) => Ok(Prepared::Orders(orders.shading()?)),
         }

@@ -39,14 +39,22 @@ pub struct RenderArgs {
     /// Where the camera stands
     #[command(flatten)]
     pub view: ViewArgs,
-    /// Rays through each pixel; powers of two are spread most evenly, and 1 goes through the middle
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    pub samples: u32,
+    /// Rays through each pixel; powers of two are spread most evenly, and 1 goes through the middle [default: as many as
+    /// --target-noise takes]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub samples: Option<u32>,
+    /// Follow rays until the noise is so small: its root mean square over the body, in steps of 1/255 of sRGB; from 0.1
+    /// to 30 [default: 1]
+    #[arg(long, value_name = "STEPS")]
+    pub target_noise: Option<f64>,
+    /// Draw fast and without noise, from few fixed directions and blurred light; one reflection
+    #[arg(long)]
+    pub preview: bool,
     /// Number of reflections to trace where the body reflects itself. With 1 it does not see itself. With more, light
     /// is traced from part to part; the last part sees the environment as if nothing stood in between
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub reflections: u32,
-    /// Diffraction orders: the standard deviation of their width, in degrees; 0 is sharp
+    /// Diffraction orders and facet lobes: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,
     /// Shade each wavelength of the table and then integrate, with the environment's RGB turned into smooth spectra;
