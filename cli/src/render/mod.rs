@@ -25,6 +25,7 @@ pub mod environment;
 pub mod spread;
 mod pyramid;
 mod orders;
+mod viewed;
 pub mod surface;
 pub mod camera;
 pub mod noise;
@@ -119,11 +120,10 @@ pub struct Stage<'a> {
 /// # Errors
 /// A table that cannot be sampled, or too little memory for the picture.
 pub fn render(stage: &Stage<'_>, quality: &Quality, report: &(dyn Fn(Progress) + Sync)) -> Result<Framebuffer> {
-    let mut memory = Vec::new();
     let is_preview = quality.sampling == Sampling::Preview;
     let tracer = Tracer {
         body: stage.body,
-        surface: stage.surface.prepare(&mut memory)?,
+        surface: stage.surface.prepare()?,
         channels: stage.surface.channels(),
         environment: stage.environment,
         widened: stage.widened,

@@ -1,11 +1,10 @@
 //! A table prepared for shading.
 
-use goniochrome::table::{ScatterSampler, ScatterTable};
 
 use super::channels::Channels;
 use super::orders::{OrderShading, OrderSurface};
+use super::viewed::SampledTable;
 use crate::support::error::{Error, Result};
-use crate::support::memory::filled;
 use crate::table::Table;
 use crate::table::mirror::neighbours;
 use crate::table::scatter::ScatterLookup;
@@ -27,19 +26,11 @@ enum Reflectance {
     Orders(OrderSurface),
 }
 
-/// A [`Surface`] with the sampler of its directions.
+/// A [`Surface`] that is ready to be looked up and sampled.
 pub(super) enum Prepared<'a> {
     Mirror { theta_deg: &'a [f64], values: &'a [f32] },
-    Scatter(Scattering<'a>),
+    Scatter(SampledTable<'a>),
     Orders(OrderShading<'a>),
-}
-
-/// A table of scattered light with its sampler. The table's incident direction is the viewer throughout: f is
-/// reciprocal, and the sampler draws the light's direction for it.
-#[derive(Clone, Copy)]
-pub(super) struct Scattering<'a> {
-    pub table: ScatterTable<'a>,
-    pub sampler: ScatterSampler<'a>,
 }
 
 impl Surface {
@@ -91,16 +82,11 @@ impl Surface {
         Ok(())
     }
 
-    /// Prepares sampling; `memory` takes the cumulative sums of a scattering table.
-    pub(super) fn prepare<'a>(&'a self, memory: &'a mut Vec<f32>) -> Result<Prepared<'a>> {
+    /// Prepares look-up and sampling.
+    pub(super) fn prepare(&self) -> Result<Prepared<'_>> {
         match &self.reflectance {
             Reflectance::Mirror { theta_deg, values } => Ok(Prepared::Mirror { theta_deg, values }),
-            Reflectance::Scatter(lookup) => {
-                let table = lookup.table()?;
-                *memory = filled(0.0, ScatterSampler::required_len(&table.layout()), "sampling the table")?;
-                let sampler = ScatterSampler::new(&table, memory).map_err(Error::failed)?;
-                Ok(Prepared::Scatter(Scattering { table, sampler }))
-            }
+            Reflectance::Scatter(lookup) => Ok(Prepared::Scatter(SampledTable::new(lookup.table()?, lookup.values())?)),
             Reflectance::Orders(orders) => Ok(Prepared::Orders(orders.shading()?)),
         }
     }

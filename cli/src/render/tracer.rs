@@ -16,6 +16,7 @@ use super::environment::Environment;
 use super::mesh::ShadingFrame;
 use super::pyramid::Pyramid;
 use super::surface::{Prepared, reflect};
+use super::viewed::ViewedTable;
 
 /// Rays through each pixel of a preview.
 pub(super) const PREVIEW_RAYS: u32 = 4;
@@ -46,12 +47,20 @@ pub(super) struct Scratch {
     pub(super) reflectance: Vec<f32>,
     pub(super) product: Vec<f32>,
     pub(super) onward: Vec<f32>,
+    pub(super) viewed: ViewedTable,
 }
 
 impl Scratch {
     pub fn new(channels: usize) -> Self {
         let empty = || vec![0.0; channels];
-        Self { radiance: empty(), throughput: empty(), reflectance: empty(), product: empty(), onward: empty() }
+        Self {
+            radiance: empty(),
+            throughput: empty(),
+            reflectance: empty(),
+            product: empty(),
+            onward: empty(),
+            viewed: ViewedTable::default(),
+        }
     }
 
     /// Sets the product of throughput and reflectance.
@@ -61,22 +70,22 @@ impl Scratch {
     }
 }
 
-/// Quasi-random numbers for one ray through a pixel: a pair for each decision.
+/// Quasi-random numbers for one ray through a pixel: points of the unit square for each decision.
 ///
-/// Each pair comes from a two-dimensional Sobol sequence over the rays of its pixel, with an Owen scrambling and an
-/// order of its own for each pixel, half and decision. So pairs are evenly spread over the rays, and independent of
-/// those of other decisions, halves and pixels.
+/// The points of a decision come from a two-dimensional Sobol sequence over the rays of its pixel, with an Owen
+/// scrambling and an order of its own for each pixel, half and decision. So they are evenly spread over the rays, and
+/// independent of those of other decisions, halves and pixels.
 #[derive(Clone, Copy)]
 pub(super) struct SampleStream {
     ray: u32,
     seed: u32,
-    pair: u32,
+    decision: u32,
 }
 
 impl SampleStream {
     pub fn new(ray: u32, pixel: u32, half: u32) -> Self {
         // Odd multipliers (from the golden ratio and from xxHash) keep seeds apart; the sequence hashes them further.
-        Self { ray, seed: pixel.wrapping_mul(0x9e37_79b1) ^ half.wrapping_mul(0xc2b2_ae3d), pair: 0 }
+        Self { ray, seed: pixel.wrapping_mul(0x9e37_79b1) ^ half.wrapping_mul(0xc2b2_ae3d), decision: 0 }
     }
 
     /// The number of the ray.
@@ -84,10 +93,17 @@ impl SampleStream {
         self.ray
     }
 
-    /// The next pair, each uniform in [0, 1).
+    /// The point of the next decision, each number uniform in [0, 1).
     pub fn next(&mut self) -> [f64; 2] {
-        self.pair += 1;
-        sobol(self.ray, self.seed ^ self.pair.wrapping_mul(0x85eb_ca77))
+        self.several(1).next().unwrap_or_default()
+    }
+
+    /// So many points of the next decision.
+    pub fn several(&mut self, count: u32) -> impl Iterator<Item = [f64; 2]> + use<> {
+        self.decision += 1;
+        let seed = self.seed ^ self.decision.wrapping_mul(0x85eb_ca77);
+        let first = self.ray.wrapping_mul(count);
+        (0..count).map(move |i| sobol(first.wrapping_add(i), seed))
     }
 }
 
