@@ -23,6 +23,7 @@ mod presets;
 mod random;
 mod render;
 mod render_orders;
+mod render_scatter;
 mod scenes;
 mod tables;
 mod tilted;

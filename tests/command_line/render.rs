@@ -1,21 +1,17 @@
 //! Tests of `render`: pictures against the colours that follow from light and table, repairs and refusals.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 use std::io::Cursor;
 
 use exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, WritableImage};
-use glam::{DVec3, Vec3};
-use goniochrome::table::{HalfVectorWarp, ScatterLayout};
+use glam::DVec3;
 use goniochrome_cli::table::mirror::MirrorTable;
-use goniochrome_cli::table::scatter::{Energy, ScatterTable};
 use goniochrome_cli::table::{Table, file};
 
 use crate::user::User;
 
 /// Largest difference of a pixel. Single precision and a table of 90 angles leave 1e-6.
 const PIXEL: f32 = 1e-3;
-/// Tolerance of an albedo; the noise of some ten thousand samples of a smooth lobe is a third of it.
-const ALBEDO: f64 = 0.01;
 
 pub struct Picture {
     pub width: usize,
@@ -166,82 +162,6 @@ fn a_sphere_in_white_light_has_the_tables_colours_also_by_wavelengths() {
     }
 }
 
-/// A table of a broad lobe around the mirror direction that reddens, f in 1/sr. It is not reciprocal, so that swapped
-/// directions show.
-fn lobes() -> ScatterTable {
-    let layout = ScatterLayout::new([6, 4], [8, 16], 0).unwrap();
-    let mut memory = [0.0; 8];
-    let warp = HalfVectorWarp::new([&[1.0; 2]; 2], &mut memory).unwrap();
-    let s = |value: usize| {
-        let [theta, phi] = layout.incident(value / layout.places());
-        let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-        let (m, _) = warp.half_vector(layout.node(value % layout.places()).map(|place| place as f32), 0.0);
-        let m = m.as_dvec3();
-        let wo = 2.0 * wi.dot(m) * m - wi;
-        let cos = wo.z.max(0.0);
-        let turn = wo.y.atan2(wo.x) - phi;
-        let lobe = (2.0 * (theta.cos() - cos)).powi(2) + (turn - PI).cos().mul_add(-0.6, 0.6);
-        let f = 0.05 + 0.5 * (-lobe).exp() * (1.0 + 0.3 * (phi + 0.4).sin());
-        [f, 0.5 * f, 0.1 + 0.1 * theta].map(|f| (f * theta.cos() * cos) as f32)
-    };
-    let rgb: Vec<[f32; 3]> = (0..layout.count()).map(s).collect();
-    ScatterTable {
-        wavelength_nm: vec![550.0],
-        values: rgb.iter().map(|rgb| rgb[1]).collect(),
-        luminance_error: vec![0.0; layout.count()],
-        energy: vec![Energy::default(); layout.incident_count()],
-        metadata: Default::default(),
-        warp: [vec![1.0; 2], vec![1.0; 2]],
-        lobes: Vec::new(),
-        layout,
-        rgb,
-    }
-}
-
-#[test]
-fn a_scattering_plane_reflects_what_its_table_integrates_to() {
-    let user = User::new();
-    let table = lobes();
-    file::write(&user.at("lobes.exr"), &table.clone().into(), 1).unwrap();
-    environment(&user, "one.exr", [16, 8], |_, _| [1.0; 3]);
-    // Brighter on one side, so that the light's own sampling counts.
-    environment(&user, "side.exr", [16, 8], |x, y| [if (x, y) == (5, 2) { 30.0 } else { 0.5 }; 3]);
-    let lookup = table.rgb_lookup().unwrap();
-    let core = lookup.table().unwrap();
-    for elevation in [75.0, 30.0] {
-        let (sin, cos) = f64::to_radians(elevation).sin_cos();
-        let wo = Vec3::new(cos as f32, 0.0, sin as f32);
-        let (rows, columns) = (400, 800);
-        let mut albedo = [0.0; 3];
-        for i in 0..rows * columns {
-            let theta = (f64::from(i / columns) + 0.5) / f64::from(rows) * FRAC_PI_2;
-            let phi = (f64::from(i % columns) + 0.5) / f64::from(columns) * TAU;
-            let wi = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-            let f = core.rgb(wi.as_vec3(), wo);
-            let share = theta.cos() * theta.sin() * (FRAC_PI_2 / f64::from(rows)) * (TAU / f64::from(columns));
-            (0..3).for_each(|c| albedo[c] += share * f64::from(f[c]));
-        }
-        let mean = |env: &str, samples: u32| {
-            user.ok(&format!(
-                "render lobes.exr -o a.exr --env {env} --mesh plane --size 12 --fov 0.1 --distance 100 \
-                 --samples {samples} --azimuth 0 --elevation {elevation}"
-            ));
-            let pixels = picture(&user, "a.exr").rgba;
-            let sum = |c: usize| pixels.iter().map(|p| f64::from(p[c])).sum::<f64>();
-            [0, 1, 2].map(|c| sum(c) / pixels.len() as f64)
-        };
-        for env in ["white", "one.exr"] {
-            let found = mean(env, 128);
-            let error = (0..3).map(|c| (found[c] / albedo[c] - 1.0).abs()).fold(0.0, f64::max);
-            println!("{elevation} {env}: {error:.1e}");
-            assert!(error <= ALBEDO, "{elevation} {env}: {found:?} {albedo:?}");
-        }
-        // Few and many samples have the same mean, unless the combined strategies leave light out or count it twice.
-        let (few, many) = (mean("side.exr", 128), mean("side.exr", 1024));
-        assert!((0..3).all(|c| (few[c] / many[c] - 1.0).abs() <= ALBEDO), "{few:?} {many:?}");
-    }
-}
-
 #[test]
 fn exposures_in_radiance_files_do_not_change_the_light() {
     let user = User::new();
@@ -283,21 +203,6 @@ fn a_mesh_with_y_up_stands_as_with_z_up() {
     };
     assert_eq!(covered("--mesh z.obj"), covered("--mesh y.obj --axes y-up"));
     assert!(covered("--mesh y.obj") != covered("--mesh z.obj"));
-}
-
-#[test]
-fn pictures_do_not_depend_on_threads() {
-    let user = User::new();
-    file::write(&user.at("lobes.exr"), &lobes().into(), 1).unwrap();
-    for (name, tone) in [("a.exr", ""), ("a.png", "--tonemap filmic")] {
-        let drawn = |threads: u32| {
-            let options = format!("--size 40x30 --samples 3 --reflections 2 {tone}");
-            user.ok(&format!("render lobes.exr -o {name} {options} --threads {threads}"));
-            user.read(name)
-        };
-        assert_eq!(drawn(1), drawn(3), "{name}");
-    }
-    assert!(user.read("a.png").starts_with(b"\x89PNG"));
 }
 
 const TRIANGLES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n";
@@ -356,6 +261,12 @@ fn what_cannot_be_rendered_is_refused() {
         ("-o a.png --size big", 2, "expected a number of pixels"),
         ("-o a.png --fov 180", 2, "--fov 180"),
         ("-o a.png --exposure inf", 2, "--exposure inf"),
+        ("-o a.png --samples 4 --target-noise 1", 2, "leave either --target-noise or --samples out"),
+        ("-o a.png --samples 4 --preview", 2, "--preview: has samples of its own"),
+        ("-o a.png --target-noise 1 --preview", 2, "--preview: has no noise"),
+        ("-o a.png --reflections 2 --preview", 2, "--preview: shows one reflection"),
+        ("-o a.png --target-noise 0.01", 2, "--target-noise 0.01: must be from 0.1 to 30"),
+        ("-o a.png --target-noise nan", 2, "--target-noise NaN: must be"),
         ("-o a.png --background pink", 2, "expected environment"),
         ("-o nowhere/a.png", 1, "does not exist"),
         ("-o white.exr", 2, "would overwrite the input"),

@@ -251,7 +251,7 @@ fn what_orders_cannot_do_is_refused() {
     user.refused("render cd.exr -o a.png --reflections 2", 2, &["--reflections", "branches"]);
     user.refused("render cd.exr -o a.png --spread 0.1", 2, &["--spread 0.1", "from 0.25 to 30 degrees"]);
     user.refused("render cd.exr -o a.png --spread nan", 2, &["--spread NaN"]);
-    user.refused("render white.exr -o a.png --spread 1", 2, &["--spread", "no diffraction orders"]);
+    user.refused("render white.exr -o a.png --spread 1", 2, &["--spread", "no diffraction orders or facet lobes"]);
     for lamp in ["lamp:1,2", "lamp:a,b,c", "lamp:91,0,1", "lamp:0,inf,1", "lamp:0,0,0.05", "lamp:"] {
         user.refused(&format!("render cd.exr -o a.png --env {lamp}"), 2, &["--env lamp:", "degrees"]);
     }

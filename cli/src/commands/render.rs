@@ -28,7 +28,7 @@ use crate::table::Table;
 const MAX_BYTES: u64 = 1 << 30;
 
 /// Noise that a picture has by default, in steps of 1/255: nobody sees it.
-const DEFAULT_TARGET: f64 = 1.0;
+const DEFAULT_TARGET: f64 = 1.25;
 /// Smallest and largest target of noise: less than the rounding to 8 bits, and a tenth of the range.
 const TARGETS: [f64; 2] = [0.1, 30.0];
 
@@ -134,7 +134,7 @@ fn sampling(args: &RenderArgs) -> Result<Sampling> {
         (None, None, true) => Ok(Sampling::Preview),
         (Some(samples), None, false) => Ok(Sampling::Fixed(samples)),
         (None, Some(target), false) if !(min..=max).contains(&target) => Err(Error::usage(format_args!(
-            "--target-noise {target}: must be from {min} to {max} steps of 1/255; about 1 is the least that one sees"
+            "--target-noise {target}: must be from {min} to {max} steps of 1/255; noise of 1 is not seen"
         ))),
         (None, target, false) => Ok(Sampling::ToNoise(target.unwrap_or(DEFAULT_TARGET))),
     }

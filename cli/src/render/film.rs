@@ -6,9 +6,11 @@ use crate::support::error::Result;
 use crate::support::memory;
 
 /// Rays of each half of a pixel before its noise is known for the first time.
-pub(super) const FIRST_RAYS: u32 = 4;
+pub(super) const FIRST_RAYS: u32 = 2;
 /// Largest number of rays of each half of a pixel.
 const MAX_RAYS: u32 = 2048;
+/// Variance that is little, over the one that is asked for.
+const LITTLE: f64 = 0.25;
 
 /// One pixel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,8 +43,6 @@ pub(super) struct Film {
     size: [u32; 2],
     halves: usize,
     pixels: Vec<Pixel>,
-    /// Variance around each pixel beyond which it gets more rays, over the square of the noise that is asked for.
-    threshold: f64,
     /// Rays that are expected in all.
     expected: u64,
 }
@@ -57,7 +57,7 @@ impl Film {
         let count = width as usize * height as usize;
         let blank = Pixel { wanted: rays, ..Pixel::default() };
         let pixels = memory::filled(blank, count, format_args!("a picture of {width} × {height} pixels"))?;
-        Ok(Self { size, halves, pixels, threshold: 1.0, expected: halves as u64 * count as u64 * u64::from(rays) })
+        Ok(Self { size, halves, pixels, expected: halves as u64 * count as u64 * u64::from(rays) })
     }
 
     pub fn halves(&self) -> usize {
@@ -82,7 +82,7 @@ impl Film {
     /// Noise of the picture as it is.
     pub fn noise(&self) -> NoiseReached {
         let (mut count, mut variance, mut rays) = (0.0f64, 0.0, 0.0);
-        for pixel in self.pixels.iter().filter(|pixel| pixel.shows_body()) {
+        for pixel in self.body() {
             count += 1.0;
             variance += f64::from(pixel.variance);
             rays += self.halves as f64 * f64::from(pixel.done);
@@ -92,33 +92,45 @@ impl Film {
         NoiseReached { rms: mean(variance).sqrt(), mean_rays: mean(rays), most_rays: self.halves as u32 * most }
     }
 
-    /// Asks for twice as many rays in each pixel around which the noise is larger than the target; false if it is
-    /// small everywhere, or no pixel may have more.
-    ///
-    /// Where noise is seldom and strong, neighbours may be quiet while the picture as a whole is not; pixels around
-    /// which there is less noise then get more rays too.
-    pub fn ask_for_more(&mut self, target: f64, rms: f64) -> bool {
-        let size = self.size.map(|side| side as usize);
-        let around = around(size, |i| self.pixels[i].variance);
-        loop {
-            let limit = (target * target * self.threshold) as f32;
-            let mut asked = 0;
-            self.expected = self.done();
-            for (pixel, &around) in self.pixels.iter_mut().zip(&around) {
-                if around > limit && pixel.done < MAX_RAYS {
-                    pixel.wanted = 2 * pixel.done;
-                    asked += 1;
-                    // Variance falls at least as fast as rays are added.
-                    let times = f64::from((around / limit).min((MAX_RAYS / pixel.done) as f32)).max(2.0);
-                    self.expected += (self.halves as f64 * f64::from(pixel.done) * (times - 1.0)) as u64;
-                }
-            }
-            let exhausted = || around.iter().zip(&self.pixels).all(|(&v, pixel)| v == 0.0 || pixel.done >= MAX_RAYS);
-            if asked > 0 || rms <= target || exhausted() {
-                return asked > 0;
-            }
-            self.threshold *= 0.5;
+    /// Asks for twice as many rays where there is most noise, in as many pixels as it takes to reach the target if
+    /// variance falls as rays are added; false if the target is reached, or no pixel may have more.
+    pub fn ask_for_more(&mut self, target: f64) -> bool {
+        let variance_now: f64 = self.body().map(|pixel| f64::from(pixel.variance)).sum();
+        let aim = target * target * self.body().count() as f64;
+        if variance_now <= aim {
+            return false;
         }
+        let around = around(self.size.map(|side| side as usize), |i| self.pixels[i].variance);
+        let may_have_more = |(pixel, around): &(&Pixel, &f32)| pixel.done < MAX_RAYS && **around > 0.0;
+        let candidates = self.pixels.iter().zip(&around).filter(may_have_more);
+        let mut noisiest: Vec<f32> =
+            candidates.filter(|(pixel, _)| pixel.shows_body()).map(|(_, around)| *around).collect();
+        noisiest.sort_unstable_by(|a, b| b.total_cmp(a));
+        // Twice as many rays leave half of the variance.
+        let mut variance = variance_now;
+        let enough = noisiest.iter().position(|around| {
+            variance -= 0.5 * f64::from(*around);
+            variance <= aim
+        });
+        // While noise is far from the target, pixels that have little of it need not help.
+        let little = (LITTLE * target * target) as f32;
+        let Some(last) = noisiest.last() else { return false };
+        let limit = enough.map_or(little.min(noisiest[0]).max(*last), |place| noisiest[place]);
+        let done = self.done();
+        let mut asked = 0;
+        for (pixel, around) in self.pixels.iter_mut().zip(around) {
+            if around >= limit && around > 0.0 && pixel.done < MAX_RAYS {
+                asked += self.halves as u64 * u64::from(pixel.done);
+                pixel.wanted = 2 * pixel.done;
+            }
+        }
+        self.expected = (done + asked).max((done as f64 * (variance_now / aim).min(100.0)) as u64);
+        true
+    }
+
+    /// Pixels that show the body.
+    fn body(&self) -> impl Iterator<Item = &Pixel> {
+        self.pixels.iter().filter(|pixel| pixel.shows_body())
     }
 
     /// The picture, with the noise that was reached if it is known.

@@ -147,7 +147,7 @@ pub fn render(stage: &Stage<'_>, quality: &Quality, report: &(dyn Fn(Progress) +
                 painter.paint(&mut film, noise);
                 let reached = film.noise();
                 noise = Some(reached.rms);
-                if !film.ask_for_more(target, reached.rms) {
+                if !film.ask_for_more(target) {
                     return Ok(film.develop(Some(reached), is_transparent));
                 }
             }

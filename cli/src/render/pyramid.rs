@@ -15,7 +15,8 @@ use super::latlong::LatLong;
 use super::spread::cells;
 use crate::support::error::{Error, Result};
 
-/// Rows of the sharpest level: 0.35° each, or as many as an image has. What is sharper is looked up in the light itself.
+/// Rows of the sharpest level, 0.35° each, unless an image has its own. What is sharper is looked up in the light
+/// itself.
 const ROWS: usize = 512;
 /// Rows of the sharpest level of an image of many texels.
 const MAX_ROWS: usize = 2048;

@@ -184,3 +184,37 @@ fn reflect_lobe(
     scratch.multiply();
     Some(frame.to_world(direction.as_dvec3()).normalize())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::body::{Body, BodyShape, BvhMemory};
+    use super::*;
+
+    #[test]
+    fn the_way_that_is_taken_stands_for_all_that_were_offered() {
+        // Rounding of sums of single precision.
+        const ROUNDING: f32 = 1e-5;
+        let mut memory = BvhMemory::default();
+        let body = Body::new(&BodyShape::Sphere, &mut memory).unwrap();
+        let hit = body.intersect(DVec3::new(3.0, 0.0, 0.0), DVec3::NEG_X).unwrap();
+        let ways = [([0.3, 0.1], 2.0), ([0.0, 0.0], 1.0), ([0.0, 0.5], 0.5), ([0.2, 0.2], 1.0)];
+        let mut scratch = Scratch::new(2);
+        let (mut sum, mut taken, count) = ([0.0; 2], [0; 4], 10_000);
+        for i in 0..count {
+            let mut onward = Onward::new((f64::from(i) + 0.5) / f64::from(count));
+            for (way, (product, scale)) in ways.iter().enumerate() {
+                scratch.product.copy_from_slice(product);
+                onward.offer(hit, DVec3::new(way as f64, 0.0, 1.0), *scale, &mut scratch);
+            }
+            let (_, wi) = onward.take(&mut scratch).unwrap();
+            taken[wi.x as usize] += 1;
+            (0..2).for_each(|c| sum[c] += scratch.throughput[c] / count as f32);
+        }
+        // All of 0.8, 0.25 and 0.4 go on: the choices are as frequent as they weigh, but for one of the numbers.
+        assert!(taken[1] == 0 && (taken[0] - 5517).abs() <= 2 && (taken[2] - 1724).abs() <= 2, "{taken:?}");
+        let expected = [0.6 + 0.2, 0.2 + 0.25 + 0.2];
+        let steps = 2.0 / count as f32;
+        assert!((0..2).all(|c| (sum[c] - expected[c]).abs() <= steps + ROUNDING), "{sum:?}");
+        assert!(Onward::new(0.3).take(&mut scratch).is_none());
+    }
+}

@@ -1,6 +1,5 @@
 //! A table prepared for shading.
 
-
 use super::channels::Channels;
 use super::orders::{OrderShading, OrderSurface};
 use super::viewed::SampledTable;

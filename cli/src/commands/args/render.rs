@@ -39,12 +39,12 @@ pub struct RenderArgs {
     /// Where the camera stands
     #[command(flatten)]
     pub view: ViewArgs,
-    /// Rays through each pixel; powers of two are spread most evenly, and 1 goes through the middle [default: as many as
-    /// --target-noise takes]
+    /// Rays through each pixel; powers of two are spread most evenly, and 1 goes through the middle [default: as many
+    /// as --target-noise takes]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub samples: Option<u32>,
     /// Follow rays until the noise is so small: its root mean square over the body, in steps of 1/255 of sRGB; from 0.1
-    /// to 30 [default: 1]
+    /// to 30 [default: 1.25]
     #[arg(long, value_name = "STEPS")]
     pub target_noise: Option<f64>,
     /// Draw fast and without noise, from few fixed directions and blurred light; one reflection
