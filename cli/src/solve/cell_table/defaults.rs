@@ -15,13 +15,13 @@ pub struct Sides {
 }
 
 impl Sides {
-    /// Curved surfaces: as many incident directions as half vectors.
-    pub const CURVED: Self = Self { incident: [16, 16], half_vectors: [12, 20] };
+    /// Curved surfaces.
+    pub const CURVED: Self = Self { incident: [16, 20], half_vectors: [12, 16] };
     /// Surfaces of lines: half vectors lie across the lines, so few azimuths of them are needed.
     pub const LINES: Self = Self { incident: [20, 24], half_vectors: [16, 8] };
     /// Surfaces of flat facets: lobes are exact, boxes hold the rest, and the power of lobes has kinks where a facet's
     /// shadow begins.
-    pub const FLAT: Self = Self { incident: [22, 20], half_vectors: [8, 16] };
+    pub const FLAT: Self = Self { incident: [22, 26], half_vectors: [6, 12] };
     /// Tables that are averaged around the normal: one incident azimuth.
     pub const ISOTROPIC: Self = Self { incident: [24, 1], half_vectors: [24, 32] };
 }
@@ -36,8 +36,8 @@ const RAYS: u32 = 4096;
 /// Default number where waves pass between interfaces, each ray of which costs as much as ten others.
 const RAYS_BETWEEN: u32 = 1024;
 
-/// The default sides of the table of a cell. Together they hold at most 65 536 values in each channel, 16 of which are
-/// left for lobes on curved surfaces.
+/// The default sides of the table of a cell. Together they hold at most 65 536 values in each channel, with
+/// room for 40 lobes on surfaces of flat facets.
 #[must_use]
 pub fn default_sides(mesh_scene: &MeshScene<'_>) -> Sides {
     let flat = flat_normals(mesh_scene);
