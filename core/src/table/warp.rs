@@ -146,7 +146,7 @@ impl<'a> HalfVectorWarp<'a> {
     pub(super) fn pieces(&self, axis: usize, intervals: u32) -> impl Iterator<Item = Piece> {
         const MIN_PIECES: usize = 32;
         let axis = self.axes[axis.min(1)];
-        let steps = axis.intervals * MIN_PIECES.div_ceil(axis.intervals);
+        let steps = axis.intervals * MIN_PIECES.div_ceil(axis.intervals.max(1));
         let end_of = move |interval: u32| {
             if interval + 1 < intervals { axis.plain((interval + 1) as f32 / intervals as f32).0 } else { 1.0 }
         };
