@@ -270,11 +270,11 @@ fn orders(table: &OrderTable<'_>, numbers: &mut Numbers) {
     }
 }
 
-/// Between four nodes the density over the square is bilinear: its integral is its value in the middle. All of the square
-/// would give 1, but half vectors that reflect below the horizon are left out.
+/// Between four nodes the density over the square is bilinear: its integral is its value in the middle. All of the
+/// square would give 1, but half vectors that reflect below the horizon are left out.
 fn density_is_at_most_one(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, wi: Vec3) {
-    /// A direction is rounded by 2⁻²³ or so. That moves a half vector of the first cell, some 10⁻³ from the pole in u and
-    /// 10⁻⁶ in θ, by a tenth, but that cell has a small part of the whole.
+    /// A direction is rounded by 2⁻²³ or so. That moves a half vector of the first cell, some 10⁻³ from the pole in u
+    /// and 10⁻⁶ in θ, by a tenth, but that cell has a small part of the whole.
     const ROUNDING: f32 = 0.05;
     const FEW: usize = 256;
     const MIN_DENSITY: f32 = 0.1;
