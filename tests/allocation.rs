@@ -5,7 +5,10 @@ use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz, xyz_weights};
 use goniochrome::optics::interface::Model;
 use goniochrome::simd::lanes::{F32, F64, Lanes};
 use goniochrome::table::blob::{Blob, Contents, Precision};
-use goniochrome::table::{OrderArrays, OrderLayout, OrderTable, Periodicity};
+use goniochrome::table::{
+    FacetLobe, HalfVectorWarp, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler,
+    ScatterTable,
+};
 use goniochrome::trace::planar::{Summation, Workspace, trace_planar};
 use goniochrome::trace::waves::Limits;
 use std::hint::black_box;
@@ -65,6 +68,30 @@ fn tables_of_orders_do_not_allocate() {
         let Ok(Blob { contents: Contents::Orders(table), .. }) = Blob::read(&bytes[..length]) else { panic!("orders") };
         let view = table.view(glam::Vec3::Z).expect("above the horizon");
         black_box((view.light(0, 0), view.light_between(0, 0.5, 2), view.sample(1, 0.5), view.probability(1, 0)));
+    });
+    assert_eq!(counted.count_total, 0);
+}
+
+#[test]
+fn scatter_tables_do_not_allocate() {
+    let (mut bytes, mut pairs, mut cumulative, mut out) = ([0; 4096], [0.0; 8], [0.0; 256], [0.0; 3]);
+    let counted = allocation_counter::measure(|| {
+        let layout = ScatterLayout::new([2, 2], [4, 4], 1).expect("a good grid");
+        let warp = HalfVectorWarp::new([&[1.0, 2.0], &[1.0, 1.0]], &mut pairs).expect("a good warp");
+        let lobes = [FacetLobe::reflection(glam::Vec3::Z).to_numbers()];
+        let table = ScatterTable::new(&[0.1; 3 * 4 * 17], layout, warp, &lobes, 3).expect("a good table");
+        let cumulative = &mut cumulative[..ScatterSampler::required_len(&layout)];
+        let sampler = ScatterSampler::new(&table, cumulative).expect("enough room");
+        let blob = Blob { space: None, contents: Contents::Scatter(table, sampler) };
+        let length = blob.required_len(Precision::Half).expect("a small blob");
+        blob.write(Precision::Half, &mut bytes[..length]).expect("enough room");
+        let Ok(Blob { contents: Contents::Scatter(table, sampler), .. }) = Blob::read(&bytes[..length]) else {
+            panic!("a scatter table")
+        };
+        let (wi, wo) = (glam::Vec3::new(0.6, 0.0, 0.8), glam::Vec3::Z);
+        table.albedo(wi, &mut out);
+        black_box((table.rgb(wi, wo), table.reflected(wi, 0, &mut out), sampler.pdf(wi, wo)));
+        black_box(sampler.sample(wi, [0.5; 2]));
     });
     assert_eq!(counted.count_total, 0);
 }

@@ -7,8 +7,8 @@ use std::error::Error;
 
 use glam::{Vec2, Vec3};
 use goniochrome::colour::RgbSpace;
-use goniochrome::table::MirrorTable;
 use goniochrome::table::blob::{Blob, Contents, Precision};
+use goniochrome::table::{MirrorTable, ScatterSampler, ScatterTable};
 use goniochrome::trace::sobol::sobol;
 
 /// Direction that the engine samples from a material. The engine finds the radiance from there itself.
@@ -41,7 +41,7 @@ impl<'asset> StructuralColour<'asset> {
 impl Material for StructuralColour<'_> {
     fn evaluate(&self, eye: Vec3, light: Vec3) -> Vec3 {
         match &self.table {
-            // Mirrors and gratings reflect no light of a point lamp. `bounce` serves reflection probes.
+            // Mirrors, gratings and flat facets reflect no light of a point lamp. `bounce` serves reflection probes.
             Contents::Mirror(_) | Contents::Orders(_) => Vec3::ZERO,
             Contents::Scatter(table, _) => Vec3::from(table.rgb(eye, light)) * light.z.max(0.0),
         }
@@ -53,11 +53,7 @@ impl Material for StructuralColour<'_> {
                 direction: Vec3::new(-eye.x, -eye.y, eye.z),
                 throughput: Vec3::from(table.rgb(eye.z.min(1.0).acos())),
             }),
-            Contents::Scatter(table, sampler) => {
-                let (direction, density) = sampler.sample(eye, random.to_array())?;
-                let value = Vec3::from(table.rgb(eye, direction)) * direction.z;
-                (density > 0.0).then(|| Bounce { direction, throughput: value / density })
-            }
+            Contents::Scatter(table, sampler) => scattered(table, sampler, eye, random),
             Contents::Orders(table) => {
                 // One of the wavelengths, then one of its orders.
                 let count = table.wavelength_count();
@@ -68,6 +64,29 @@ impl Material for StructuralColour<'_> {
             }
         }
     }
+}
+
+/// Bounce off a surface of facets: into the exact direction of a flat one, or into one drawn by the table's density, each
+/// in proportion to what it reflects.
+fn scattered(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, eye: Vec3, random: Vec2) -> Option<Bounce> {
+    let lobe = |lobe| {
+        let mut rgb = [0.0; 3];
+        let direction = table.reflected(eye, lobe, &mut rgb)?;
+        Some((direction, Vec3::from(rgb), Vec3::from(rgb).abs().element_sum() / 3.0))
+    };
+    let lobes = || (0..table.layout().lobes()).filter_map(lobe);
+    let boxes = sampler.reflected(eye);
+    let whole = boxes + lobes().map(|(_, _, power)| power).sum::<f32>();
+    let mut place = random.x * whole;
+    for (direction, rgb, power) in lobes() {
+        if place < power {
+            return Some(Bounce { direction, throughput: rgb * whole / power });
+        }
+        place -= power;
+    }
+    let (direction, density) = sampler.sample(eye, [place / boxes, random.y])?;
+    let value = Vec3::from(table.rgb(eye, direction)) * direction.z;
+    Some(Bounce { direction, throughput: value / density * whole / boxes })
 }
 
 /// Asset that is used if none is named: a film whose red fades with the angle.

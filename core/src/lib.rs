@@ -162,15 +162,18 @@
 //! ```
 //! use glam::Vec3;
 //! use goniochrome::colour::RgbSpace;
-//! use goniochrome::measure::bins::DirectionBins;
 //! use goniochrome::table::blob::{Blob, Contents, Precision};
-//! use goniochrome::table::{ScatterLayout, ScatterSampler, ScatterTable};
+//! use goniochrome::table::{HalfVectorWarp, ScatterLayout, ScatterSampler, ScatterTable};
 //!
-//! // A blob is usually made once, by `goniochrome estimate` and `goniochrome export --to blob`. This one is a grey
-//! // Lambert surface.
-//! let layout = ScatterLayout::new(4, 1, DirectionBins { cos: 4, phi: 4 })?;
-//! let values = [0.5 / core::f32::consts::PI; 4 * 16 * 3];
-//! let table = ScatterTable::new(&values, layout, 3)?;
+//! // A blob is usually made once, by `goniochrome estimate` and `goniochrome export --to blob`. This one is grey, of
+//! // facets whose normals lie around the surface's: s = f cos θ_i cos θ_o depends on the half vector alone.
+//! let layout = ScatterLayout::new([4, 1], [8, 8], 0)?;
+//! let mut memory = [0.0; HalfVectorWarp::required_len([2, 2])];
+//! let warp = HalfVectorWarp::new([&[1.0; 2], &[1.0; 2]], &mut memory)?;
+//! let s = |node: usize| 0.2 * warp.half_vector(layout.node(node).map(|x| x as f32), 0.0).0.z.powi(8);
+//! let values: Vec<f32> =
+//!     (0..layout.count()).flat_map(|value| [s(value % layout.node_count()); 3]).collect();
+//! let table = ScatterTable::new(&values, layout, warp, &[], 3)?;
 //! let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
 //! let sampler = ScatterSampler::new(&table, &mut memory)?;
 //! let blob = Blob { space: Some(RgbSpace::Srgb), contents: Contents::Scatter(table, sampler) };
@@ -184,11 +187,14 @@
 //! let samples = 64;
 //! for i in 0..samples {
 //!     let u = [(i as f32 + 0.5) / samples as f32, (i as f32 * 0.618).fract()];
-//!     let (wo, pdf) = sampler.sample(wi, u).expect("wi is above the surface");
+//!     // Half vectors that reflect below the surface are samples without light.
+//!     let Some((wo, pdf)) = sampler.sample(wi, u) else { continue };
 //!     let sky = Vec3::ONE; // the radiance from wo
 //!     light += Vec3::from(table.rgb(wi, wo)) * sky * (wo.z / pdf);
 //! }
-//! assert!((light / samples as f32 - Vec3::splat(0.5)).abs().max_element() < 0.01);
+//! let mut albedo = [0.0; 3];
+//! table.albedo(wi, &mut albedo);
+//! assert!((light / samples as f32 - Vec3::from(albedo)).abs().max_element() < 0.05 * albedo[0]);
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 #![no_std]

@@ -3,10 +3,10 @@
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
-use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
-    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
+    FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout,
+    ScatterSampler, ScatterTable,
 };
 use goniochrome::trace::random::Random;
 
@@ -14,6 +14,8 @@ const HEADER: usize = 64;
 const CHECKSUM: usize = 60;
 /// Number of the kind of a table of orders.
 const ORDERS: usize = 3;
+/// Number of the kind of a scatter table.
+const SCATTER: usize = 4;
 /// Largest number of bytes of a blob that is mended or made.
 const MAX: usize = 1 << 16;
 
@@ -35,13 +37,19 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut bytes = bytes.to_vec();
     let word = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?) as usize);
     let (kind, value, channels) = (word(12)?, word(16)?, word(20)?);
-    let [rows, columns, cos, phi] = [word(24)?, word(28)?, word(32)?, word(36)?];
+    let [rows, columns, third, fourth] = [word(24)?, word(28)?, word(32)?, word(36)?];
+    let (lobes, knots) = (word(40)?, (word(44)? & 0xffff) + (word(44)? >> 16));
     let incident = rows.checked_mul(columns)?;
-    let bins = cos.checked_mul(if kind == ORDERS { 1 } else { phi })?;
-    let values = incident.checked_mul(bins)?.checked_mul(channels)?.checked_mul(value)?.checked_next_multiple_of(4)?;
+    let nodes = third.checked_mul(if kind == ORDERS { 1 } else { fourth })?;
+    let places = if kind == SCATTER { nodes.checked_add(lobes)? } else { nodes };
+    let values =
+        incident.checked_mul(places)?.checked_mul(channels)?.checked_mul(value)?.checked_next_multiple_of(4)?;
     let numbers = match kind {
-        2 => incident.checked_mul(bins.checked_add(cos)?.checked_add(1)?)?,
-        ORDERS => channels.checked_mul(2)?.checked_add(cos.checked_mul(5)?)?,
+        SCATTER => {
+            let sampler = incident.checked_mul(nodes.checked_add(fourth)?.checked_add(1)?)?;
+            sampler.checked_add(2 * knots)?.checked_add(lobes.checked_mul(FacetLobe::LEN)?)?
+        }
+        ORDERS => channels.checked_mul(2)?.checked_add(third.checked_mul(5)?)?,
         _ => 0,
     };
     let size = HEADER.checked_add(values)?.checked_add(numbers.checked_mul(4)?).filter(|size| *size <= MAX)?;
@@ -99,12 +107,26 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
         let theta_max = f64::from(sides.max(1)) / 255.0 * std::f64::consts::FRAC_PI_2;
         return write(Contents::Mirror(MirrorTable::new(&values, channels, theta_max).ok()?));
     }
-    let (theta, phi) = (1 + u32::from(sides & 7), 1 + u32::from(sides >> 3 & 3));
-    let bins = DirectionBins { cos: 1 + u32::from(shape & 15), phi: phi * (1 + u32::from(shape >> 4)) };
-    let layout = ScatterLayout::new(theta, phi, bins).expect("small sides");
+    let incident = [2 + u32::from(sides & 7), 1 + u32::from(sides >> 3 & 3)];
+    let lobes = usize::from(sides >> 5 & 3);
+    let layout = ScatterLayout::new(incident, [2 + u32::from(shape & 15), 1 + u32::from(shape >> 4)], lobes as u32)
+        .expect("small sides");
+    // Densities from 1/4 to 5/4, and facets of any slope, by the bytes that follow.
+    let mut next = numbers.iter().map(|&byte| f32::from(byte) / 255.0).cycle();
+    let mut number = || next.next().unwrap_or(0.5);
+    let density: [f32; 8] = std::array::from_fn(|_| 0.25 + number());
+    let (along_u, along_v) = density.split_at(2 + usize::from(kind >> 5 & 3));
+    let mut pairs = vec![0.0; HalfVectorWarp::required_len([along_u.len(), along_v.len()])];
+    let warp = HalfVectorWarp::new([along_u, along_v], &mut pairs).expect("densities like one another");
+    let lobes: Vec<_> = std::iter::repeat_with(|| {
+        let normal = Vec3::new(number() - 0.5, number() - 0.5, 0.5 + number()).normalize();
+        FacetLobe { index: 0.5 + 2.0 * number(), ..FacetLobe::reflection(normal) }.to_numbers()
+    })
+    .take(lobes)
+    .collect();
     // The numbers that there are, repeated.
     let values: Vec<f32> = values.iter().copied().cycle().take(layout.count() * channels).collect();
-    let table = ScatterTable::new(&values, layout, channels).ok()?;
+    let table = ScatterTable::new(&values, layout, warp, &lobes, channels).ok()?;
     let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
     let sampler = ScatterSampler::new(&table, &mut memory).expect("memory of the stated size");
     write(Contents::Scatter(table, sampler))
@@ -192,14 +214,27 @@ fn scatter(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, numbers: &mut
             assert!(sampler.sample(below, [0.5; 2]).is_none() && sampler.pdf(below, wo) == 0.0);
             assert_eq!(table.rgb(below, wo), [0.0; 3]);
         }
-        let u = [numbers.next(), numbers.next()];
-        let (wo, pdf) = sampler.sample(wi, u).expect("wi is above the surface");
-        assert!((wo.length() - 1.0).abs() < ROUNDINGS && wo.z > 0.0, "{wo}");
-        assert!(pdf.is_finite() && pdf == sampler.pdf(wi, wo), "density {pdf} at {wi} {wo}");
+        let drawn = sampler.sample(wi, [numbers.next(), numbers.next()]);
+        if let Some((wo, pdf)) = drawn {
+            assert!((wo.length() - 1.0).abs() < ROUNDINGS && wo.z > 0.0, "{wo}");
+            assert!(pdf > 0.0 && pdf.is_finite(), "density {pdf} at {wi} {wo}");
+        }
+        let reflected = sampler.reflected(wi);
+        assert!(reflected >= 0.0 && reflected.is_finite(), "{reflected} at {wi}");
+        let lobe = (numbers.next() * (table.layout().lobes() + 1) as f32) as usize;
+        if let Some(wo) = table.reflected(wi, lobe, &mut all) {
+            // Matrices are orthogonal to 10⁻⁴; n times the tangential part enlarges that.
+            let rounding = 1e-3 * table.lobe(lobe).index.max(1.0);
+            assert!(lobe < table.layout().lobes() && (wo.length() - 1.0).abs() < rounding, "{wo}");
+        }
+        assert!(all.iter().all(|rho| rho.is_finite()), "{all:?} at {wi}");
     }
-    table.albedo(numbers.direction(), &mut all);
-    assert!(all.iter().all(|a| a.is_finite()), "albedo {all:?}");
-    density_is_one(table.layout().bins(), sampler, numbers.direction());
+    let ([u, v], [knots_u, knots_v]) = (table.layout().square_sides(), table.warp().knots());
+    if (u as usize + knots_u) * (v as usize + knots_v) <= MAX {
+        table.albedo(numbers.direction(), &mut all);
+        assert!(all.iter().all(|a| a.is_finite()), "albedo {all:?}");
+        density_is_at_most_one(table, sampler, numbers.direction());
+    }
 }
 
 fn orders(table: &OrderTable<'_>, numbers: &mut Numbers) {
@@ -235,29 +270,29 @@ fn orders(table: &OrderTable<'_>, numbers: &mut Numbers) {
     }
 }
 
-/// The density is linear in cos θ and in φ between half steps of the grid, where the trapezium rule is exact.
-fn density_is_one(bins: DirectionBins, sampler: &ScatterSampler<'_>, wi: Vec3) {
-    /// Rounding of the probabilities, which are differences of cumulative ones near 1, and of azimuths of several
-    /// turns.
-    const ROUNDING: f32 = 64.0 * f32::EPSILON;
+/// Between four nodes the density over the square is bilinear: its integral is its value in the middle. All of the
+/// square would give 1, but half vectors that reflect below the horizon are left out.
+fn density_is_at_most_one(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, wi: Vec3) {
+    /// A direction is rounded by 2⁻²³ or so. That moves a half vector of the first cell, some 10⁻³ from the pole in u
+    /// and 10⁻⁶ in θ, by a tenth, but that cell has a small part of the whole.
+    const ROUNDING: f32 = 0.05;
     const FEW: usize = 256;
-    if bins.count() > FEW {
+    const MIN_DENSITY: f32 = 0.1;
+    let (layout, warp) = (table.layout(), table.warp());
+    let [u, v] = layout.square_sides();
+    let smooth = (0..2).all(|axis| (0..warp.knots()[axis]).all(|knot| warp.density(axis, knot) >= MIN_DENSITY));
+    if layout.node_count() > FEW || !smooth {
         return;
     }
-    let [rows, columns] = [2 * bins.cos, 2 * bins.phi];
     let mut sum = 0.0;
-    for row in 0..=rows {
-        // The horizon itself is not above the surface, so the density just above it is taken.
-        let cos = (row as f32 / rows as f32).max(f32::MIN_POSITIVE);
-        let sin = (1.0 - cos * cos).sqrt();
-        let end = if row == 0 || row == rows { 0.5 } else { 1.0 };
-        // At the normal all azimuths are one, so the density just beside it is taken.
-        let sin = if row == rows { 1e-5 } else { sin };
-        for column in 0..columns {
-            let phi = wi.y.atan2(wi.x) + std::f32::consts::TAU * column as f32 / columns as f32;
-            sum += end * sampler.pdf(wi, Vec3::new(sin * phi.cos(), sin * phi.sin(), cos));
+    for (column, row) in (0..u - 1).flat_map(|column| (0..v).map(move |row| (column, row))) {
+        let place = [(column as f32 + 0.5) / (u - 1) as f32, (row as f32 + 0.5) / v as f32];
+        let (m, solid_angle) = warp.half_vector(place, layout.origin(wi));
+        let wo = 2.0 * wi.dot(m) * m - wi;
+        if wi.dot(m) > 0.0 && wo.z > 0.0 {
+            sum += sampler.pdf(wi, wo) * solid_angle * wi.dot(m);
         }
     }
-    let whole = sum * std::f32::consts::TAU / (rows * columns) as f32;
-    assert!((whole - 1.0).abs() < ROUNDING * (rows * columns) as f32, "the density adds up to {whole} for {wi}");
+    let whole = sum / ((u - 1) * v) as f32;
+    assert!(whole <= 1.0 + ROUNDING, "the density adds up to {whole} for {wi}");
 }

@@ -2,9 +2,9 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use glam::Vec3;
-use goniochrome::measure::bins::DirectionBins;
 use goniochrome::table::{
-    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
+    HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler,
+    ScatterTable,
 };
 use goniochrome::trace::random::Random;
 use goniochrome_cli::export::gltf::iridescence::eval_iridescence;
@@ -14,6 +14,8 @@ use super::{Visit, Work};
 const LOOKUPS: usize = 1024;
 /// Number of angles of `estimate`'s default table.
 const ROWS: usize = 90;
+/// Number of knots of the warp of `estimate`'s tables, along each axis.
+const KNOTS: usize = 33;
 
 fn work(name: &'static str) -> Work {
     Work { stage: "table", name, unit: "look-ups", amount: LOOKUPS as f64 }
@@ -53,9 +55,12 @@ pub fn table(visit: Visit<'_>) {
         }
     });
 
-    let layout = ScatterLayout::new(8, 8, DirectionBins { cos: 16, phi: 32 }).expect("a good layout");
-    let values = vec![1.0 / std::f32::consts::PI; 3 * layout.count()];
-    let table = ScatterTable::new(&values, layout, 3).expect("a good table");
+    let layout = ScatterLayout::new([8, 8], [16, 32], 0).expect("a good layout");
+    let density: [f32; KNOTS] = std::array::from_fn(|i| 1.0 + 0.7 * (TAU as f32 * i as f32 / (KNOTS - 1) as f32).cos());
+    let mut memory = vec![0.0; HalfVectorWarp::required_len([KNOTS; 2])];
+    let warp = HalfVectorWarp::new([&density, &density], &mut memory).expect("a good warp");
+    let values = vec![0.1; 3 * layout.count()];
+    let table = ScatterTable::new(&values, layout, warp, &[], 3).expect("a good table");
     let mut memory = vec![0.0; ScatterSampler::required_len(&layout)];
     let sampler = ScatterSampler::new(&table, &mut memory).expect("enough memory");
     let mut direction = || {
@@ -64,7 +69,8 @@ pub fn table(visit: Visit<'_>) {
         Vec3::new((s * phi.cos()) as f32, (s * phi.sin()) as f32, z as f32)
     };
     let pairs: Vec<(Vec3, Vec3)> = (0..LOOKUPS).map(|_| (direction(), direction())).collect();
-    assert!((table.rgb(pairs[0].0, pairs[0].1)[0] - values[0]).abs() < 1e-6);
+    let (wi, wo) = pairs[0];
+    assert!((table.rgb(wi, wo)[0] * wi.z * wo.z - values[0]).abs() < 1e-5);
     visit(&work("4D, RGB"), &mut || {
         for &(wi, wo) in black_box(&pairs) {
             black_box(table.rgb(wi, wo));

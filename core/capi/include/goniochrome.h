@@ -726,8 +726,8 @@ gonio_status gonio_table_lobe_count(const gonio_table *table, uint32_t *count);
 
 /*
  Looks up a lobe of flat facets for light from `wi`: its direction, and the fraction of the light that it reflects.
- The radiance that a viewer in the direction `wi` receives by it is the reflectance times the radiance from the lobe's
- direction. Both are 0 if `wi` or the lobe is below the surface.
+ The radiance that a viewer in the direction `wi` receives by it is the reflectance times the radiance from the
+ lobe's direction. Both are 0 if `wi` or the lobe is below the surface.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats.

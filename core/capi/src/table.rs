@@ -171,8 +171,8 @@ pub unsafe extern "C" fn gonio_table_lobe_count(table: *const Table, count: *mut
 }
 
 /// Looks up a lobe of flat facets for light from `wi`: its direction, and the fraction of the light that it reflects.
-/// The radiance that a viewer in the direction `wi` receives by it is the reflectance times the radiance from the lobe's
-/// direction. Both are 0 if `wi` or the lobe is below the surface.
+/// The radiance that a viewer in the direction `wi` receives by it is the reflectance times the radiance from the
+/// lobe's direction. Both are 0 if `wi` or the lobe is below the surface.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats.
@@ -240,7 +240,7 @@ pub unsafe extern "C" fn gonio_table_sample(
         let (wo, pdf, weight) = match &blob.contents {
             Contents::Mirror(table) => (mirrored(wi), 1.0, table.rgb(angle(wi.z.min(1.0)))),
             Contents::Scatter(table, sampler) => {
-                // A draw below the horizon has no density, and the division comes last, so 0 stays 0 however small it is.
+                // A draw below the horizon has no density. The division comes last, so 0 stays 0 however small that is.
                 let (wo, pdf) = sampler.sample(wi, u).unwrap_or((mirrored(wi), 0.0));
                 let weight = |f: f32| if pdf > 0.0 { f * wo.z / pdf } else { 0.0 };
                 (wo, pdf, table.rgb(wi, wo).map(weight))

@@ -18,7 +18,7 @@ fn atan2(y: f32, x: f32) -> f32 {
     let z = ratio * ratio;
     let (z2, z4) = (z * z, z * z * (z * z));
     let low = (-0.333_331_02 + 0.199_926_96 * z) + (-0.142_027_36 + 0.106_347_93 * z) * z2;
-    let high = (-0.074_890_09 + 0.042_504_99 * z) + (-0.015_956_903 + 0.002_823_638_96 * z) * z2;
+    let high = (-0.074_890_09 + 0.042_504_99 * z) + (-0.015_956_9 + 0.002_823_639 * z) * z2;
     let angle = ratio + ratio * z * (low + high * z4);
     let angle = if steep { FRAC_PI_2 - angle } else { angle };
     let angle = if x < 0.0 { PI - angle } else { angle };

@@ -7,12 +7,13 @@ use glam::Vec3;
 
 /// Grid of incident directions × nodes of the warped square of half vectors, and number of facet lobes.
 ///
-/// - Incident polar angles run from 0 to [`ScatterLayout::THETA_MAX`], equally spaced. Beyond the last, values are held.
+/// - Incident polar angles run from 0 to [`ScatterLayout::THETA_MAX`], equally spaced. Beyond the last, values are
+///   held.
 /// - Incident azimuths are φ_i = 2π column/columns − π. An isotropic surface has one column. Along the normal there is
 ///   no azimuth: all columns of the first row should hold the same values.
 /// - The square (x, y) is that of [`HalfVectorWarp`](super::HalfVectorWarp): x = 0 is the half vector along the normal,
-///   y runs once around it. Its nodes are x = j/(U − 1) and y = k/V; y is periodic. At x = 0 there is no azimuth either,
-///   and all nodes should hold the same value.
+///   y runs once around it. Its nodes are x = j/(U − 1) and y = k/V; y is periodic. At x = 0 there is no azimuth
+///   either, and all nodes should hold the same value.
 ///
 /// Each incident direction has [`ScatterLayout::places`] values: first those of the nodes, x fastest, then those of the
 /// lobes.

@@ -85,12 +85,12 @@ mod tests {
     fn a_level_mirror_reflects_exactly_at_any_angle_and_index() {
         for index in [0.7, 1.0, 1.5, 4.0] {
             let lobe = FacetLobe { index, ..FacetLobe::reflection(Vec3::Z) };
-            for theta in [0.0, 0.3, 1.0, 1.5, 1.5707] {
+            for theta in [0.0, 0.3, 1.0, 1.5, 1.57] {
                 let wi = unit(theta, 2.0);
                 let mirror = Vec3::new(-wi.x, -wi.y, wi.z);
                 match lobe.direction(wi) {
                     // The root of what is left of n² after it was added and taken away.
-                    Some(wo) if index < 1.0 || index > 1.0 => {
+                    Some(wo) if index != 1.0 => {
                         let rounding = 4.0 * f32::EPSILON * index * index / wi.z;
                         assert!((wo - mirror).length() < rounding, "{index} {theta}: {wo}");
                     }

@@ -183,8 +183,8 @@ impl<'a> ScatterTable<'a> {
         Some(direction)
     }
 
-    /// Writes the albedo ∫ f(wi, wo) cos θ_o dω_o, lobes included, to `out`: the fraction of the light from `wi` that is
-    /// reflected, for each channel; 0 for `wi` below the horizon.
+    /// Writes the albedo ∫ f(wi, wo) cos θ_o dω_o, lobes included, to `out`: the fraction of the light from `wi` that
+    /// is reflected, for each channel; 0 for `wi` below the horizon.
     ///
     /// The integral is that of [`tent_solid_angles`]. Each call sums over all nodes: keep the result.
     pub fn albedo(&self, wi: Vec3, out: &mut [f32]) {

@@ -7,7 +7,7 @@ use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 
 /// Places and weights of Gauss's rule of three points on [0, 1].
-const RULE: [[f32; 2]; 3] = [[0.112_701_666, 5.0 / 18.0], [0.5, 8.0 / 18.0], [0.887_298_35, 5.0 / 18.0]];
+const RULE: [[f32; 2]; 3] = [[0.112_701_67, 5.0 / 18.0], [0.5, 8.0 / 18.0], [0.887_298_35, 5.0 / 18.0]];
 
 /// Half vectors of one θ_m.
 #[derive(Clone, Copy)]
@@ -23,15 +23,15 @@ struct Ring {
 }
 
 /// Calls `add(node, Ω)` several times for each node of the square, so that the sums of Ω are ∫ t(ω_o) dω_o over the
-/// outgoing directions above the horizon, for the node's interpolation weight t (its tent) and light from `wi`. The sums
-/// over all nodes add up to the solid angle of the hemisphere, 2π.
+/// outgoing directions above the horizon, for the node's interpolation weight t (its tent) and light from `wi`. The
+/// sums over all nodes add up to the solid angle of the hemisphere, 2π.
 ///
-/// `origin` is the azimuth from which φ_m counts: 0, or that of `wi` in isotropic tables. Half vectors of the polar angle
-/// θ_m reflect light of θ_i above the horizon where cos(φ_m − φ_i) > −cot θ_i cot 2θ_m: all up to θ_m = (90° − θ_i)/2,
-/// and none from (90° + θ_i)/2 on. The integral is Gauss's rule of 3 × 3 points in each piece of the plain square between
-/// nodes, knots of the warp and these angles; along v it ends at the horizon. The sum over all nodes errs by 4·10⁻⁴ at
-/// 89°, and by less than 10⁻⁴ up to 76°; the part of a node that the horizon cuts, by some percent of what the node has
-/// without it, which its neighbours have instead.
+/// `origin` is the azimuth from which φ_m counts: 0, or that of `wi` in isotropic tables. Half vectors of the polar
+/// angle θ_m reflect light of θ_i above the horizon where cos(φ_m − φ_i) > −cot θ_i cot 2θ_m: all up to
+/// θ_m = (90° − θ_i)/2, and none from (90° + θ_i)/2 on. The integral is Gauss's rule of 3 × 3 points in each piece of
+/// the plain square between nodes, knots of the warp and these angles; along v it ends at the horizon. The sum over all
+/// nodes errs by 4·10⁻⁴ at 89°, and by less than 10⁻⁴ up to 76°; the part of a node that the horizon cuts, by some
+/// percent of what the node has without it, which its neighbours have instead.
 pub fn tent_solid_angles(
     layout: &ScatterLayout,
     warp: &HalfVectorWarp<'_>,
@@ -109,7 +109,7 @@ fn between_nodes(
             upper_sum += upper * part;
         }
         let parts = [sum - upper_sum, upper_sum].map(|part| (part * ring.solid_angle).max(0.0));
-        let right = ring.right.max(0.0).min(1.0);
+        let right = ring.right.clamp(0.0, 1.0);
         for (corner, part) in corners.as_chunks_mut::<2>().0.iter_mut().zip(parts) {
             *corner = [corner[0] + part * (1.0 - right), corner[1] + part * right];
         }

@@ -9,9 +9,9 @@ use glam::Vec3;
 /// Map between half vectors and the warped unit square.
 ///
 /// The plain square is that of Dupuy & Jakob, "An adaptive parameterization for efficient material acquisition and
-/// rendering" (2018): u = √(2θ_m/π) and v = (φ_m + π)/2π for the half vector m = (wi + wo)/|wi + wo|. The warped one is x
-/// = X(u), y = Y(v), the integrals of two positive densities, each linear between equally spaced knots from 0 to 1. It
-/// is the warp that readers of RGL's tensor files build from the product of the densities.
+/// rendering" (2018): u = √(2θ_m/π) and v = (φ_m + π)/2π for the half vector m = (wi + wo)/|wi + wo|. The warped one is
+/// x = X(u), y = Y(v), the integrals of two positive densities, each linear between equally spaced knots from 0 to 1.
+/// It is the warp that readers of RGL's tensor files build from the product of the densities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfVectorWarp<'a> {
     axes: [Axis<'a>; 2],
@@ -106,9 +106,9 @@ impl<'a> HalfVectorWarp<'a> {
         self.axes.get(axis).map_or(0.0, |axis| axis.pairs.at(2 * knot))
     }
 
-    /// Place of the half vector of two unit vectors above the surface. `origin` is the azimuth from which φ_m counts: 0,
-    /// or that of `wi` in isotropic tables ([`ScatterLayout::origin`](super::ScatterLayout::origin)). The place stays
-    /// the same, bit for bit, if the directions are exchanged.
+    /// Place of the half vector of two unit vectors above the surface. `origin` is the azimuth from which φ_m counts:
+    /// that of [`ScatterLayout::origin`](super::ScatterLayout::origin). The place stays the same, bit for bit, if the
+    /// directions are exchanged.
     #[must_use]
     #[inline]
     pub fn warped(&self, wi: Vec3, wo: Vec3, origin: f32) -> Warped {
@@ -146,7 +146,7 @@ impl<'a> HalfVectorWarp<'a> {
     pub(super) fn pieces(&self, axis: usize, intervals: u32) -> impl Iterator<Item = Piece> {
         const MIN_PIECES: usize = 32;
         let axis = self.axes[axis.min(1)];
-        let steps = axis.intervals * MIN_PIECES.div_ceil(axis.intervals);
+        let steps = axis.intervals * MIN_PIECES.div_ceil(axis.intervals.max(1));
         let end_of = move |interval: u32| {
             if interval + 1 < intervals { axis.plain((interval + 1) as f32 / intervals as f32).0 } else { 1.0 }
         };
@@ -211,8 +211,8 @@ fn prepare(density: &[f32], pairs: &mut [f32]) -> Result<(), TableError> {
 impl Axis<'_> {
     /// Whether densities are positive, and integrals increase from 0 to 1 by what the densities add up to.
     fn is_sound(&self) -> bool {
-        // Two integrals below 1, a mean of two densities over the number of intervals, which is below 1 too, and its two
-        // operations: each is rounded by half a unit of 2⁻²³ at most, the densities by as much together.
+        // Two integrals, the two operations of the area, and the two densities together: each is rounded by half a unit
+        // of 2⁻²³ at most, since none is above 1.
         const ROUNDING: f32 = 3.0 * f32::EPSILON;
         let knots = self.intervals + 1;
         let number = |knot: usize, part: usize| self.pairs.at(2 * knot + part);
@@ -238,7 +238,7 @@ impl Axis<'_> {
     /// Integral up to `plain`, and the density there.
     #[inline]
     fn place(&self, plain: f32) -> (f32, f32) {
-        let scaled = plain.max(0.0).min(1.0) * self.intervals as f32;
+        let scaled = plain.clamp(0.0, 1.0) * self.intervals as f32;
         let index = (scaled as usize).min(self.intervals - 1);
         let [from, to, before] = self.interval(index);
         let part = scaled - index as f32;
@@ -249,7 +249,7 @@ impl Axis<'_> {
     /// Place at which the integral is `place`, and the density there.
     #[inline]
     fn plain(&self, place: f32) -> (f32, f32) {
-        let place = place.max(0.0).min(1.0);
+        let place = place.clamp(0.0, 1.0);
         let (mut index, mut last) = (0, self.intervals - 1);
         while index < last {
             let middle = index.midpoint(last);
@@ -259,7 +259,7 @@ impl Axis<'_> {
         // The root of from·t + ½ (to − from) t² = rest, without cancellation; its discriminant is the density's square.
         let rest = (place - before) * self.intervals as f32;
         let density = libm::sqrtf((from * from + 2.0 * rest * (to - from)).max(0.0));
-        let part = (2.0 * rest / (from + density)).max(0.0).min(1.0);
+        let part = (2.0 * rest / (from + density)).clamp(0.0, 1.0);
         ((index as f32 + part) / self.intervals as f32, density.max(from.min(to)).min(from.max(to)))
     }
 }

@@ -37,6 +37,8 @@ pub fn check(bytes: &[u8]) {
             b'f' => tables::rgb(program, table.as_ref()),
             b'p' => tables::pdf(program, table.as_ref()),
             b's' => tables::sample(program, table.as_ref()),
+            b'a' => tables::albedo(program, table.as_ref()),
+            b'L' => tables::lobe(program, table.as_ref()),
             b'o' => orders::describe(program, table.as_ref()),
             b'V' => orders::view(program, table.as_ref(), &mut seen),
             b'l' => orders::light(program, seen.as_ref()),

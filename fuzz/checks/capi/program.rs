@@ -57,6 +57,11 @@ pub struct Faults {
 }
 
 impl Faults {
+    /// No fault.
+    pub fn none() -> Self {
+        Self { place: None, misaligned: false, seen: 0, hit: false }
+    }
+
     /// A pointer that the call needs.
     pub fn pass<T>(&mut self, pointer: *const T) -> *const T {
         let here = self.place == Some(self.seen);

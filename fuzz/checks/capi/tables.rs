@@ -5,8 +5,9 @@ use super::program::{Faults, Program};
 use crate::table_blob;
 use goniochrome_capi::status::Status;
 use goniochrome_capi::table::{
-    GONIO_KIND_MIRROR, GONIO_KIND_ORDERS, GONIO_KIND_SCATTER, Sample, Table, TableDescription, gonio_table_describe,
-    gonio_table_pdf, gonio_table_reflectance, gonio_table_rgb, gonio_table_sample, gonio_table_view,
+    FacetLobe, GONIO_KIND_MIRROR, GONIO_KIND_ORDERS, GONIO_KIND_SCATTER, Sample, Table, TableDescription,
+    gonio_table_albedo, gonio_table_describe, gonio_table_lobe, gonio_table_lobe_count, gonio_table_pdf,
+    gonio_table_reflectance, gonio_table_rgb, gonio_table_sample, gonio_table_view,
 };
 use std::rc::Rc;
 
@@ -114,6 +115,39 @@ pub fn pdf(program: &mut Program<'_>, table: Option<&View>) {
         unsafe { gonio_table_pdf(table, wi, wo, place) }
     });
     assert!(pdf.is_none_or(|pdf| pdf.results()[0] >= 0.0f32 && pdf.results()[0].is_finite()));
+}
+
+pub fn albedo(program: &mut Program<'_>, table: Option<&View>) {
+    let mut faults = program.faults();
+    let wi = direction(program);
+    let rgb = ask(table.map(|table| &table.object), &mut faults, 3, |faults, table, place| {
+        let wi = faults.pass(wi.as_ptr());
+        // SAFETY: as above.
+        unsafe { gonio_table_albedo(table, wi, place) }
+    });
+    let Some(rgb) = rgb else { return };
+    assert!(rgb.results().iter().all(|x: &f32| x.is_finite()));
+    assert!(wi[2] > 0.0 || rgb.results() == [0.0; 3]);
+}
+
+pub fn lobe(program: &mut Program<'_>, table: Option<&View>) {
+    let mut faults = program.faults();
+    let (wi, index) = (direction(program), u32::from(program.byte() & 3));
+    let mut none = Faults::none();
+    // SAFETY: as above.
+    let count = ask(table.map(|table| &table.object), &mut none, 1, |_, table, place| unsafe {
+        gonio_table_lobe_count(table, place)
+    });
+    let lobe = ask(table.map(|table| &table.object), &mut faults, 1, |faults, table, place| {
+        let wi = faults.pass(wi.as_ptr());
+        // SAFETY: as above.
+        unsafe { gonio_table_lobe(table, wi, index, place) }
+    });
+    let Some(lobe) = lobe else { return };
+    assert!(count.is_some_and(|count| index < count.results()[0]), "a lobe that is not there");
+    let FacetLobe { direction, reflectance } = lobe.results()[0];
+    assert!(direction.iter().chain(&reflectance).all(|x| x.is_finite()));
+    assert!(direction[2] > 0.0 || (direction, reflectance) == ([0.0; 3], [0.0; 3]));
 }
 
 pub fn sample(program: &mut Program<'_>, table: Option<&View>) {

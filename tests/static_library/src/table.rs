@@ -1,11 +1,11 @@
 //! Functions for tables: making, writing, reading, look-up and sampling.
 
 use goniochrome::glam::Vec3;
-use goniochrome::measure::bins::DirectionBins;
 use goniochrome::colour::RgbSpace;
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
-    MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
+    FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout,
+    ScatterSampler, ScatterTable,
 };
 
 /// The sum of all that a table blob gives for two directions; NaN if it is refused.
@@ -18,7 +18,9 @@ pub extern "C" fn table_look_up(bytes: &&[u8], wi: &Vec3, wo: &Vec3, u: &[f32; 2
             let mut albedo = [0.0; 4];
             table.albedo(*wi, &mut albedo);
             let drawn = sampler.sample(*wi, *u).map_or(0.0, |(wo, pdf)| wo.z / pdf);
-            table.rgb(*wi, *wo).into_iter().sum::<f32>() + sampler.pdf(*wi, *wo) + drawn + albedo[0]
+            let lobe = table.reflected(*wi, u[0] as usize, &mut albedo[1..]).map_or(0.0, |wo| wo.z);
+            let density = sampler.pdf(*wi, *wo) + sampler.reflected(*wi);
+            table.rgb(*wi, *wo).into_iter().sum::<f32>() + density + drawn + lobe + albedo[0] + albedo[1]
         }
         Contents::Orders(table) => {
             let Some(view) = table.view(*wo) else { return 0.0 };
@@ -55,21 +57,25 @@ pub extern "C" fn orders_write(
 pub extern "C" fn table_write(
     values: &&[f32],
     sides: &[u32; 4],
+    densities: &[&[f32]; 2],
+    lobes: &&[[f32; FacetLobe::LEN]],
     channels: usize,
     half: bool,
-    sums: &mut &mut [f32],
+    memory: &mut [&mut [f32]; 2],
     bytes: &mut &mut [u8],
 ) -> bool {
     let precision = if half { Precision::Half } else { Precision::Single };
     let write = |contents: Contents<'_>, bytes: &mut [u8]| {
         Blob { space: Some(RgbSpace::Srgb), contents }.write(precision, bytes).is_ok()
     };
-    let [theta, phi, cos, around] = *sides;
-    let Ok(layout) = ScatterLayout::new(theta, phi, DirectionBins { cos, phi: around }) else {
+    let [theta, phi, u, v] = *sides;
+    let Ok(layout) = ScatterLayout::new([theta, phi], [u, v], lobes.len() as u32) else {
         let mirror = MirrorTable::new(values, channels, 1.5);
         return mirror.is_ok_and(|table| write(Contents::Mirror(table), bytes));
     };
-    let Ok(table) = ScatterTable::new(values, layout, channels) else { return false };
+    let [pairs, sums] = memory;
+    let Ok(warp) = HalfVectorWarp::new(*densities, pairs) else { return false };
+    let Ok(table) = ScatterTable::new(values, layout, warp, lobes, channels) else { return false };
     match ScatterSampler::new(&table, sums) {
         Ok(sampler) => write(Contents::Scatter(table, sampler), bytes),
         Err(_) => false,
