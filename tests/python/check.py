@@ -55,9 +55,12 @@ def scatter():
     run("lookup", table, "--pairs", pairs, "--csv", found, "-q")
     rows = csv.DictReader(open(found))
     f = np.array([[float(row["f_450"]), float(row["f_550"])] for row in rows])
-    # Single precision finds a node's place to some 1e-6 of the square, over which f changes by as much of its peak.
+    # Single precision rounds half vectors, whose azimuths err most at the first node off the normal. There the warp is up
+    # to 23 times as dense as its mean, and f changes by up to its peak from one of the nodes to the next.
+    azimuth = np.finfo(np.float32).eps / np.sin(np.radians(theta_m_deg[1]))
+    allowed = len(phi_m_deg) * 23 * azimuth / (2 * np.pi)
     difference = abs(f - expected).max() / f.max()
-    assert f.shape == np.shape(expected) and f.max() > 0.1 and difference < 1e-4, difference
+    assert f.shape == np.shape(expected) and f.max() > 0.1 and difference < allowed, (difference, allowed)
     print(f"4D table: {f.size} values at nodes as `lookup` finds them, within {difference:.1e} of the peak")
 
 

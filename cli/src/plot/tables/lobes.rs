@@ -39,8 +39,8 @@ fn luminance(table: &ScatterTable) -> Result<ScatterLookup> {
 /// The lobes of flat facets that leave with light from `wi`: their directions and ρ in three channels.
 fn facet_lobes(lookup: &Lookup<'_>, wi: Vec3) -> Vec<(Vec3, [f32; 3])> {
     let mut rho = [0.0; 3];
-    let leaving = |lobe| Some((lookup.reflected(wi, lobe, &mut rho)?, rho));
-    let lobes = (0..lookup.layout().lobes()).filter_map(leaving);
+    let lobe = |lobe| Some((lookup.reflected(wi, lobe, &mut rho)?, rho));
+    let lobes = (0..lookup.layout().lobes()).filter_map(lobe);
     lobes.filter(|(_, rho)| rho.iter().any(|channel| *channel > 0.0)).collect()
 }
 
@@ -50,7 +50,12 @@ fn angles_deg(w: Vec3) -> [f64; 2] {
     [w.truncate().length().atan2(w.z).to_degrees(), w.y.atan2(w.x).to_degrees()]
 }
 
-/// The disc of outgoing directions for light from one direction. Lobes of flat facets are dots of their colours, the
+/// f cos θ_o, the light that leaves per solid angle. Towards the horizon f itself grows beyond all bounds.
+fn leaving(lookup: &Lookup<'_>, wi: Vec3, wo: Vec3) -> [f32; 3] {
+    lookup.rgb(wi, wo).map(|f| f * wo.z)
+}
+
+/// The disc of f cos θ_o in all outgoing directions, for light from one direction. Lobes of flat facets are dots of their colours, the
 /// brightest lobe as bright as can be.
 ///
 /// # Errors
@@ -66,14 +71,14 @@ pub fn outgoing(table: &ScatterTable, name: &str, theta_deg: Option<&[f64]>, phi
     for theta in 0..STEPS {
         for phi in 0..4 * STEPS {
             let [theta, phi] = [theta, phi].map(|step| f64::from(step) * 90.0 / f64::from(STEPS));
-            brightest = largest(lookup.rgb(wi, direction_deg(theta, phi))).max(brightest);
+            brightest = largest(leaving(&lookup, wi, direction_deg(theta, phi))).max(brightest);
         }
     }
     let scale = if brightest > 0.0 { 1.0 / brightest } else { 0.0 };
-    let rgb = |theta: f64, phi: f64| lookup.rgb(wi, direction_deg(theta, phi)).map(|c| c * scale);
+    let rgb = |theta: f64, phi: f64| leaving(&lookup, wi, direction_deg(theta, phi)).map(|c| c * scale);
     let label = format!("{name}: light from θ = {theta_deg}°, φ = {phi_deg}°");
     let mut notes = vec![
-        format!("f scaled to its brightest component, {brightest:.3} per sr"),
+        format!("f cos θ scaled to its brightest component, {brightest:.3} per sr"),
         "ring: the light, cross: its mirror direction".to_owned(),
     ];
     let mut marks = vec![
