@@ -53,7 +53,7 @@ fn a_lossless_cell_loses_nothing() {
     }
 }
 
-/// Four walls of 54.7° and no floor, with air above and silicon below.
+/// Walls of silicon at 54.7°, with level parts between them.
 #[test]
 fn pyramids_have_exact_lobes_where_two_reflections_by_hand_say() {
     let user = User::new();

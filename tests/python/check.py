@@ -55,8 +55,8 @@ def scatter():
     run("lookup", table, "--pairs", pairs, "--csv", found, "-q")
     rows = csv.DictReader(open(found))
     f = np.array([[float(row["f_450"]), float(row["f_550"])] for row in rows])
-    # Single precision rounds half vectors, whose azimuths err most at the first node off the normal. There the warp is up
-    # to 23 times as dense as its mean, and f changes by up to its peak from one of the nodes to the next.
+    # Single precision rounds half vectors, whose azimuths err most at the first node off the normal. The warp is up to
+    # 23 times as dense there as its mean, and f changes by up to its peak from one of the nodes to the next.
     azimuth = np.finfo(np.float32).eps / np.sin(np.radians(theta_m_deg[1]))
     allowed = len(phi_m_deg) * 23 * azimuth / (2 * np.pi)
     difference = abs(f - expected).max() / f.max()
@@ -83,13 +83,15 @@ def lobes():
             if (wo := lobe_direction(wi, lobe)) is not None:
                 turn = np.arctan2(wo[1], wo[0]) / (2 * np.pi) % 1
                 power[min(int(wo[2] * bins[0]), bins[0] - 1), int(turn * bins[1])] += share
-        for one, ours in zip(said, power.ravel()):
-            # Lobes of three hits or more may count in the table's nodes, and its own error is as large.
-            assert abs(one["power"] - ours) < 2e-3 + 8 * one["std_error"], (theta_deg[t], one, ours)
-            worst = max(worst, abs(one["power"] - ours))
+        theirs, error = (np.array([one[key] for one in said]) for key in ("power", "std_error"))
+        # Light in weaker lobes counts in the table's nodes, wherever they lie. Its rays are half as many.
+        noise, rest = 8 * error + 2 / 4096, theirs.sum() - power.sum()
+        assert (power.ravel() <= theirs + noise).all() and (theirs <= power.ravel() + noise + rest).all(), (t, p)
+        assert -noise.max() <= rest < 0.2 * theirs.sum(), (rest, theirs.sum())
+        worst = max(worst, rest / theirs.sum(), key=abs)
         total += power.sum()
     assert total > 0.1, total
-    print(f"lobes: {len(numbers)} leave where `scatter` finds them, with power within {worst:.1e}")
+    print(f"lobes: {len(numbers)} leave where `scatter` finds them, and hold all its light but {worst:.1%}")
 
 
 def orders():

@@ -56,4 +56,6 @@ def lobe_direction(wi, lobe):
 
 if __name__ == "__main__":
     values, *axes = read(sys.argv[1])
-    print("values", values.shape, *("axis " + np.array2string(axis, threshold=8) for axis in axes), sep="\n")
+    print("values", values.shape)
+    for axis in axes:
+        print(f"array {axis.shape}" if axis.ndim > 1 else "axis " + np.array2string(axis, threshold=8))
