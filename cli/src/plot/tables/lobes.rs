@@ -55,8 +55,8 @@ fn leaving(lookup: &Lookup<'_>, wi: Vec3, wo: Vec3) -> [f32; 3] {
     lookup.rgb(wi, wo).map(|f| f * wo.z)
 }
 
-/// The disc of f cos θ_o in all outgoing directions, for light from one direction. Lobes of flat facets are dots of their
-/// colours, the brightest lobe as bright as can be.
+/// The disc of f cos θ_o in all outgoing directions, for light from one direction. Lobes of flat facets are dots of
+/// their colours, the brightest lobe as bright as can be.
 ///
 /// # Errors
 /// More than one angle of the light, no visible wavelength.

@@ -17,8 +17,8 @@ use crate::table::scatter::ScatterTable;
 const STEPS: u32 = 90;
 
 /// A picture of f against the wavelength, one curve for each angle of the light. The light comes from the first azimuth
-/// of `phi_deg` and goes towards the second, at `theta_out_deg` or else at the angle of the light. f leaves lobes of flat
-/// facets out.
+/// of `phi_deg` and goes towards the second, at `theta_out_deg` or else at the angle of the light. f leaves lobes of
+/// flat facets out.
 ///
 /// # Errors
 /// A table that cannot be looked up.
