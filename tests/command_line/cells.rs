@@ -136,6 +136,10 @@ fn exchanged(table: &ScatterTable) -> Vec<(usize, usize, f64)> {
     pairs
 }
 
+/// Σ|s(wi, wo) − s(wo, wi)| over the mean Σs. 2048 rays and interpolation over 45° of azimuth leave 0.17; a turned or
+/// mirrored azimuth leaves more than 1, and no common light 2.
+const BOTH_WAYS: f64 = 0.25;
+
 #[test]
 fn tables_are_reciprocal() {
     let user = user();
@@ -150,7 +154,7 @@ fn tables_are_reciprocal() {
         sum += there + back;
     }
     println!("Σ|s(wi, wo) − s(wo, wi)|/Σs {:.3}, standard errors {:.3}", 2.0 * difference / sum, 2.0 * noise / sum);
-    assert!(sum > 1.0 && 2.0 * difference / sum < 0.1);
+    assert!(sum > 1.0 && 2.0 * difference / sum < BOTH_WAYS);
 }
 
 #[test]
@@ -178,7 +182,7 @@ fn every_kind_of_picture_shows_a_cell() {
 }
 
 /// Rounding of single precision in a sum of 16 products, and in the places of exchanged directions.
-const ROUNDINGS: f64 = 1e-4;
+const ROUNDINGS: f64 = 1e-5;
 
 #[test]
 fn a_reciprocal_table_is_the_mean_of_both_ways() {
@@ -202,6 +206,15 @@ fn a_reciprocal_table_is_the_mean_of_both_ways() {
     }
     println!("{} pairs, worst {worst:.1e}; {less_noise} of {compared} with a smaller error", pairs.len());
     assert!(pairs.len() > 2000 && worst < ROUNDINGS);
+    // What is left is interpolation between incident directions, not noise.
+    let apart = |table: &ScatterTable| -> f64 {
+        let difference =
+            |(incident, node, back): (usize, usize, f64)| (f64::from(table.row(incident, 0)[node]) - back).abs();
+        exchanged(table).into_iter().map(difference).sum()
+    };
+    let [before, after] = [&traced, &mean].map(apart);
+    println!("both ways differ by {after:.2} where they did by {before:.2}");
+    assert!(after < 0.5 * before);
     // Both errors are equal on average, so the mean nearly always has the smaller one.
     assert!(less_noise * 10 > compared * 9, "{less_noise} of {compared}");
     // What reflects below the horizon, or beyond the last incident direction, stays.
