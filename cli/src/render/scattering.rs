@@ -199,7 +199,7 @@ mod tests {
         let hit = body.intersect(DVec3::new(3.0, 0.0, 0.0), DVec3::NEG_X).unwrap();
         let ways = [([0.3, 0.1], 2.0), ([0.0, 0.0], 1.0), ([0.0, 0.5], 0.5), ([0.2, 0.2], 1.0)];
         let mut scratch = Scratch::new(2);
-        let (mut sum, mut taken, count) = ([0.0; 2], [0; 4], 10_000);
+        let (mut sum, mut taken, count) = ([0.0; 2], [0i32; 4], 10_000);
         for i in 0..count {
             let mut onward = Onward::new((f64::from(i) + 0.5) / f64::from(count));
             for (way, (product, scale)) in ways.iter().enumerate() {
