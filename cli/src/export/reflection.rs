@@ -48,8 +48,8 @@ pub struct LobeWidth {
 }
 
 impl Reflection {
-    /// The BRDF of a table. A mirror-like table needs a roughness; diffraction orders and exact lobes of flat facets need
-    /// a spread; other tables have neither.
+    /// The BRDF of a table. A mirror-like table needs a roughness; diffraction orders and exact lobes of flat facets
+    /// need a spread; other tables have neither.
     ///
     /// # Errors
     /// A width that is missing or has no use; RGB of a table without colours.
@@ -173,7 +173,8 @@ impl Reflection {
     }
 }
 
-/// ρ(θ) in each channel, linear between a mirror-like table's angles and constant beyond them; `values[angle][channel]`.
+/// ρ(θ) in each channel, linear between a mirror-like table's angles and constant beyond them;
+/// `values[angle][channel]`.
 pub(super) fn between_angles(theta: &[f64], values: &[f32], at: f64, out: &mut [f64]) {
     let (below, above, weight) = neighbours(theta, at);
     let channels = out.len();

@@ -1,7 +1,7 @@
 //! Scatter tables: the file holds the table's own numbers.
 //!
-//! A table holds s = f cos θ_i cos θ_o on a warped square of half vectors, which is the format's own. With D = 1 and σ =
-//! cos θ_i/4 the file's values are s, and readers interpolate them as the table does. The format wants a square of
+//! A table holds s = f cos θ_i cos θ_o on a warped square of half vectors, which is the format's own. With D = 1 and
+//! σ = cos θ_i/4 the file's values are s, and readers interpolate them as the table does. The format wants a square of
 //! equally many samples along both sides: their steps are the largest that hit every node of the table, so that linear
 //! interpolation gives the table back. With lobes of flat facets of a width the steps are smaller.
 
@@ -170,7 +170,7 @@ fn fill(
             values.chunks_mut(area).zip(&here).for_each(|(channel, s)| channel[at] = *s);
         }
     }
-    // Solid angle above the horizon that a node stands for, over the area of its tent, which is halved at the ends of x.
+    // Solid angle above the horizon that a node stands for, over the area of its tent, which is half at the ends of x.
     tent_solid_angles(square, &warp, wi.as_vec3(), phi as f32, |node, solid_angle| luminance[node] += solid_angle);
     for row in 0..side - 1 {
         luminance[row * side] *= 2.0;

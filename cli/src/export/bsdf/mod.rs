@@ -29,7 +29,7 @@ pub enum Gamut {
     Keep,
 }
 
-/// The bytes of the tensor file of a table, with its wavelengths or, with `rgb`, its colours, of the gamut that is said.
+/// The bytes of the tensor file of a table, with its wavelengths or, with `rgb`, its colours, of the gamut said.
 ///
 /// # Errors
 /// A width that is missing or has no use, RGB of a table without colours, a table whose nodes fit no square, or too

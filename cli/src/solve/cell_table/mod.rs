@@ -46,8 +46,8 @@ pub use worker::MAX_RAYS;
 /// the checkpoint holds are taken from it, the others are added to it.
 ///
 /// The rays of every direction start in strata of equal shares of the facets that they meet first; the differences
-/// between neighbouring strata give the standard error. With one incident azimuth (an isotropic table) they come from 32
-/// azimuths around the normal. Where starting rays interfere, batches of them give the error by the jackknife.
+/// between neighbouring strata give the standard error. With one incident azimuth (an isotropic table) they come from
+/// 32 azimuths around the normal. Where starting rays interfere, batches of them give the error by the jackknife.
 ///
 /// # Errors
 /// Coherence `cell`, a table that is too large, more light left out than

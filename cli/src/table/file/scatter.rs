@@ -1,15 +1,15 @@
 //! Files of scattering tables: an atlas, one tile per incident direction.
 //!
-//! The table holds s = f cos θ_i cos θ_o in 1/sr on T × P incident directions and U × V half vectors, and the fraction ρ
-//! of the light that each of L lobes of flat facets reflects. The tile of θ_i row t and φ_i column p is U pixels wide
+//! The table holds s = f cos θ_i cos θ_o in 1/sr on T × P incident directions and U × V half vectors, and the fraction
+//! ρ of the light that each of L lobes of flat facets reflects. The tile of θ_i row t and φ_i column p is U pixels wide
 //! and V + ⌈L/U⌉ high, and begins at pixel x = p·U, y = t·(V + ⌈L/U⌉). In its first V lines x counts the half vectors
 //! from the normal outwards and y their azimuths; the other lines hold ρ of the lobes, one after the other, and zeros
 //! after the last.
 //!
-//! A half vector is m = (wi + wo)/|wi + wo|. Its angles at the nodes are in the header. Between nodes s is linear in x and
-//! in y of the warped square, and between incident directions in θ_i and φ_i ([`ScatterLayout`] and
-//! [`HalfVectorWarp`](goniochrome::table::HalfVectorWarp) define both). f = s/(cos θ_i cos θ_o); beyond the last θ_i, s/cos θ_i
-//! is held. With P = 1 the table is a mean over azimuths, and φ_m counts from φ_i.
+//! A half vector is m = (wi + wo)/|wi + wo|. Its angles at the nodes are in the header. Between nodes s is linear in x
+//! and in y of the warped square, and between incident directions in θ_i and φ_i ([`ScatterLayout`] and
+//! [`HalfVectorWarp`](goniochrome::table::HalfVectorWarp) define both). f = s/(cos θ_i cos θ_o); beyond the last θ_i,
+//! s/cos θ_i is held. With P = 1 the table is a mean over azimuths, and φ_m counts from φ_i.
 //!
 //! | channel | holds |
 //! |---|---|
