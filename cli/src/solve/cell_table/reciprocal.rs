@@ -8,8 +8,8 @@ use crate::table::scatter::{ScatterTable, warp_pairs};
 use goniochrome::table::{HalfVectorWarp, ScatterLayout};
 
 /// Replaces s(wi, wo) by ½ [s(wi, wo) + s(wo, wi)], two estimates of the same number. The table then has less noise,
-/// and path tracers may use it from either end. Exchanged directions have the same half vector, so s(wo, wi) is looked up
-/// in the same node, linear between incident directions; in an isotropic table, whose half vectors count from the
+/// and path tracers may use it from either end. Exchanged directions have the same half vector, so s(wo, wi) is looked
+/// up in the same node, linear between incident directions; in an isotropic table, whose half vectors count from the
 /// light, also between azimuths.
 ///
 /// Nodes that reflect below the horizon, or beyond the table's largest θ_i, stay, as do lobes and energies.
