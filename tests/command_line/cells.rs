@@ -302,7 +302,7 @@ fn power_that_does_not_balance_is_told_at_the_prompt_and_in_the_file() {
     let quiet = user.ok(&format!("scatter ridges.toml {light} --coherence none --quiet"));
     assert!(quiet.stdout.contains("\"warnings\": []") && quiet.stderr.is_empty());
 
-    let options = "--incident 2x2 --half-vectors 2x4 --rays 256 --wavelengths 550";
+    let options = "--incident 3x2 --half-vectors 2x4 --rays 256 --wavelengths 550";
     let ran = user.ok(&format!("estimate ridges.toml -o ray.exr {options}"));
     assert!(ran.stderr.contains("power balances only to") && ran.stderr.contains("imbalance ≤ "), "{}", ran.stderr);
     let ray = table(&user, "ray.exr");
