@@ -143,7 +143,7 @@
 //! for ray in 0..RAYS {
 //!     let [u, v] = sobol(ray, 0);
 //!     let (state, field) = mesh.start(u, v).expect("the ridge has no holes");
-//!     exits.begin(state.point_nm());
+//!     exits.begin();
 //!     trace(&mut mesh, state, field, &mut slots, limits, &mut exits);
 //!     exits.flush(&mut power);
 //! }

@@ -133,9 +133,9 @@ fn merged(cell: &Cell, scene: &Scene) -> Option<[f64; 2]> {
         // As many as the command line has: one for each side of each sheet, and two pairs.
         let mut waves = vec![free_slot(); 2 * cell.field.sheets() + 4];
         let mut paths = vec![incoherent_mesh::free_slot(); FALLBACK_PATHS];
-        let mut memory = [ExitRecord::<F64>::none(); 4];
+        let mut memory = [ExitRecord::<F64>::none(); 128];
         let mut exits = ExitBuffer::new(&mut memory, DirectionBins { cos: 1, phi: 1 }, &media);
-        exits.begin(state.point_nm());
+        exits.begin();
         let mut random = Random::new(seed, 0);
         let fallback = IncoherentFallback::new(&mut incoherent, &mut paths, PATHS, &mut random);
         let done = trace_with_fallback(&mut coherent, state, field, &mut waves, WAVES, fallback, &mut exits);

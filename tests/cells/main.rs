@@ -10,4 +10,5 @@ mod order_error;
 #[path = "../random.rs"]
 mod random;
 mod reciprocity;
+mod rippled_films;
 mod scene;

@@ -59,7 +59,7 @@ pub fn cell<V: Lanes>(visit: Visit<'_>) {
             for ray in 0..RAYS {
                 let [u, v] = sobol(ray, 1);
                 let (path, light) = incoherent.start(u, v).expect("no hole");
-                exits.begin(path.at().point_nm);
+                exits.begin();
                 let mut random = Random::new(ray, 1);
                 let done = if interference {
                     let (state, field) = coherent.start_at(path.at());

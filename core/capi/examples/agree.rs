@@ -141,7 +141,7 @@ fn ridge(interference: bool) {
     for ray in 0..RAYS {
         let [u, v] = sobol(ray, SEED);
         let (path, light) = incoherent.start(u, v).expect("the ridge has no holes");
-        exits.begin(path.at().point_nm);
+        exits.begin();
         let mut random = Random::new(ray, SEED);
         let trace = if interference {
             let (state, field) = coherent.start_at(path.at());

@@ -328,7 +328,7 @@ typedef struct {
      */
     uint32_t bins_phi;
     /*
-     Coherence. 1: paths of one starting ray that leave in one bin interfere; 0: every path adds as power.
+     Coherence. 1: paths of one starting ray that leave within 40 degrees interfere; 0: every path adds as power.
      */
     uint32_t interference;
 } gonio_light;

@@ -93,7 +93,7 @@ pub struct Light {
     pub bins_cos: u32,
     /// Number of bins of reflected light in phi, counted from x; 1 to 1024.
     pub bins_phi: u32,
-    /// Coherence. 1: paths of one starting ray that leave in one bin interfere; 0: every path adds as power.
+    /// Coherence. 1: paths of one starting ray that leave within 40 degrees interfere; 0: every path adds as power.
     pub interference: u32,
 }
 
@@ -417,7 +417,7 @@ impl Tracer<'_> {
                 truncated += F32::one();
                 continue;
             };
-            exits.begin(path.at().point_nm);
+            exits.begin();
             let mut random = Random::new(ray, seed);
             let trace = if interference {
                 let (state, field) = coherent.start_at(path.at());

@@ -1,9 +1,15 @@
-//! Direction bins, which count the rays that leave a polygon mesh.
+//! Exits of a polygon mesh, counted by direction in the cells of a grid.
 //!
-//! The exits of one starting ray in one bin add as amplitudes (coherence `ray`) or as powers (coherence `none`);
-//! starting rays add as powers. Amplitudes are referred to the starting ray's first hit. For equal directions this
-//! changes nothing; for directions that differ within a bin it removes a phase that depends on the choice of the origin
-//! only.
+//! Starting rays add as powers. The exits of one starting ray on one side add as amplitudes (coherence `ray`) or as
+//! powers (coherence `none`). Waves of equal direction become one wave; waves of different directions a and b within
+//! 40° of each other keep their cells, and share their cross term 2 Re(E_a·E_b*) in proportion to their powers. So what
+//! a starting ray reflects does not depend on the grid. A pair alone never takes more from a cell than its wave brings
+//! there: p_a − 2√(p_a p_b) p_a/(p_a + p_b) ≥ 0.
+//!
+//! The phase of a cross term is that of both waves at the middle M of the points A and B where they leave:
+//! φ_a + q_a·(M − A) − φ_b − q_b·(M − B) = φ_a − φ_b + ½(q_a + q_b)·(B − A). For equal directions every point gives
+//! the same phase. Waves that leave through neighbouring facets agree at the facets' common edge, which M is near; there the
+//! interference of both sides balances best.
 
 use crate::geometry::side::Side;
 use crate::optics::medium::MediaLanes;
@@ -11,7 +17,7 @@ use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
 use crate::simd::vector::{RealLanes, VectorLanes};
-use crate::trace::coherent_mesh::{ExitWave, WaveField};
+use crate::trace::coherent_mesh::{ExitWave, MAX_WAVEVECTOR_DIFFERENCE, WaveField, hero};
 use crate::trace::incoherent_mesh::{Coherency, ExitPath};
 use crate::trace::waves::Sink;
 use core::f64::consts::TAU;
@@ -37,7 +43,7 @@ impl<G: DirectionGrid> DirectionGrid for &G {
     }
 }
 
-/// Cell of the direction in each lane.
+/// Cell of the direction in each lane. Lanes may have any precision.
 fn cells_of_lanes<V: Lanes>(grid: &impl DirectionGrid, directions: RealLanes<V>) -> [u32; MAX_LANES] {
     let first = directions.lane(0);
     let mut cells = [grid.index(first) as u32; MAX_LANES];
@@ -108,30 +114,79 @@ impl DirectionGrid for DirectionBins {
 /// Number of lanes of the widest type.
 const MAX_LANES: usize = 16;
 
-/// Exits of one starting ray in the same bins, until the starting ray is complete.
+/// Cosine of 40°, the largest angle in the hero lane between exits of one starting ray that interfere.
+///
+/// The faces of a film turn by some angle δ from facet to facet, and light that crosses the film of index n leaves up
+/// to 2nδ beside the light that the upper face reflects. 40° covers turns of 8° for n = 2.4, of 15° for n = 1.33. Pairs
+/// of unrelated waves have random phases: a larger angle adds their noise, and a bias where facets are as narrow as a
+/// wavelength. Measured on films of 420 and 900 nm, n = 1.33 to 2.4, rms slopes 0.2 and 0.3, on meshes of 32 × 32
+/// squares, as |R − R of the local film|/(0.1 R + 0.002): at most 0.5 for 40°, 0.8 for 30°, 1.5 for 20°.
+const MIN_INTERFERING_COSINE: f64 = 0.766_044_443_118_978;
+
+/// Exits of one starting ray in one direction, until the starting ray is complete.
 #[derive(Clone, Copy, Debug)]
 pub struct ExitRecord<V: Lanes> {
     side: Side,
-    bins: [u32; MAX_LANES],
-    /// Whether the exits are paths: they add as powers, and have no field.
-    incoherent: bool,
-    /// Field, referred to the first hit and scaled to the power that it carries.
+    cells: [u32; MAX_LANES],
+    /// Whether this is a path, which adds as power: it has no direction, point, wavevector or field.
+    is_path: bool,
+    /// Unit direction in the hero lane.
+    direction: DVec3,
+    /// Point to which the field is referred.
+    point_nm: DVec3,
+    /// Real part of the wavevector in units of k₀.
+    wavevector: RealLanes<V::Precise>,
+    /// Field, scaled to the power that it carries.
     field: WaveField<V>,
-    power: Polarised<V>,
+    /// Unpolarised power, without interference between directions.
+    power: V,
+    /// Unpolarised power that interference with other directions adds.
+    interference: V,
 }
 
 impl<V: Lanes> ExitRecord<V> {
     /// Empty record, to initialise memory.
     #[must_use]
     pub fn none() -> Self {
-        let zero = Polarised::both(VectorLanes::zero());
         Self {
             side: Side::Above,
-            bins: [0; MAX_LANES],
-            incoherent: true,
-            field: zero,
-            power: Polarised::both(V::zero()),
+            cells: [0; MAX_LANES],
+            is_path: true,
+            direction: DVec3::ZERO,
+            point_nm: DVec3::ZERO,
+            wavevector: RealLanes::<V::Precise>::splat(DVec3::ZERO),
+            field: Polarised::both(VectorLanes::zero()),
+            power: V::zero(),
+            interference: V::zero(),
         }
+    }
+
+    /// Whether this is a wave that leaves on `side` in `direction`.
+    fn is_same_wave(&self, side: Side, direction: DVec3) -> bool {
+        const MAX_SQUARE: f64 = MAX_WAVEVECTOR_DIFFERENCE * MAX_WAVEVECTOR_DIFFERENCE;
+        !self.is_path && self.side == side && self.direction.distance_squared(direction) < MAX_SQUARE
+    }
+
+    /// Whether two exits are waves that leave on one side in directions within 40° of each other.
+    fn interferes_with(&self, other: &Self) -> bool {
+        !other.is_path && other.side == self.side && self.direction.dot(other.direction) >= MIN_INTERFERING_COSINE
+    }
+
+    /// Adds the cross term of two waves to both, in proportion to their powers.
+    fn interfere(&mut self, other: &mut Self, per_wavelength: V::Precise) {
+        let step = RealLanes::<V::Precise>::splat(other.point_nm - self.point_nm);
+        let turns = (self.wavevector + other.wavevector).dot(step) * per_wavelength * V::Precise::splat(0.5);
+        let phase = propagate::<V>(ComplexLanes::real(turns));
+        // Unpolarised light is half s and half p: half of 2 Re(E_a·E_b*) for each.
+        let Polarised { s, p } = self.field.zip(other.field, |a, b| {
+            let [x, y, z] = [a.x * b.x.conj(), a.y * b.y.conj(), a.z * b.z.conj()];
+            ((x + y + z) * phase).re
+        });
+        let cross = s + p;
+        let share = self.power / (self.power + other.power).max(V::splat(f64::from(f32::MIN_POSITIVE)));
+        let here = cross * share;
+        self.interference += here;
+        other.interference += cross - here;
     }
 }
 
@@ -142,15 +197,14 @@ pub struct ExitBuffer<'m, V: Lanes, G> {
     count: usize,
     grid: G,
     per_wavelength: V::Precise,
-    /// First hit of the starting ray.
-    origin_nm: DVec3,
     /// Power of exits for which there was no record.
     dropped: V,
 }
 
 /// Receiver of the unpolarised power that starting rays send into bins.
 pub trait Histogram {
-    /// Adds the power of one lane to a bin of the hemisphere on `side`.
+    /// Adds the power of one lane to a bin of the hemisphere on `side`. The power of one exit may be negative, where
+    /// several weaken it by interference: clamp sums over all starting rays, never single powers.
     fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64);
 }
 
@@ -160,41 +214,36 @@ impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
     pub fn new(memory: &'m mut [ExitRecord<V>], grid: G, media: &MediaLanes<'_, V>) -> Self {
         const { assert!(V::WIDTH <= MAX_LANES) };
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
-        let origin_nm = DVec3::ZERO;
-        Self { memory, count: 0, grid, per_wavelength, origin_nm, dropped: V::zero() }
+        Self { memory, count: 0, grid, per_wavelength, dropped: V::zero() }
     }
 
-    /// Clears the buffer for a starting ray whose first hit is `origin_nm`.
-    pub fn begin(&mut self, origin_nm: DVec3) {
+    /// Clears the buffer for a starting ray.
+    pub fn begin(&mut self) {
         self.count = 0;
         self.dropped = V::zero();
-        self.origin_nm = origin_nm;
     }
 
-    /// Adds the starting ray's exits in each bin and passes their unpolarised power to `histogram`. Returns the power
-    /// of exits that were dropped.
+    /// Lets the starting ray's waves interfere and passes the unpolarised power of each exit to `histogram`. Returns
+    /// the power of exits that were dropped.
     pub fn flush(&mut self, histogram: &mut impl Histogram) -> V {
         let mut exits = self.memory.get_mut(..self.count).unwrap_or(&mut []);
-        while let Some((into, tail)) = core::mem::take(&mut exits).split_first_mut() {
-            if !into.incoherent {
-                for other in tail.iter_mut().filter(|other| !other.incoherent && other.side == into.side) {
-                    // Lanes are independent: fields of lanes whose bins agree move to `into`, the others stay.
-                    let moves = V::from_fn(|lane| f64::from(u8::from(other.bins.get(lane) == into.bins.get(lane))));
-                    let stays = V::one() - moves;
-                    let scaled = |e: VectorLanes<V>, factor: V| VectorLanes {
-                        x: e.x.scale(factor),
-                        y: e.y.scale(factor),
-                        z: e.z.scale(factor),
-                    };
-                    into.field = into.field.zip(other.field, |a, b| a + scaled(b, moves));
-                    other.field = other.field.map(|e| scaled(e, stays));
+        for wave in exits.iter_mut().filter(|exit| !exit.is_path) {
+            let Polarised { s, p } = wave.field.map(VectorLanes::norm_sqr);
+            wave.power = (s + p) * V::splat(0.5);
+        }
+        while let Some((exit, tail)) = core::mem::take(&mut exits).split_first_mut() {
+            if !exit.is_path {
+                for other in tail.iter_mut() {
+                    if exit.interferes_with(other) {
+                        exit.interfere(other, self.per_wavelength);
+                    }
                 }
-                into.power = into.field.map(VectorLanes::norm_sqr);
             }
-            for (lane, &bin) in into.bins.iter().enumerate().take(V::WIDTH) {
-                let power = 0.5 * (into.power.s.lane(lane) + into.power.p.lane(lane));
-                if power > 0.0 {
-                    histogram.add(lane, into.side, bin as usize, power);
+            let powers = exit.power + exit.interference;
+            for (lane, &cell) in exit.cells.iter().enumerate().take(V::WIDTH) {
+                let power = powers.lane(lane);
+                if power.abs() > 0.0 {
+                    histogram.add(lane, exit.side, cell as usize, power);
                 }
             }
             exits = tail;
@@ -204,42 +253,52 @@ impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
 }
 
 impl<V: Lanes, G: DirectionGrid> ExitBuffer<'_, V, G> {
-    /// Adds an exit to the record of its side, bins and coherence, or to a new record. A path has no field.
-    fn record(&mut self, side: Side, bins: [u32; MAX_LANES], power: Polarised<V>, field: Option<WaveField<V>>) {
-        let incoherent = field.is_none();
-        let matches = |exit: &&mut ExitRecord<V>| {
-            exit.side == side && exit.incoherent == incoherent && exit.bins.iter().eq(&bins)
-        };
-        if let Some(exit) = self.memory.iter_mut().take(self.count).find(matches) {
-            exit.power = exit.power.zip(power, |a, b| a + b);
-            if let Some(field) = field {
-                exit.field = exit.field.zip(field, |a, b| a + b);
-            }
-        } else if let Some(exit) = self.memory.get_mut(self.count) {
-            (exit.side, exit.bins, exit.incoherent, exit.power) = (side, bins, incoherent, power);
-            // The field of a path is never read, and is too large to be cleared each time.
-            if let Some(field) = field {
-                exit.field = field;
-            }
-            self.count += 1;
+    /// Next unused record; `None` if there is none.
+    fn push(&mut self, side: Side, cells: [u32; MAX_LANES]) -> Option<&mut ExitRecord<V>> {
+        let exit = self.memory.get_mut(self.count)?;
+        self.count += 1;
+        (exit.side, exit.cells, exit.interference) = (side, cells, V::zero());
+        Some(exit)
+    }
+}
+
+impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<'_, V, G> {
+    fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
+        let ExitWave { side, power, point_nm, .. } = wave;
+        let direction = wave.wavevector.direction(hero::<V>()).normalize_or_zero();
+        let same = |exit: &&mut ExitRecord<V>| exit.is_same_wave(side, direction);
+        if let Some(exit) = self.memory.iter_mut().take(self.count).find(same) {
+            let phase = propagate(phase_of(&wave, exit.point_nm - point_nm, self.per_wavelength));
+            let more = scaled_to_power(field, power, phase);
+            exit.field = exit.field.zip(more, |a, b| a + b);
+            return;
+        }
+        let wavevector = wave.wavevector.map(|q| q.re);
+        let cells = cells_of_lanes(&self.grid, wavevector);
+        if let Some(exit) = self.push(side, cells) {
+            (exit.is_path, exit.direction, exit.point_nm) = (false, direction, point_nm);
+            exit.wavevector = wavevector;
+            exit.field = scaled_to_power(field, power, ComplexLanes::one());
         } else {
             self.dropped += (power.s.abs() + power.p.abs()) * V::splat(0.5);
         }
     }
 }
 
-impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<'_, V, G> {
-    fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
-        let ExitWave { side, power, wavevector, point_nm, .. } = wave;
-        let to_origin = phase_of(&wave, self.origin_nm - point_nm, self.per_wavelength);
-        let bins = cells_of_lanes(&self.grid, wavevector.map(|q| q.re));
-        self.record(side, bins, power, Some(scaled_to_power(field, power, propagate(to_origin))));
-    }
-}
-
 impl<V: Lanes, G: DirectionGrid> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V, G> {
     fn exit(&mut self, path: ExitPath<V>, light: Coherency<V>) {
-        self.record(path.side, cells_of_lanes(&self.grid, path.direction), Polarised::both(light.power()), None);
+        let (side, power) = (path.side, light.power());
+        let cells = cells_of_lanes(&self.grid, path.direction);
+        if let Some(exit) = self.push(side, cells) {
+            (exit.is_path, exit.power) = (true, power);
+            return;
+        }
+        // Without a record, a path joins one that leaves in the same cells.
+        let joins = |exit: &&mut ExitRecord<V>| exit.is_path && exit.side == side && exit.cells == cells;
+        match self.memory.iter_mut().find(joins) {
+            Some(exit) => exit.power += power,
+            None => self.dropped += power,
+        }
     }
 }
 

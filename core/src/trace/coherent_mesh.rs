@@ -125,7 +125,7 @@ pub(crate) const fn hero<V: Lanes>() -> usize {
 
 /// Largest difference, in the hero lane, of the wavevectors of two rays that are one wave: far above the rounding of a
 /// hundred hits (1e-14), far below a difference that would show over a path of a millimetre (1e-3 turns of phase).
-const MAX_WAVEVECTOR_DIFFERENCE: f64 = 1e-9;
+pub(crate) const MAX_WAVEVECTOR_DIFFERENCE: f64 = 1e-9;
 /// Largest distance in nanometres, along the normal, of two points in one plane: the rounding of positions up to a
 /// millimetre.
 const MAX_PLANE_DISTANCE_NM: f64 = 1e-6;

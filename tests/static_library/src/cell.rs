@@ -99,7 +99,7 @@ fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
         let [u, v] = sobol(ray, scene.seed);
         let Some((state, field)) = coherent.start(u, v) else { continue };
         let mut random = Random::new(ray, scene.seed);
-        exits.begin(state.point_nm());
+        exits.begin();
         if scene.interference {
             let few = Limits { in_flight: 0.01, ..limits };
             let fallback = IncoherentFallback::new(&mut incoherent, &mut paths, few, &mut random);

@@ -120,7 +120,7 @@ value_enum! { Precision:
 }
 
 value_enum! { Coherence:
-    Ray => Coherence::Ray.name(), "Paths of one starting ray that leave in one bin interfere; starting rays add as powers";
+    Ray => Coherence::Ray.name(), "Paths of one starting ray that leave within 40 degrees interfere; starting rays add as powers";
     None => Coherence::None.name(), "Nothing interferes: all paths add as powers, as in geometric optics";
     Bin => Coherence::Bin.name(), "All paths that leave in one bin interfere, whatever their starting ray: the paper's section 2.2, literally";
     Cell => Coherence::Cell.name(), "All light interferes: the period is one field, which leaves in diffraction orders";

@@ -19,7 +19,7 @@
 //! The first lines of each kind's file describe its keys. All but those marked optional are required.
 //!
 //! - `sines`: `waves` (1 to 1000), `highest` (1 to 100), `rms_slope`, `grid = [nx, ny]`; optional `seed`, `offset_nm`
-//! - `pits`: `depth_nm`; optional `rings` (8)
+//! - `pits`: `depth_nm`; optional `rings` (40)
 //! - `lamellae`: `shelves`, `width_nm`, `shelf_nm`, `gap_nm`, `trunk_nm`; optional `top_width_nm` (as `width_nm`),
 //!   `stagger_nm` (0)
 //! - `grooves`: `points_nm = [[x, z], …]`

@@ -2,7 +2,8 @@
 //!
 //! The period is √3 to 1 and holds two pits, one around its corners and one around its centre; neighbours are Λy
 //! apart. `depth_nm` is the height of a cell's corners, at 0, over the bottom of its pit; at most their distance Λy/√3.
-//! `rings` (8) is the number of triangles from the middle of a pit to its corner.
+//! `rings` (40) is the number of triangles from the middle of a pit to its corner. Scattered light shows facets of few
+//! rings as such: in 16 × 32 bins 8 rings are 28 % off 16, and 40 are 3 % off 80.
 
 use glam::DVec3;
 
@@ -17,7 +18,7 @@ const RATIO: f64 = 1e-3;
 pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
     table.allow(&["kind", "depth_nm", "rings"])?;
     let depth_nm = length(table, "depth_nm")?;
-    let rings = table.get("rings").map_or(Ok(8), |item| count(&item, [1, 200]))?;
+    let rings = table.get("rings").map_or(Ok(40), |item| count(&item, [1, 200]))?;
     let [width, pitch] = builder.period_nm;
     let wanted = 3f64.sqrt() * pitch;
     if (width / wanted - 1.0).abs() > RATIO {

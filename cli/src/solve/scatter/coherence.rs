@@ -7,7 +7,7 @@ use crate::support::error::Result;
 /// The coherence of the light that leaves a cell: which exits interfere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coherence {
-    /// Paths of one starting ray that leave in one bin interfere; starting rays add as powers.
+    /// Paths of one starting ray that leave within 40° interfere; starting rays add as powers.
     #[default]
     Ray,
     /// Every path adds as power: classic geometric optics.
@@ -32,7 +32,7 @@ pub(crate) enum Adding {
 /// The sum over the paths of one starting ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Paths {
-    /// Paths add as amplitudes, in bins.
+    /// Paths add as amplitudes.
     Interfering,
     /// Paths add as powers.
     Alone,

@@ -23,7 +23,7 @@ use crate::solve::scatter::coherence::Paths;
 use crate::solve::scatter::request::ScatterRequest;
 use crate::solve::scatter::tally::Tally;
 use crate::solve::truncation::MAX_TRUNCATED;
-use crate::solve::wave_limits::{WAVE_LIMITS, slots_with_fallback};
+use crate::solve::wave_limits::{ray_limits, slots_with_fallback};
 use crate::support::parallel;
 
 /// Exits of one starting ray that a thread has memory for.
@@ -171,18 +171,18 @@ pub(crate) fn trace_rays<V: Lanes>(
             truncated += V::one(); // a hole from top to bottom
             continue;
         };
-        exits.begin(path.at().point_nm);
+        exits.begin();
         let mut random = Random::new(ray, sequence);
         let mut interfering = None;
         if adding == Paths::Interfering {
             let before = (coherent, incoherent);
             let (state, field) = coherent.start_at(path.at());
             let fallback = IncoherentFallback::new(&mut incoherent, paths, PATH_LIMITS, &mut random);
-            let done = trace_with_fallback(&mut coherent, state, field, waves, WAVE_LIMITS, fallback, &mut exits);
+            let done = trace_with_fallback(&mut coherent, state, field, waves, ray_limits::<V>(), fallback, &mut exits);
             if done.truncated.any_above(MAX_TRUNCATED) {
                 // The waves of this starting ray do not converge: it is traced again without interference.
                 (coherent, incoherent) = before;
-                exits.begin(path.at().point_nm);
+                exits.begin();
                 without_interference += 1;
             } else {
                 interfering = Some(done);
