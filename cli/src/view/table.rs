@@ -23,7 +23,7 @@ const STEPS: u32 = 900;
 const VIEWS_PER_STEP: u32 = 4;
 
 /// Largest number of directions of the viewer. Larger tables have fewer to a step.
-const MAX_VIEWS: u32 = 16384;
+const MAX_VIEWS: usize = 16384;
 
 /// A table of either kind.
 pub(super) fn packed(table: &Table) -> Result<Value> {

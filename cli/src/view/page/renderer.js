@@ -40,6 +40,8 @@ class Renderer {
       /** Lights on an octahedron, by their name. */
       this.octahedra = {};
     }
+    /** Lights as lobes of a width see them, by their name. */
+    this.wide = {};
     if (this.spread) {
       this.programs.bake = this.program(screen, common + light + shaders.bake);
       this.programs.spread = this.program(screen, common + shaders.spread);
@@ -181,6 +183,8 @@ class Renderer {
       delete this.octahedra.image;
     }
     this.samples?.forgetImage();
+    gl.deleteTexture(this.wide.image ?? null);
+    delete this.wide.image;
     this.restart();
   }
 
@@ -233,6 +237,7 @@ class Renderer {
   /** A light as a surface sees it that spreads its orders: a lat-long image. */
   spreadLight(name) {
     const { gl, programs, spread } = this;
+    gl.disable(gl.DEPTH_TEST);
     const [width, height] = [2 * spread.rows, spread.rows];
     const baked = this.drawable(width, height);
     gl.viewport(0, 0, width, height);
@@ -307,6 +312,7 @@ class Renderer {
     const around = looksAround ? this.octahedron(state.light) : null;
     const cube = this.samples?.cube(state.light);
     this.samples?.prepare(this.drawn);
+    if (this.samples && this.spread) this.wide[state.light] ??= this.spreadLight(state.light);
     const seen = camera.at(width, height);
     // Roberts' R2 sequence. The first point is the middle of the pixel.
     const within = SHIFT.map((step) => (0.5 + this.drawn * step) % 1);
@@ -330,7 +336,7 @@ class Renderer {
     gl.enable(gl.DEPTH_TEST);
     const { at } = programs.surface;
     gl.useProgram(programs.surface.program);
-    this.lighten(programs.surface, state);
+    this.lighten(programs.surface, state, state.light === "white" ? null : this.wide[state.light]);
     if (around) gl.uniform1i(at("light"), LIGHTS.image);
     aim(programs.surface);
     gl.uniform3fv(at("eye"), seen.eye);

@@ -9,8 +9,8 @@ const FACES = [
   [[0, 0, -1], [0, -1, 0], [1, 0, 0]], [[0, 0, 1], [0, -1, 0], [-1, 0, 0]], [[1, 0, 0], [0, 0, 1], [0, 1, 0]],
   [[1, 0, 0], [0, 0, -1], [0, -1, 0]], [[1, 0, 0], [0, -1, 0], [0, 0, 1]], [[-1, 0, 0], [0, -1, 0], [0, 0, -1]],
 ];
-/** Cells along an edge of the cube that holds the studio. */
-const STUDIO_SIDE = 256;
+/** Cells along an edge of the cube that holds a light of the page: of 0.2° to 0.5°, a tenth of the lamp. */
+const BUILT_IN_SIDE = 256;
 
 /** RGB as opaque RGBA. */
 const opaque = (rgb) => Float32Array.from({ length: (rgb.length / 3) * 4 }, (_, i) => (i % 4 < 3 ? rgb[3 * (i >> 2) + (i % 4)] : 1));
@@ -50,7 +50,7 @@ class Samples {
 
   /** Forgets the light of an image. */
   forgetImage() {
-    this.renderer.gl.deleteTexture(this.cubes.image ?? null);
+    this.renderer.gl.deleteTexture(this.cubes.image?.texture ?? null);
     delete this.cubes.image;
   }
 
@@ -96,8 +96,8 @@ class Samples {
     if (this.cubes[name]) return this.cubes[name];
     const { renderer } = this;
     const { gl } = renderer;
-    // Cells are as small as those of the image at the middle of a face; edges of the studio are soft.
-    const side = name === "image" ? 2 ** clamp(Math.ceil(Math.log2(0.5 * renderer.rows)), 4, 10) : STUDIO_SIDE;
+    // Cells are as small as those of the image at the middle of a face.
+    const side = name === "image" ? 2 ** clamp(Math.ceil(Math.log2(0.5 * renderer.rows)), 4, 10) : BUILT_IN_SIDE;
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, texture);
     gl.texStorage2D(gl.TEXTURE_CUBE_MAP, Math.log2(side) + 1, gl.RGBA16F, side, side);

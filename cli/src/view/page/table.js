@@ -179,13 +179,12 @@ class ScatterTable {
 
   /** Direction of a lobe, n and M by columns, for light from `wi`; `null` if there is none above the horizon. */
   static lobeDirection([n, ...m], wi) {
-    const inside = [-wi[0] / n, -wi[1] / n];
-    const down = 1 - dot([...inside, 0], [...inside, 0]);
-    if (down < 0) return null;
-    const k = [...inside, -Math.sqrt(down)];
+    const excess = (n - 1) * (n + 1);
+    const k = [-wi[0] / n, -wi[1] / n, -Math.sqrt((wi[2] * wi[2] + excess) / (n * n))];
     const [x, y, z] = [0, 1, 2].map((row) => m[row] * k[0] + m[3 + row] * k[1] + m[6 + row] * k[2]);
-    const up = 1 - n * n * (x * x + y * y);
-    return z > 0 && up > 1e-12 ? [n * x, n * y, Math.sqrt(up)] : null;
+    const up = Math.sqrt(z * z * n * n - excess);
+    // Neither holds for NaN.
+    return z > 0 && up >= 1e-6 ? [n * x, n * y, up] : null;
   }
 
   /**

@@ -3,7 +3,7 @@ uniform float side;
 uniform mat3 face; // right, up, towards
 out vec4 colour;
 
-const int FINE = 4; // parts of a cell along each side
+const int FINE = 2; // parts of a cell along each side
 
 void main() {
     vec3 sum = vec3(0.0);

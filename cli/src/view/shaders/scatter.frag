@@ -31,13 +31,12 @@ vec3 lobe(int at, ivec2 lower, vec2 share) {
 vec3 lobeDirection(int i, vec3 wo) {
     const vec3 NONE = vec3(0.0, 0.0, -1.0);
     vec4 a = texelFetch(lobes, ivec2(0, i), 0), b = texelFetch(lobes, ivec2(1, i), 0), c = texelFetch(lobes, ivec2(2, i), 0);
-    vec2 inside = -wo.xy / a.x;
-    float square = 1.0 - dot(inside, inside);
-    if (square < 0.0) return NONE;
-    vec3 turned = mat3(a.yzw, b.xyz, vec3(b.w, c.xy)) * vec3(inside, -sqrt(square));
-    vec2 outside = turned.xy * a.x;
-    square = 1.0 - dot(outside, outside);
-    return turned.z > 0.0 && square > 1e-12 ? vec3(outside, sqrt(square)) : NONE;
+    float n = a.x, excess = (n - 1.0) * (n + 1.0);
+    float down = wo.z * wo.z + excess;
+    if (down < 0.0) return NONE;
+    vec3 turned = mat3(a.yzw, b.xyz, vec3(b.w, c.xy)) * vec3(-wo.xy / n, -sqrt(down) / n);
+    float up = turned.z * turned.z * n * n - excess;
+    return turned.z > 0.0 && up > 0.0 ? vec3(turned.xy * n, sqrt(up)) : NONE;
 }
 
 void main() {
