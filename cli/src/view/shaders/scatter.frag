@@ -2,8 +2,8 @@
 // sampling", 2008).
 //
 // A picture looks into the light along some half vectors, the same in all pixels that are seen from one direction. Each
-// sees the mean of the light over the solid angle that it stands for, so there is no noise. `prepare.frag` draws the half
-// vectors. The table's incident direction is that of the viewer: f is reciprocal. Lobes of flat facets look in exact
+// sees the mean of the light over the solid angle that it stands for, so there is no noise. `prepare.frag` draws the
+// half vectors. The table's incident direction is that of the viewer: f is reciprocal. Lobes of flat facets look in exact
 // directions.
 uniform highp sampler2DArray looks, strengths; // over directions of the viewer, for each sample
 uniform sampler2D rest, scattered; // over directions of the viewer
