@@ -49,11 +49,11 @@ export const picture = (page, wanted, side, count) =>
 
 export const fileUrl = (name) => `data:image/png;base64,${readFileSync(at(name)).toString("base64")}`;
 
-/** The mean and largest difference of 8-bit values of two pictures of one size, where the picture `mask` is opaque. */
-export async function difference(browser, a, b, mask) {
+/** Runs `measure` in the browser on the pixels of pictures of one size, and returns its result. */
+async function measured(browser, measure, urls) {
   const page = await browser.newPage();
-  const result = await page.evaluate(async (urls) => {
-    const [one, two, opaque] = await Promise.all(urls.map(async (url) => {
+  const result = await page.evaluate(async ({ measure, urls }) => {
+    const pictures = await Promise.all(urls.map(async (url) => {
       const image = new Image();
       image.src = url;
       await image.decode();
@@ -62,21 +62,43 @@ export async function difference(browser, a, b, mask) {
       context.drawImage(image, 0, 0);
       return context.getImageData(0, 0, image.width, image.height);
     }));
-    if (one.width !== two.width || one.height !== two.height) throw new Error("pictures of two sizes");
-    let [sum, largest, lit, count] = [0, 0, 0, 0];
-    for (let i = 0; i < one.data.length; i += 1) {
-      if (i % 4 === 3 || opaque.data[i | 3] < 128) continue;
-      const apart = Math.abs(one.data[i] - two.data[i]);
-      sum += apart;
-      largest = Math.max(largest, apart);
-      lit += two.data[i] > 16 ? 1 : 0;
-      count += 1;
+    if (pictures.some(({ width, height }) => width !== pictures[0].width || height !== pictures[0].height)) {
+      throw new Error("pictures of two sizes");
     }
-    return { mean: sum / count, largest, lit: lit / count, covered: (4 * count) / (3 * one.data.length) };
-  }, [a, b, mask]);
+    return new Function(`return ${measure}`)()(...pictures);
+  }, { measure: measure.toString(), urls });
   await page.close();
   return result;
 }
+
+/** The mean and largest difference of 8-bit values of two pictures, where the picture `mask` is opaque. */
+export const difference = (browser, a, b, mask) => measured(browser, (one, two, opaque) => {
+  let [sum, largest, lit, count] = [0, 0, 0, 0];
+  for (let i = 0; i < one.data.length; i += 1) {
+    if (i % 4 === 3 || opaque.data[i | 3] < 128) continue;
+    const apart = Math.abs(one.data[i] - two.data[i]);
+    sum += apart;
+    largest = Math.max(largest, apart);
+    lit += two.data[i] > 16 ? 1 : 0;
+    count += 1;
+  }
+  return { mean: sum / count, largest, lit: lit / count, covered: (4 * count) / (3 * one.data.length) };
+}, [a, b, mask]);
+
+/**
+ * The mean difference of an 8-bit value from the mean of its four neighbours, where the picture `mask` is opaque three
+ * pixels around.
+ */
+export const grain = (browser, a, mask) => measured(browser, ({ data, width }, opaque) => {
+  const [right, down] = [4, 4 * width];
+  let [sum, count] = [0, 0];
+  for (let i = 3 * down; i < data.length - 3 * down; i += 1) {
+    if (i % 4 === 3 || [0, 3 * right, -3 * right, 3 * down, -3 * down].some((by) => opaque.data[(i + by) | 3] < 128)) continue;
+    sum += Math.abs(data[i] - 0.25 * (data[i - right] + data[i + right] + data[i - down] + data[i + down]));
+    count += 1;
+  }
+  return sum / count;
+}, [a, mask]);
 
 /** A Radiance HDR file of a coloured sky with a lamp, 64 × 32 pixels, without run-length coding. */
 export function skyHdr() {

@@ -37,7 +37,7 @@ async function middle(page, selector) {
 }
 
 test("the page of a 2D table is small", () => {
-  console.log(`${bytesOf("beetle.html")} bytes; of a 4D table ${bytesOf("bumps.html")}`);
+  console.log(`${bytesOf("beetle.html")} bytes; of a 4D table ${bytesOf("beetle-pits.html")}`);
   assert.ok(bytesOf("beetle.html") <= MAX_BYTES);
 });
 
@@ -184,7 +184,7 @@ test("without WebGL2 the page says so, and spectra still work", async () => {
 });
 
 test("a scattering table is read and shown too", async () => {
-  const { page, complaints } = await visit(browser, "bumps.html");
+  const { page, complaints } = await visit(browser, "beetle-pits.html");
   await pixels(page);
   const [x, y] = await middle(page, "#disc-field");
   const disc = () => page.evaluate(() => document.getElementById("disc").toDataURL());

@@ -24,7 +24,7 @@ use crate::table::Table;
 pub const MAX_BYTES: usize = 48 << 20;
 
 /// Scripts of the page, each after those that it uses.
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 12] = [
     include_str!("page/basics.js"),
     include_str!("page/colour.js"),
     include_str!("page/table.js"),
@@ -33,13 +33,14 @@ const SCRIPTS: [&str; 11] = [
     include_str!("page/camera.js"),
     include_str!("page/exr.js"),
     include_str!("page/images.js"),
+    include_str!("page/samples.js"),
     include_str!("page/renderer.js"),
     include_str!("page/charts.js"),
     include_str!("page/main.js"),
 ];
 
 /// Shaders of the page by name; `common` is put before each fragment shader.
-const SHADERS: [(&str, &str); 14] = [
+const SHADERS: [(&str, &str); 17] = [
     ("surface", include_str!("shaders/surface.vert")),
     ("screen", include_str!("shaders/screen.vert")),
     ("common", include_str!("shaders/common.glsl")),
@@ -47,6 +48,9 @@ const SHADERS: [(&str, &str); 14] = [
     ("frame", include_str!("shaders/frame.glsl")),
     ("mirror", include_str!("shaders/mirror.frag")),
     ("scatter", include_str!("shaders/scatter.frag")),
+    ("prepare", include_str!("shaders/prepare.frag")),
+    ("settle", include_str!("shaders/settle.frag")),
+    ("cube", include_str!("shaders/cube.frag")),
     ("orders", include_str!("shaders/orders.frag")),
     ("around", include_str!("shaders/around.frag")),
     ("bake", include_str!("shaders/bake.frag")),

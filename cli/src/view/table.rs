@@ -1,7 +1,8 @@
 //! The table of a page.
 
+use glam::Vec3;
 use goniochrome::colour::{Quadrature, RgbSpace};
-use goniochrome::table::{FacetLobe, ScatterSampler};
+use goniochrome::table::{FacetLobe, ScatterLayout, ScatterSampler, ScatterTable as Lookup};
 use serde_json::{Value, json};
 
 use super::{orders, pack};
@@ -16,6 +17,13 @@ use crate::table::scatter::{ScatterTable, warp_pairs};
 
 /// Steps of θ from 0° to 90° in a mirror-like table: tenths of a degree, so that tables of whole degrees lose nothing.
 const STEPS: u32 = 900;
+
+/// Parts of a step between the incident directions of a table of scattered light, along θ and along φ: the page prepares
+/// its samples at these directions of the viewer, and interpolates them.
+const VIEWS_PER_STEP: u32 = 4;
+
+/// Largest number of directions of the viewer. Larger tables have fewer to a step.
+const MAX_VIEWS: usize = 16384;
 
 /// A table of either kind.
 pub(super) fn packed(table: &Table) -> Result<Value> {
@@ -72,6 +80,11 @@ fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
         spectral.albedo(direction(theta, phi).as_vec3(), &mut of_incident);
         albedo.extend(of_incident);
     }
+    let views = views(&layout);
+    let scattered = (0..views.incident_count()).flat_map(|view| {
+        let [theta, phi] = views.incident(view);
+        scattered(&lookup, direction(theta, phi).as_vec3())
+    });
     let weights = visible_weights(&table.wavelength_nm, table.metadata.illuminant(), Quadrature::Interpolated)?;
     let space = table.metadata.screen_space();
     let [pairs_u, pairs_v] = warp_pairs(&table.warp)?;
@@ -85,8 +98,33 @@ fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {
         "wavelength": table.wavelength_nm,
         "rgbWeights": pack::floats(weights.iter().flat_map(|&xyz| space.from_xyz(xyz)).map(|w| w as f32)),
         "albedo": pack::floats(albedo),
+        "views": views.incident_sides(),
+        "scattered": pack::floats(scattered),
         "scale": scale,
         "atlas": pack::halves(prepared.values().iter().map(|x| x / scale)),
         "cumulative": pack::floats(cumulative.iter().copied()),
     }))
+}
+
+/// Directions of the viewer at which the page prepares its samples, as the incident directions of a layout.
+fn views(layout: &ScatterLayout) -> ScatterLayout {
+    let [rows, columns] = layout.incident_sides();
+    let finer = |parts: u32| {
+        let columns = if layout.is_isotropic() { 1 } else { columns * parts };
+        ScatterLayout::new([(rows - 1) * parts + 1, columns], [2, 1], 0).ok()
+    };
+    let fits = |views: &ScatterLayout| views.incident_count() <= MAX_VIEWS;
+    (1..=VIEWS_PER_STEP).rev().filter_map(finer).find(fits).unwrap_or(*layout)
+}
+
+/// Albedo for light from `wi` times cos θ_i, without the lobes.
+fn scattered(table: &Lookup<'_>, wi: Vec3) -> [f32; 3] {
+    let mut rgb = [0.0; 3];
+    table.albedo(wi, &mut rgb);
+    for lobe in 0..table.layout().lobes() {
+        let mut part = [0.0; 3];
+        table.reflected(wi, lobe, &mut part);
+        (0..3).for_each(|channel| rgb[channel] -= part[channel]);
+    }
+    rgb.map(|x| x * wi.z)
 }

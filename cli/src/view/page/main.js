@@ -9,8 +9,8 @@ const stage = $("stage");
 const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false };
 // Discs are known from small lamps.
 if (table.diffracts) Object.assign(state, { shape: "disc", light: "lamp" });
-/** Lights that need no file. A scattering body would show a small lamp as noise. */
-const LIGHTS_BUILT_IN = table.scatters ? ["white", "studio"] : ["white", "studio", "lamp"];
+/** Lights that need no file. */
+const LIGHTS_BUILT_IN = ["white", "studio", "lamp"];
 /** The pointer that reads the surface: a place of the stage, from −1 to 1, or a direction of the disc. */
 let pointed = { x: 0, y: 0 };
 let reading = { theta: 0, phi: 0 };
@@ -337,7 +337,6 @@ $("grid").textContent = `${table.about.grid}; ${facts.model || "physical"} model
 $("spectrum-title").textContent = table.about.spectrum;
 $("legend").hidden = table.turns;
 $("disc-title").textContent = table.about.disc;
-$("light-lamp").hidden = !LIGHTS_BUILT_IN.includes("lamp");
 followAddress();
 showState();
 start();

@@ -17,11 +17,9 @@ class Renderer {
     if (gl.getExtension("EXT_color_buffer_float")) this.format = gl.RGBA32F;
     else if (gl.getExtension("EXT_color_buffer_half_float")) this.format = gl.RGBA16F;
     else throw new Error("this graphics processor cannot draw into floats, which the page needs");
-    this.scatters = table.scatters;
     this.orders = table.diffracts ? table : null;
     /** Number of pictures after which the mean is smooth. */
-    this.enough = this.scatters ? 512 : this.orders ? this.orders.pictures : 32;
-    this.draws = 1;
+    this.enough = this.orders ? this.orders.pictures : 32;
     this.prepare(data, table);
     this.restart();
   }
@@ -42,17 +40,18 @@ class Renderer {
       /** Lights on an octahedron, by their name. */
       this.octahedra = {};
     }
+    /** Lights as lobes of a width see them, by their name. */
+    this.wide = {};
     if (this.spread) {
       this.programs.bake = this.program(screen, common + light + shaders.bake);
       this.programs.spread = this.program(screen, common + shaders.spread);
     }
     this.surroundings = this.texture(gl.RGBA16F, 1, 1, new Float32Array([1, 1, 1, 1]), true);
-    if (this.scatters) {
-      [this.incident, this.bins] = [table.incident, table.bins];
-      this.tables = { atlas: this.list(table.packed(), 4), cumulative: this.list(table.cumulative, 1) };
-    } else if (this.orders) {
+    this.tables = {};
+    this.nothing = gl.createVertexArray();
+    if (table.scatters) this.samples = new Samples(this, data.shaders, table);
+    else if (this.orders) {
       const wide = ([width, height], values) => this.texture(gl.RGBA16F, width, height, values, true);
-      const opaque = (rgb) => Float32Array.from({ length: (rgb.length / 3) * 4 }, (_, i) => (i % 4 < 3 ? rgb[3 * (i >> 2) + (i % 4)] : 1));
       this.tables = {
         strengths: this.volume(table),
         albedo: wide(table.albedoNodes, opaque(table.albedo)),
@@ -63,7 +62,6 @@ class Renderer {
       this.tables = { table: this.texture(gl.RGB32F, table.lookup.length / 3, 1, table.lookup) };
     }
     this.bodies = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, this.body(shape)]));
-    this.nothing = gl.createVertexArray();
     this.size = [0, 0];
   }
 
@@ -184,6 +182,9 @@ class Renderer {
       gl.deleteTexture(this.octahedra.image);
       delete this.octahedra.image;
     }
+    this.samples?.forgetImage();
+    gl.deleteTexture(this.wide.image ?? null);
+    delete this.wide.image;
     this.restart();
   }
 
@@ -236,6 +237,7 @@ class Renderer {
   /** A light as a surface sees it that spreads its orders: a lat-long image. */
   spreadLight(name) {
     const { gl, programs, spread } = this;
+    gl.disable(gl.DEPTH_TEST);
     const [width, height] = [2 * spread.rows, spread.rows];
     const baked = this.drawable(width, height);
     gl.viewport(0, 0, width, height);
@@ -308,10 +310,12 @@ class Renderer {
     const [width, height] = this.size;
     const looksAround = this.orders && state.light !== "white" && (this.spread || state.light !== "lamp");
     const around = looksAround ? this.octahedron(state.light) : null;
+    const cube = this.samples?.cube(state.light);
+    this.samples?.prepare(this.drawn);
+    if (this.samples && this.spread) this.wide[state.light] ??= this.spreadLight(state.light);
     const seen = camera.at(width, height);
-    // The first two numbers of Roberts' R4 sequence; the shader takes the other two. The first point is the middle of
-    // the pixel.
-    const within = [0.8566748838545029, 0.733891856627126].map((step) => (0.5 + this.drawn * step) % 1);
+    // Roberts' R2 sequence. The first point is the middle of the pixel.
+    const within = SHIFT.map((step) => (0.5 + this.drawn * step) % 1);
     const jitter = [(1 - 2 * within[0]) / width, (1 - 2 * within[1]) / height];
     gl.viewport(0, 0, width, height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[0].buffer);
@@ -332,7 +336,7 @@ class Renderer {
     gl.enable(gl.DEPTH_TEST);
     const { at } = programs.surface;
     gl.useProgram(programs.surface.program);
-    this.lighten(programs.surface, state);
+    this.lighten(programs.surface, state, state.light === "white" ? null : this.wide[state.light]);
     if (around) gl.uniform1i(at("light"), LIGHTS.image);
     aim(programs.surface);
     gl.uniform3fv(at("eye"), seen.eye);
@@ -342,12 +346,7 @@ class Renderer {
       this.bind(i < 3 ? i : 4, texture, at(name), name === "strengths" ? gl.TEXTURE_3D : gl.TEXTURE_2D);
     });
     if (this.orders) this.look(at, around);
-    if (this.scatters) {
-      gl.uniform2iv(at("incident"), this.incident);
-      gl.uniform2iv(at("bins"), this.bins);
-      gl.uniform1ui(at("sampleIndex"), this.drawn);
-      gl.uniform1i(at("draws"), this.draws);
-    }
+    this.samples?.bind(at, this.drawn, cube);
     const body = this.bodies[state.shape];
     gl.bindVertexArray(body.array);
     gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_SHORT, 0);

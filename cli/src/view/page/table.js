@@ -51,61 +51,83 @@ class MirrorTable {
 /** Titles of the charts of a table whose light leaves in many directions. */
 const SCATTERED = { spectrum: "All light from there together", disc: "Where light from the viewer’s direction goes" };
 
+/** Largest angle of the directions of a table, in radians. */
+const THETA_MAX = radians(89);
+/** Radius and soft edge of a lobe's dot on the disc, in degrees. */
+const DOT = [2, 1];
+
 class ScatterTable {
   constructor(data) {
     /** Whether the disc depends on the direction of the reading. */
     this.turns = true;
     this.scatters = true;
     this.wavelength = data.wavelength;
-    [this.incident, this.bins] = [data.incident, data.bins];
+    [this.incident, this.nodes, this.views] = [data.incident, data.halfVectors, data.views];
+    /** Pairs of density and integral of the warp over u and over v. */
+    this.warp = data.warp.map(floats);
+    const lobes = floats(data.lobes);
+    this.lobes = Array.from({ length: lobes.length / 10 }, (_, i) => lobes.subarray(10 * i, 10 * i + 10));
+    /** Values of each incident direction: s at the nodes of the square, then ρ of the lobes. */
+    this.places = this.nodes[0] * this.nodes[1] + this.lobes.length;
     this.atlas = halves(data.atlas).map((x) => x * data.scale);
     this.cumulative = floats(data.cumulative);
-    this.albedo = floats(data.albedo);
+    [this.albedo, this.scattered] = [floats(data.albedo), floats(data.scattered)];
     this.weights = floats(data.rgbWeights);
     this.max = Math.max(1, this.albedo.reduce((a, b) => Math.max(a, b), 0));
     this.label = "Albedo";
-    const grid = `${this.incident.join(" × ")} directions × ${this.bins.join(" × ")} bins × ${this.wavelength.length} wavelengths`;
-    this.about = { grid: `scatters; ${grid}`, ...SCATTERED };
+    const flat = this.lobes.length ? `, ${this.lobes.length} lobes of flat facets` : "";
+    const grid = `${this.incident.join(" × ")} directions × ${this.nodes.join(" × ")} half vectors × ${this.wavelength.length} wavelengths`;
+    this.about = { grid: `scatters; ${grid}${flat}`, ...SCATTERED };
   }
 
-  get binCount() {
-    return this.bins[0] * this.bins[1];
-  }
-
-  /** The four neighbours and their weights on a grid, constant beyond the ends of rows and periodic in columns. */
-  static nodes(row, rows, turns, columns) {
-    const y = clamp(row, 0, rows - 1);
-    const below = Math.min(Math.floor(y), Math.max(rows - 2, 0));
-    const above = Math.min(below + 1, rows - 1);
-    const x = (turns - Math.floor(turns)) * columns;
-    const left = Math.floor(x) % columns;
+  /** Four neighbours and their weights: periodic among columns, held at the ends of rows; rows are `stride` apart. */
+  static between(turns, columns, row, rows, columnStride, rowStride) {
+    const [x, y] = [(turns - Math.floor(turns)) * columns, clamp(row, 0, rows - 1)];
+    const [left, below] = [Math.floor(x) % columns, Math.min(Math.floor(y), rows - 2)];
+    const [wx, wy] = [x - Math.floor(x), y - below];
+    const at = (column, line) => column * columnStride + line * rowStride;
     const right = (left + 1) % columns;
-    const [wy, wx] = [y - below, x - Math.floor(x)];
     return [
-      [below * columns + left, (1 - wy) * (1 - wx)],
-      [below * columns + right, (1 - wy) * wx],
-      [above * columns + left, wy * (1 - wx)],
-      [above * columns + right, wy * wx],
+      [at(left, below), (1 - wx) * (1 - wy)], [at(right, below), wx * (1 - wy)],
+      [at(left, below + 1), (1 - wx) * wy], [at(right, below + 1), wx * wy],
     ];
   }
 
-  /** Neighbours among incident directions, by angles in radians, as in the core. */
+  /** Neighbours among incident directions, by angles in radians. */
   incidentNodes(theta, phi) {
     const [rows, columns] = this.incident;
-    const row = (theta / (Math.PI / 2)) * rows - 0.5;
-    return ScatterTable.nodes(row, rows, (phi - Math.PI / this.bins[1]) / (2 * Math.PI), columns);
+    return ScatterTable.between(phi / (2 * Math.PI) + 0.5, columns, (theta / THETA_MAX) * (rows - 1), rows, 1, columns);
   }
 
-  outgoingNodes(cos, phi) {
-    const [rows, columns] = this.bins;
-    return ScatterTable.nodes(cos * rows - 0.5, rows, phi / (2 * Math.PI), columns);
+  /** Neighbours among the nodes of the square, for a half vector whose azimuth counts from `origin`. */
+  squareNodes([x, y, z], origin) {
+    const [across, around] = this.nodes;
+    const u = Math.sqrt(Math.atan2(Math.hypot(x, y), z) / (Math.PI / 2));
+    const v = (Math.atan2(y, x) - origin) / (2 * Math.PI) + 0.5;
+    return ScatterTable.between(this.warped(1, v - Math.floor(v)), around, this.warped(0, u) * (across - 1), across, across, 1);
+  }
+
+  /** Place x of u (`axis` 0) or y of v (1). */
+  warped(axis, plain) {
+    const pairs = this.warp[axis];
+    const intervals = pairs.length / 2 - 1;
+    const at = clamp(plain, 0, 1) * intervals;
+    const i = Math.min(Math.floor(at), intervals - 1);
+    const density = pairs[2 * i] + (at - i) * (pairs[2 * i + 2] - pairs[2 * i]);
+    return pairs[2 * i + 1] + ((at - i) * 0.5 * (pairs[2 * i] + density)) / intervals;
   }
 
   /** Albedo at each wavelength: the colour under white light from all around, by reciprocity. */
   curves(theta, phi) {
     const nodes = this.incidentNodes(radians(theta), radians(phi));
     const width = this.wavelength.length;
-    const value = (w) => nodes.reduce((sum, [i, share]) => sum + share * this.albedo[i * width + w], 0);
+    // s is linear between incident directions: the albedo times the cosine.
+    const cosine = (theta) => Math.cos(Math.min(theta, THETA_MAX));
+    const shares = nodes.map(([i, share]) => {
+      const row = Math.floor(i / this.incident[1]);
+      return [i, (share * cosine((row / (this.incident[0] - 1)) * THETA_MAX)) / cosine(radians(theta))];
+    });
+    const value = (w) => shares.reduce((sum, [i, share]) => sum + share * this.albedo[i * width + w], 0);
     return [{ name: "albedo", values: this.wavelength.map((_, w) => value(w)) }];
   }
 
@@ -114,36 +136,99 @@ class ScatterTable {
     return [0, 1, 2].map((c) => values.reduce((sum, value, w) => sum + value * this.weights[3 * w + c], 0));
   }
 
-  /** Linear RGB of f over the outgoing directions for light from (θ, φ), scaled to its brightest component. */
+  /**
+   * Linear RGB of f cos θ over the outgoing directions for light from (θ, φ), scaled to its brightest component. Lobes
+   * are dots, as bright as their share of the brightest.
+   */
   disc(theta, phi) {
-    const mixed = new Float32Array(3 * this.binCount);
+    const wi = ScatterTable.direction(theta, phi);
+    const origin = this.incident[1] === 1 ? Math.atan2(wi[1], wi[0]) : 0;
+    const mixed = new Float32Array(3 * this.places);
     for (const [i, share] of this.incidentNodes(radians(theta), radians(phi))) {
-      const from = 3 * i * this.binCount;
+      const from = 3 * i * this.places;
       for (let k = 0; k < mixed.length; k += 1) mixed[k] += share * this.atlas[from + k];
     }
-    const max = mixed.reduce((a, b) => Math.max(a, b), 0);
-    const scale = max > 0 ? 1 / max : 0;
+    const first = mixed.length - 3 * this.lobes.length;
+    const brightest = (values) => values.reduce((a, b) => Math.max(a, b), 0) || 1;
+    const [max, maxLobe] = [brightest(mixed.subarray(0, first)), brightest(mixed.subarray(first))];
+    const dots = this.lobes.map((lobe, i) => {
+      const d = ScatterTable.lobeDirection(lobe, wi);
+      const polar = d && degrees(Math.atan2(Math.hypot(d[0], d[1]), d[2])) / (Math.hypot(d[0], d[1]) || 1);
+      return d && { at: [d[0] * polar, d[1] * polar], rgb: mixed.subarray(first + 3 * i, first + 3 * i + 3).map((x) => x / maxLobe) };
+    }).filter((dot) => dot && dot.rgb.some((x) => x > 0));
     return (thetaOut, phiOut) => {
+      const wo = ScatterTable.direction(Math.min(thetaOut, 89.99), phiOut);
       const rgb = [0, 0, 0];
-      for (const [bin, share] of this.outgoingNodes(Math.cos(radians(thetaOut)), radians(phiOut - phi))) {
-        for (let c = 0; c < 3; c += 1) rgb[c] += share * scale * mixed[3 * bin + c];
+      for (const [node, share] of this.squareNodes(plus(wi, wo), origin)) {
+        for (let c = 0; c < 3; c += 1) rgb[c] += (share / max) * mixed[3 * node + c];
+      }
+      const [x, y] = [thetaOut * Math.cos(radians(phiOut)), thetaOut * Math.sin(radians(phiOut))];
+      for (const dot of dots) {
+        const inside = clamp((DOT[0] + DOT[1] - Math.hypot(x - dot.at[0], y - dot.at[1])) / DOT[1], 0, 1);
+        for (let c = 0; c < 3; c += 1) rgb[c] += inside * dot.rgb[c];
       }
       return rgb;
     };
   }
 
-  /** f and the probability of each bin, four floats a bin, as the shader takes them. */
+  /** The unit vector at angles in degrees. */
+  static direction(theta, phi) {
+    const sin = Math.sin(radians(theta));
+    return [sin * Math.cos(radians(phi)), sin * Math.sin(radians(phi)), Math.cos(radians(theta))];
+  }
+
+  /** Direction of a lobe, n and M by columns, for light from `wi`; `null` if there is none above the horizon. */
+  static lobeDirection([n, ...m], wi) {
+    const excess = (n - 1) * (n + 1);
+    const k = [-wi[0] / n, -wi[1] / n, -Math.sqrt((wi[2] * wi[2] + excess) / (n * n))];
+    const [x, y, z] = [0, 1, 2].map((row) => m[row] * k[0] + m[3 + row] * k[1] + m[6 + row] * k[2]);
+    const up = Math.sqrt(z * z * n * n - excess);
+    // Neither holds for NaN.
+    return z > 0 && up >= 1e-6 ? [n * x, n * y, up] : null;
+  }
+
+  /**
+   * The table as `prepare.frag` takes it: s with the density of samples at each place; integrals of the density; and the
+   * warp. The density of an incident direction integrates to what it reflects.
+   */
   packed() {
-    const [rows, columns] = this.bins;
-    const stride = 1 + rows + this.binCount;
-    const packed = new Float32Array((this.atlas.length / 3) * 4);
-    for (let pair = 0; pair < this.atlas.length / 3; pair += 1) {
-      const [i, bin] = [Math.floor(pair / this.binCount), pair % this.binCount];
-      const [row, column] = [Math.floor(bin / columns), bin % columns];
-      const step = (from, at) => this.cumulative[from + at] - (at > 0 ? this.cumulative[from + at - 1] : 0);
-      packed.set(this.atlas.subarray(3 * pair, 3 * pair + 3), 4 * pair);
-      packed[4 * pair + 3] = step(i * stride + 1, row) * step(i * stride + 1 + rows + row * columns, column);
+    const [width, rows] = this.nodes;
+    const stride = 1 + rows + rows * width;
+    const atlas = new Float32Array((this.atlas.length / 3) * 4);
+    for (let i = 0; i < this.atlas.length / 3; i += 1) atlas.set(this.atlas.subarray(3 * i, 3 * i + 3), 4 * i);
+    const sums = new Float32Array((this.cumulative.length / stride) * stride);
+    for (let incident = 0; incident < this.cumulative.length / stride; incident += 1) {
+      const memory = this.cumulative.subarray(incident * stride, (incident + 1) * stride);
+      const step = (from, at) => memory[from + at] - (at > 0 ? memory[from + at - 1] : 0);
+      const density = (row, column) => {
+        // The first and the last column have half a tent.
+        const tent = column === 0 || column + 1 === width ? 2 : 1;
+        const node = step(1, row) * step(1 + rows + row * width, column);
+        return memory[0] * node * tent * (width - 1) * rows;
+      };
+      const along = sums.subarray(incident * stride, (incident + 1) * stride);
+      for (let row = 0; row < rows; row += 1) {
+        let sum = 0;
+        for (let column = 0; column < width; column += 1) {
+          const here = density(row, column);
+          if (column > 0) sum += (0.5 * (density(row, column - 1) + here)) / (width - 1);
+          along[1 + rows + row * width + column] = sum;
+          atlas[4 * (incident * this.places + row * width + column) + 3] = here;
+        }
+      }
+      const ofRow = (row) => along[1 + rows + (row % rows) * width + width - 1];
+      for (let row = 0; row < rows; row += 1) along[row + 1] = along[row] + (0.5 * (ofRow(row) + ofRow(row + 1))) / rows;
     }
+    const length = Math.max(...this.warp.map((pairs) => pairs.length / 2));
+    const knots = new Float32Array(2 * 4 * length);
+    this.warp.forEach((pairs, axis) => pairs.forEach((x, i) => { knots[4 * (axis * length + (i >> 1)) + (i & 1)] = x; }));
+    return { atlas, sums, knots };
+  }
+
+  /** n and M of the lobes in rows of three texels. */
+  packedLobes() {
+    const packed = new Float32Array(12 * Math.max(this.lobes.length, 1));
+    this.lobes.forEach((lobe, i) => packed.set(lobe, 12 * i));
     return packed;
   }
 }

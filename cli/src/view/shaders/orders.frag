@@ -21,12 +21,10 @@ uniform vec2 range; // first and last wavelength in the medium above
 uniform float interval; // between wavelengths that are looked at, in the medium above
 out vec4 colour;
 
-const float LAST = 89.0 / 180.0 * PI;
-
 // The place of a unit vector among nodes, from 0 to 1; then among as many texels, or those of a block.
 vec2 placeAmongNodes(vec3 wo) {
     vec2 along = lines == 2 ? wo.yx : wo.xy;
-    vec2 angle = vec2(atan(along.x, length(vec2(along.y, wo.z))), atan(along.y, wo.z)) / LAST;
+    vec2 angle = vec2(atan(along.x, length(vec2(along.y, wo.z))), atan(along.y, wo.z)) / THETA_MAX;
     return clamp(vec2(0.5 * (angle.x + 1.0), lines == 0 ? 0.5 * (angle.y + 1.0) : abs(angle.y)), 0.0, 1.0);
 }
 
