@@ -5,6 +5,7 @@ mod general_path;
 mod geometric;
 mod gratings;
 mod height_field;
+mod interpolation;
 mod laws;
 mod order_error;
 #[path = "../random.rs"]

@@ -51,7 +51,9 @@ fn a_table_of_a_cell_loads_with_its_sampler() {
         let [theta, phi] = table.layout.incident(i).map(|x| x as f32);
         let wi = glam::Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
         let (wo, pdf) = sampler.sample(wi, [0.4, 0.7]).unwrap();
-        assert!(pdf > 0.0 && sampler.pdf(wi, wo) == pdf);
+        // The half vector is found anew from the directions: some roundings, over the angle to the normal.
+        const ROUNDING: f32 = 1e-4;
+        assert!(pdf > 0.0 && (sampler.pdf(wi, wo) / pdf - 1.0).abs() < ROUNDING);
         assert!(read.rgb(wi, wo).iter().any(|f| *f > 0.0), "drawn where it reflects");
     }
 }

@@ -123,7 +123,7 @@ fn an_interrupted_table_is_taken_up_again() {
 fn random_periods_spread_the_power_of_the_orders() {
     let user = user();
     user.write("random.toml", LINES.replace("coherent", "random"));
-    user.ok("estimate random.toml -o t.exr --incident 2x4 --half-vectors 16x32 --wavelengths 450:600:50 -q");
+    user.ok("estimate random.toml -o t.exr --incident 4x4 --half-vectors 16x32 --wavelengths 450:600:50 -q");
     let Table::Scatter(table) = read(&user.at("t.exr")).unwrap() else { panic!("a table of scattered light") };
     let lookup = table.spectral_lookup().unwrap();
     let lookup = lookup.table().unwrap();
@@ -136,8 +136,9 @@ fn random_periods_spread_the_power_of_the_orders() {
         let reflected = energy.reflected.value as f32;
         let (least, most) = (albedo.iter().copied().fold(1.0, f32::min), albedo.iter().copied().fold(0.0, f32::max));
         assert!(least - 1e-4 <= reflected && reflected <= most + 1e-4, "{incident}: {reflected} {albedo:?}");
-        // Light of several nodes: no order keeps its one direction.
-        assert!(table.row(incident, 0).iter().filter(|s| **s > 0.0).count() > 4);
+        // Light of several nodes: no order keeps its one direction. At 89° few orders are above the horizon.
+        let lit = table.row(incident, 0).iter().filter(|s| **s > 0.0).count();
+        assert!(lit > 4 || theta > 1.5, "{incident}: {lit}");
     }
 }
 

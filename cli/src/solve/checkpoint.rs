@@ -217,6 +217,11 @@ impl Checkpoint {
         Ok(())
     }
 
+    /// Lets the file end with this run: its parts belong to a result that was refused.
+    pub fn abandon(&self) {
+        self.log().stays = false;
+    }
+
     /// Removes the checkpoint: the output is complete, or was refused.
     ///
     /// # Errors

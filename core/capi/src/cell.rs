@@ -121,7 +121,7 @@ struct CellObject {
 const MAX_WAVES: usize = 26;
 /// Largest number of paths that wait while one is followed.
 const MAX_PATHS: usize = 10;
-/// Largest number of exits of one starting ray. Further ones are dropped and counted as truncated.
+/// Largest number of exits of one starting ray. Further ones add their power to the nearest direction.
 const MAX_EXITS: usize = 128;
 /// Limits of waves that interfere.
 const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 10_000 };

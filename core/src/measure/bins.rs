@@ -128,7 +128,7 @@ const MIN_INTERFERING_COSINE: f64 = 0.766_044_443_118_978;
 pub struct ExitRecord<V: Lanes> {
     side: Side,
     cells: [u32; MAX_LANES],
-    /// Whether this is a path, which adds as power: it has no direction, point, wavevector or field.
+    /// Whether this is a path, which adds as power: it has no point, wavevector or field.
     is_path: bool,
     /// Unit direction in the hero lane.
     direction: DVec3,
@@ -138,10 +138,10 @@ pub struct ExitRecord<V: Lanes> {
     wavevector: RealLanes<V::Precise>,
     /// Field, scaled to the power that it carries.
     field: WaveField<V>,
-    /// Unpolarised power, without interference between directions.
+    /// Unpolarised power of the exit alone.
     power: V,
-    /// Unpolarised power that interference with other directions adds.
-    interference: V,
+    /// Unpolarised power that interference with other directions adds, and exits for which there is no record.
+    added: V,
 }
 
 impl<V: Lanes> ExitRecord<V> {
@@ -157,7 +157,7 @@ impl<V: Lanes> ExitRecord<V> {
             wavevector: RealLanes::<V::Precise>::splat(DVec3::ZERO),
             field: Polarised::both(VectorLanes::zero()),
             power: V::zero(),
-            interference: V::zero(),
+            added: V::zero(),
         }
     }
 
@@ -185,8 +185,8 @@ impl<V: Lanes> ExitRecord<V> {
         let cross = s + p;
         let share = self.power / (self.power + other.power).max(V::splat(f64::from(f32::MIN_POSITIVE)));
         let here = cross * share;
-        self.interference += here;
-        other.interference += cross - here;
+        self.added += here;
+        other.added += cross - here;
     }
 }
 
@@ -209,8 +209,9 @@ pub trait Histogram {
 }
 
 impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
-    /// Empty buffer. `memory` should have as many records as one starting ray may need; further exits are dropped, and
-    /// [`ExitBuffer::flush`] returns their power.
+    /// Empty buffer. `memory` should have as many records as one starting ray may need; further exits add their power
+    /// to the nearest direction. If no exit on their side has a record, they are dropped, and [`ExitBuffer::flush`]
+    /// returns their power.
     pub fn new(memory: &'m mut [ExitRecord<V>], grid: G, media: &MediaLanes<'_, V>) -> Self {
         const { assert!(V::WIDTH <= MAX_LANES) };
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
@@ -239,7 +240,7 @@ impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
                     }
                 }
             }
-            let powers = exit.power + exit.interference;
+            let powers = exit.power + exit.added;
             for (lane, &cell) in exit.cells.iter().enumerate().take(V::WIDTH) {
                 let power = powers.lane(lane);
                 if power.abs() > 0.0 {
@@ -253,12 +254,21 @@ impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
 }
 
 impl<V: Lanes, G: DirectionGrid> ExitBuffer<'_, V, G> {
-    /// Next unused record; `None` if there is none.
-    fn push(&mut self, side: Side, cells: [u32; MAX_LANES]) -> Option<&mut ExitRecord<V>> {
-        let exit = self.memory.get_mut(self.count)?;
-        self.count += 1;
-        (exit.side, exit.cells, exit.interference) = (side, cells, V::zero());
-        Some(exit)
+    /// Next unused record. If there is none, the exit adds its power to the record of the nearest direction on its side,
+    /// so that power is kept whatever the grid.
+    fn push(&mut self, side: Side, direction: DVec3, power: V) -> Option<&mut ExitRecord<V>> {
+        if self.count < self.memory.len() {
+            let exit = self.memory.get_mut(self.count)?;
+            self.count += 1;
+            (exit.side, exit.direction, exit.power, exit.added) = (side, direction, power, V::zero());
+            return Some(exit);
+        }
+        let on_side = self.memory.iter_mut().filter(|exit| exit.side == side);
+        match on_side.max_by(|a, b| a.direction.dot(direction).total_cmp(&b.direction.dot(direction))) {
+            Some(nearest) => nearest.added += power,
+            None => self.dropped += power.abs(),
+        }
+        None
     }
 }
 
@@ -275,29 +285,18 @@ impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<
         }
         let wavevector = wave.wavevector.map(|q| q.re);
         let cells = cells_of_lanes(&self.grid, wavevector);
-        if let Some(exit) = self.push(side, cells) {
-            (exit.is_path, exit.direction, exit.point_nm) = (false, direction, point_nm);
-            exit.wavevector = wavevector;
+        if let Some(exit) = self.push(side, direction, (power.s + power.p) * V::splat(0.5)) {
+            (exit.is_path, exit.cells, exit.point_nm, exit.wavevector) = (false, cells, point_nm, wavevector);
             exit.field = scaled_to_power(field, power, ComplexLanes::one());
-        } else {
-            self.dropped += (power.s.abs() + power.p.abs()) * V::splat(0.5);
         }
     }
 }
 
 impl<V: Lanes, G: DirectionGrid> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V, G> {
     fn exit(&mut self, path: ExitPath<V>, light: Coherency<V>) {
-        let (side, power) = (path.side, light.power());
         let cells = cells_of_lanes(&self.grid, path.direction);
-        if let Some(exit) = self.push(side, cells) {
-            (exit.is_path, exit.power) = (true, power);
-            return;
-        }
-        // Without a record, a path joins one that leaves in the same cells.
-        let joins = |exit: &&mut ExitRecord<V>| exit.is_path && exit.side == side && exit.cells == cells;
-        match self.memory.iter_mut().find(joins) {
-            Some(exit) => exit.power += power,
-            None => self.dropped += power,
+        if let Some(exit) = self.push(path.side, path.direction.lane(hero::<V>()), light.power()) {
+            (exit.is_path, exit.cells) = (true, cells);
         }
     }
 }

@@ -31,7 +31,8 @@
 //! columns running fastest; the warp is [`HalfVectorWarp`]'s. Scatter sides are at most 1024, T and U at least 2; knots
 //! are from 2 to 1025. Values are finite and their magnitudes at most 10³⁰, so that interpolated values are finite too.
 //! The first number of an incident direction is in [0, 4·10³²]. Cumulative probabilities do not decrease and end in
-//! exactly 1; integrals of the warp increase from 0 to 1.
+//! exactly 1. Densities of the warp are 0.001 at least; its integrals increase from 0 to exactly 1, and differ from
+//! trapezia of the densities by 3·2⁻²³ at most.
 //!
 //! The nodes of orders are those of [`OrderLayout`], α running fastest; [`OrderTable`] says what strengths are and how
 //! they are looked up. Sides are from 2 to 1024, and there are at most 2²⁰ orders. Strengths are not negative. m and n

@@ -257,7 +257,8 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
     let wi = Vec3::new((sin * libm::cos(phi)) as f32, (sin * libm::sin(phi)) as f32, cos as f32);
     let per_channel = 1.0 / (table.channels() as f32 * divisor(wi));
     memory.fill(0.0);
-    let (head, nodes) = memory.split_at_mut(1 + rows);
+    let [total, memory @ ..] = memory else { return };
+    let Some((row_sums, nodes)) = memory.split_at_mut_checked(rows) else { return };
     tent_solid_angles(&layout, &table.warp(), wi, layout.origin(wi), |node, solid_angle| {
         if let Some(part) = nodes.get_mut(node) {
             *part += solid_angle;
@@ -269,7 +270,6 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
         let lit = table.at(incident, node).any(|s| s != 0.0);
         *part = if lit { (*part * mean).max(f32::MIN_POSITIVE) } else { 0.0 };
     }
-    let (total, row_sums) = head.split_at_mut(1);
     let mut whole = 0.0;
     for (row, sum) in nodes.chunks_exact_mut(columns.max(1)).zip(row_sums.iter_mut()) {
         let reflected = row.iter().map(|&part| f64::from(part)).sum::<f64>();
@@ -278,9 +278,7 @@ fn fill(table: &ScatterTable<'_>, incident: usize, memory: &mut [f32]) {
         whole += reflected;
     }
     accumulate(row_sums, whole);
-    if let [total] = total {
-        *total = whole as f32;
-    }
+    *total = whole as f32;
 }
 
 /// Replaces parts by the cumulative shares of their sum `whole`; by even ones if they add up to nothing.

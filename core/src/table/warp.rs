@@ -67,7 +67,9 @@ impl<'a> HalfVectorWarp<'a> {
         if memory.len() != required {
             return Err(TableError::Length { required });
         }
-        let (u, v) = memory.split_at_mut(2 * knots[0]);
+        let Some((u, v)) = memory.split_at_mut_checked(2 * knots[0]) else {
+            return Err(TableError::Length { required });
+        };
         for (density, pairs) in densities.into_iter().zip([&mut *u, &mut *v]) {
             prepare(density, pairs)?;
         }

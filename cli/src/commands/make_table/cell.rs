@@ -67,7 +67,9 @@ pub(super) fn scatter_table(
         None => None,
     };
     let quiet = args.computing.running.quiet;
-    let progress = bar(&scene.name, layout.incident_count(), quiet);
+    // Light along the normal is traced once.
+    let directions = layout.incident_count() + 1 - layout.incident_sides()[1] as usize;
+    let progress = bar(&scene.name, directions, quiet);
     let finished = ticking(&progress, checkpoint.as_ref(), quiet);
     let mut table = estimate(&mesh_scene, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();

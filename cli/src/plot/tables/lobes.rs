@@ -159,7 +159,7 @@ mod tests {
     fn even() -> ScatterTable {
         let layout = ScatterLayout::new([3, 2], [4, 6], 1).unwrap();
         let places = layout.places();
-        let value = |i: usize| if i % places < layout.node_count() { 0.318_309_9 } else { 0.25 };
+        let value = |i: usize| if i % places < layout.node_count() { std::f32::consts::FRAC_1_PI } else { 0.25 };
         let values: Vec<f32> = (0..layout.count()).map(value).collect();
         ScatterTable {
             rgb: values.iter().map(|s| [*s, 0.5 * s, 0.25 * s]).collect(),

@@ -154,18 +154,21 @@ fn traced<V: Lanes>(
             worker.trace_direction(incident, &mut row);
             let energy = *row.energy;
             let totals = [energy.reflected.value, energy.transmitted, energy.absorbed, energy.truncated];
-            let kept = request
-                .tracing
-                .coherence
-                .check_totals(mesh_scene, totals)
-                .and_then(|()| checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(incident, &row.write())));
+            let checked = request.tracing.coherence.check_totals(mesh_scene, totals);
+            let is_refused = checked.is_err();
+            let kept =
+                checked.and_then(|()| checkpoint.map_or(Ok(()), |checkpoint| checkpoint.keep(incident, &row.write())));
             if let Err(error) = kept {
-                let _ = failure.set(error);
+                let _ = failure.set((error, is_refused));
             }
             progress();
         },
     );
-    failure.into_inner().map_or(Ok(table), Err)
+    let Some((error, is_refused)) = failure.into_inner() else { return Ok(table) };
+    if let (true, Some(checkpoint)) = (is_refused, checkpoint) {
+        checkpoint.abandon();
+    }
+    Err(error)
 }
 
 /// A grid of as many bins as a layout has nodes, to reckon memory with.

@@ -114,7 +114,7 @@ fn densities(orders: &OrderTable) -> [Vec<f32>; 2] {
         Periodicity::Y => quarter,
         Periodicity::Both => return [vec![1.0; 2], vec![1.0; 2]],
     };
-    let along = |knot: usize| (knot + 2 * quarter - first) % (2 * quarter) == 0;
+    let along = |knot: usize| (knot + 2 * quarter - first).is_multiple_of(2 * quarter);
     [vec![1.0; 2], (0..=INTERVALS).map(|knot| if along(knot) { ALONG } else { 1.0 }).collect()]
 }
 
