@@ -136,10 +136,6 @@ fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {
         let scene = field.scene();
         let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
         for coherence in [Coherence::Ray, Coherence::None] {
-            // In films the exits of a ray interfere within a cell of the grid, and these grids differ.
-            if coherence == Coherence::Ray && !field.depths_nm.is_empty() {
-                continue;
-            }
             let request =
                 ScatterRequest { coherence, rays: 2048, seed: 5, bins: BINS, precision: Precision::F64, threads: 1 };
             let table = table(&mesh_scene, 4, request.tracing()).expect("a good mesh");
