@@ -10,7 +10,8 @@ const MEAN = { "beetle-pits": 3, "silicon-pyramids": 3 };
 const MEAN_OTHERS = 2;
 /**
  * Pixels of a side, number of pictures that the page sums, rays of `render`. Mirrors and orders need many only to
- * smooth edges. Rays of `render` on a scattering body draw one direction each: its noise falls with the root of their number.
+ * smooth edges. Rays of `render` on a scattering body draw one direction each: its noise falls with the root of their
+ * number.
  */
 const SIZE = { "beetle-pits": [128, 32, 1024], "silicon-pyramids": [128, 32, 1024] };
 const SIZE_OTHERS = [256, 32, 32];

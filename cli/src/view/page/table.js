@@ -188,8 +188,8 @@ class ScatterTable {
   }
 
   /**
-   * The table as `prepare.frag` takes it: s with the density of samples at each place; integrals of the density; and the
-   * warp. The density of an incident direction integrates to what it reflects.
+   * The table as `prepare.frag` takes it: s with the density of samples at each place; integrals of the density; and
+   * the warp. The density of an incident direction integrates to what it reflects.
    */
   packed() {
     const [width, rows] = this.nodes;

@@ -3,8 +3,8 @@
 //
 // A picture looks into the light along some half vectors, the same in all pixels that are seen from one direction. Each
 // sees the mean of the light over the solid angle that it stands for, so there is no noise. `prepare.frag` draws the
-// half vectors. The table's incident direction is that of the viewer: f is reciprocal. Lobes of flat facets look in exact
-// directions.
+// half vectors. The table's incident direction is that of the viewer: f is reciprocal. Lobes of flat facets look in
+// exact directions.
 uniform highp sampler2DArray looks, strengths; // over directions of the viewer, for each sample
 uniform sampler2D rest, scattered; // over directions of the viewer
 uniform highp samplerCube around;
@@ -68,7 +68,7 @@ void main() {
             vec3 m = vec3(aside, sqrt(max(1.0 - dot(aside, aside), 0.0)));
             vec3 wi = 2.0 * dot(wo, m) * m - wo;
             vec3 d = back * vec3(wi.xy, max(wi.z, 0.0));
-            // A cell of the cube takes (2 / side)² d³ of solid angle, for the largest component d of its unit direction.
+            // A cell of the cube takes (2 / side)² d³ of solid angle: d is the largest component of its direction.
             float largest = max(max(abs(d.x), abs(d.y)), abs(d.z));
             vec3 seen = textureLod(around, d, look.z + level - 1.5 * log2(largest)).rgb;
             sum += (strength.rgb + more * strength.a) * seen;
