@@ -15,10 +15,9 @@ use crate::export::ggx::Ggx;
 
 /// Largest number of values in a file: 256 MiB.
 pub const MAX_VALUES: usize = 1 << 26;
-/// Samples over θ_i, and along each side of the square, for a lobe around the mirror direction. With them f is within
-/// 0.5 % for roughnesses of 0.1 to 0.4 where it is above 1 % of its peak, for 99 of 100 pairs of directions: its masking
-/// changes over a scale of cos θ_o ≈ α.
-const OF_LOBE: [f64; 2] = [76.0, 180.0];
+/// Samples over θ_i, and along each side of the square, for a lobe around the mirror direction, whose masking changes
+/// over a scale of cos θ_o ≈ α.
+const OF_LOBE: [f64; 2] = [110.0, 170.0];
 /// Smallest number of samples along each side of the square, and of φ_i.
 const MIN_SAMPLES: f64 = 4.0;
 /// Density e of θ_i at the horizon, where masking changes over a scale of cos θ_i: samples lie closer there by (1 +

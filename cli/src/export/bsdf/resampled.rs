@@ -104,7 +104,9 @@ fn balance(samples: &mut [f32], grid: &BsdfGrid, channels: usize) -> Result<()> 
                 let steps = [theta[row] - theta[row - 1], theta[row + 1] - theta[row]];
                 sum += bend([at - channels * area, at, at + channels * area], steps);
             }
-            *sample = (f64::from(*sample) - sum / 12.0) as f32;
+            // Light does not become negative.
+            let least = if *sample < 0.0 { f32::NEG_INFINITY } else { 0.0 };
+            *sample = ((f64::from(*sample) - sum / 12.0) as f32).max(least);
         }
     };
     parallel::for_each(parallel::available(), work, || (), |(), item| fill(item));
