@@ -17,7 +17,7 @@ use crate::export::ggx::Ggx;
 pub const MAX_VALUES: usize = 1 << 26;
 /// Samples over θ_i, and along each side of the square, for a lobe around the mirror direction, whose masking changes
 /// over a scale of cos θ_o ≈ α.
-const OF_LOBE: [f64; 2] = [110.0, 170.0];
+const OF_LOBE: [f64; 2] = [115.0, 264.0];
 /// Smallest number of samples along each side of the square, and of φ_i.
 const MIN_SAMPLES: f64 = 4.0;
 /// Density e of θ_i at the horizon, where masking changes over a scale of cos θ_i: samples lie closer there by (1 +
