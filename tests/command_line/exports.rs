@@ -56,17 +56,59 @@ fn what_a_format_cannot_hold_is_refused_with_the_remedy() {
 #[test]
 fn an_anisotropic_table_is_refused_by_merl_and_an_isotropic_one_needs_no_roughness() {
     let user = User::new();
-    let options = "--wavelengths 450,550,650 --half-vectors 4x8 --rays 32 --quiet";
+    let options = "--wavelengths 450,550,650 --half-vectors 5x8 --rays 32 --quiet";
     user.ok(&format!("estimate bumpy-glass -o aniso.exr --incident 2x4 {options}"));
     user.ok(&format!("estimate bumpy-glass -o iso.exr --incident 2x1 {options}"));
     user.refused("export aniso.exr --to merl -o a.binary", 1, &["anisotropic", "--incident 2x1"]);
     user.refused("export aniso.exr --to lut -o a.exr", 1, &["scatters", "export a bsdf"]);
     user.refused("export iso.exr --to merl --roughness 0.5 -o a.binary", 2, &["leave it out"]);
-    user.ok("export iso.exr --to bsdf -o iso.bsdf --quiet");
-    const MAX_BYTES: usize = 70 << 20; // 64 MiB of samples, one more node of θ_i, and what is not samples
-    assert!(user.read("iso.bsdf").len() < MAX_BYTES);
-    user.ok("export iso.exr --to merl -o iso.binary --quiet");
+    user.refused("export iso.exr --to bsdf --spread 2 -o a.bsdf", 2, &["--spread is for", "leave it out"]);
+    let said = user.ok("export iso.exr --to merl -o iso.binary").stderr;
+    assert!(said.contains("halfway between its bins") && said.contains("root mean square"), "{said}");
     assert_eq!(user.read("iso.binary").len(), 34_992_012);
+}
+
+#[test]
+fn a_bsdf_of_a_scatter_table_is_as_small_as_the_table_and_none_of_its_light_is_negative() {
+    let user = User::new();
+    user.ok("estimate brushed-metal -o t.exr --incident 3x4 --half-vectors 5x8 --wavelengths 400:700:50 --rays 64 -q");
+    user.ok("export t.exr --to bsdf -o t.bsdf --quiet");
+    user.ok("export t.exr --to bsdf --rgb -o rgb.bsdf --quiet");
+    user.ok("export t.exr --to bsdf --rgb --gamut keep -o keep.bsdf --quiet");
+    // φ_i repeats its first, the square of 8 steps is 9 × 9, and the warp has 33 × 33 knots.
+    const SLICES: usize = 3 * 5;
+    let tensors = |channels: usize| 4 * SLICES * (33 * 33 + 81 * (channels + 1));
+    // D and σ, two rows of 4096 samples each, and names.
+    let rest = 4 * 2 * 2 * 4096..4 * 2 * 2 * 4096 + 1024;
+    assert!(rest.contains(&(user.read("t.bsdf").len() - tensors(7))));
+    assert!(rest.contains(&(user.read("rgb.bsdf").len() - tensors(3))));
+    // The values are the last tensor of a file with RGB.
+    let least = |name: &str| {
+        let bytes = user.read(name);
+        let numbers = bytes[bytes.len() - (4 * SLICES * 81 * 3).next_multiple_of(8)..].as_chunks::<4>().0;
+        numbers.iter().map(|number| f32::from_le_bytes(*number)).fold(f32::INFINITY, f32::min)
+    };
+    assert_eq!(least("rgb.bsdf"), 0.0);
+    assert!(least("keep.bsdf") < 0.0);
+    user.refused("export t.exr --to bsdf --gamut keep -o a.bsdf", 2, &["--gamut is for", "--rgb"]);
+    user.ok("estimate brushed-metal -o odd.exr --incident 3x4 --half-vectors 64x33 --wavelengths 550 --rays 32 -q");
+    user.refused("export odd.exr --to bsdf -o a.bsdf", 1, &["share no square", "--half-vectors 17x32"]);
+}
+
+#[test]
+fn lobes_of_flat_facets_need_a_width() {
+    let user = User::new();
+    user.ok("estimate silicon-pyramids -o t.exr --incident 3x4 --half-vectors 5x8 --wavelengths 450,550 --rays 64 -q");
+    user.refused("export t.exr --to bsdf -o a.bsdf", 2, &["--spread is missing", "flat facets"]);
+    user.ok("export t.exr --to bsdf --spread 20 --rgb -o t.bsdf --quiet");
+    assert!(user.read("t.bsdf").starts_with(b"tensor_file"));
+    let csv = user.ok("lookup t.exr --wi 10,0 --csv -").stdout;
+    assert!(csv.contains(",facet 1,450,") && csv.contains(",facet 1,R,"), "{csv}");
+    let text = user.ok("lookup t.exr --wi 10,0 --wo 20,180").stdout;
+    assert!(text.contains("f in 1/sr") && text.contains("facet 1"), "{text}");
+    assert!(user.ok("lookup t.exr --wi 10,0 --wo 20,180 --csv f.csv").stderr.contains("f leaves out exact lobes"));
+    let text = user.ok("lookup t.exr --wi 10,0 --wo 20,180 --spread 5").stdout;
+    assert!(text.contains("f in 1/sr") && !text.contains("facet 1"), "{text}");
 }
 
 #[test]
@@ -92,7 +134,7 @@ fn what_gltf_cannot_hold_is_refused_with_the_reason() {
     user.ok("estimate file.toml -o paper.exr --model paper --angles 4 --wavelengths 400,550 --quiet");
     user.ok("estimate file.toml -o file.exr --angles 4 --wavelengths 400,550 --quiet");
     user.ok(
-        "estimate bumpy-glass -o bumpy.exr --incident 2x1 --wavelengths 450,550 --half-vectors 4x8 --rays 32 --quiet",
+        "estimate bumpy-glass -o bumpy.exr --incident 2x1 --wavelengths 450,550 --half-vectors 5x8 --rays 32 --quiet",
     );
     for (line, says) in [
         ("export t.exr --to gltf -o a.gltf", ["is a single film", "export a lut"]),

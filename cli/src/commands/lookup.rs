@@ -13,6 +13,7 @@ use crate::solve::precision::Precision;
 use crate::support::error::{Error, Result};
 use crate::support::input::read_bytes;
 use crate::support::output;
+use crate::support::progress::note;
 use crate::support::text::one_line;
 use crate::table::Table;
 
@@ -40,9 +41,11 @@ pub fn run(args: &LookupArgs) -> Result<()> {
         return Err(Error::usage("--roughness, --spread: are for f, which needs --wo; give it, or leave them out"));
     }
     let table = source.table(args.quiet)?;
-    match Deltas::new(&table).filter(|_| !with_width) {
+    let deltas = Deltas::new(&table)?;
+    let has_f = with_width || matches!(table, Table::Scatter(_));
+    match deltas {
+        _ if to_viewer && has_f => values(args, &table, &pairs, width, deltas.filter(|_| args.spread.is_none())),
         Some(deltas) => list(args, &table, &pairs, &deltas),
-        None if to_viewer => values(args, &table, &pairs, width),
         None => {
             let what =
                 "--wo is missing: the table has no exact directions, and f needs the direction towards the viewer";
@@ -114,8 +117,14 @@ fn digits(x: f64) -> String {
     }
 }
 
-/// Writes f of each pair.
-fn values(args: &LookupArgs, table: &Table, pairs: &[Pair], width: LobeWidth) -> Result<()> {
+/// Writes f of each pair, and the exact directions that it leaves out.
+fn values(
+    args: &LookupArgs,
+    table: &Table,
+    pairs: &[Pair],
+    width: LobeWidth,
+    left_out: Option<Deltas<'_>>,
+) -> Result<()> {
     let reflection = |rgb: bool| match table {
         Table::Scatter(table) if width == LobeWidth::default() => Reflection::scatter(table, None, rgb),
         _ => Reflection::new(table, width, rgb),
@@ -141,6 +150,11 @@ fn values(args: &LookupArgs, table: &Table, pairs: &[Pair], width: LobeWidth) ->
     };
     let both = pairs.iter().filter_map(|(wi, wo)| Some((*wi, (*wo)?)));
     if let Some(path) = &args.csv {
+        if left_out.is_some() {
+            let said =
+                "f leaves out exact lobes of flat facets: --spread gives them a width, without --wo they are listed";
+            note(args.quiet, format_args!("{}: {said}", args.table.display()));
+        }
         let mut header = ["theta_i_deg", "phi_i_deg", "theta_o_deg", "phi_o_deg"].map(str::to_owned).to_vec();
         header.extend(columns.iter().map(|column| format!("f_{column}")));
         header.extend(error.is_some().then(|| "luminance_std_error".to_owned()));
@@ -161,6 +175,9 @@ fn values(args: &LookupArgs, table: &Table, pairs: &[Pair], width: LobeWidth) ->
         }
         if error.is_some() {
             text += &format!("standard error of the luminance of f: {}\n", digits(found[columns.len()]));
+        }
+        if let Some(left_out) = &left_out {
+            text += &text_of(&listed(left_out, &(wi, Some(wo)))?);
         }
     }
     text += &rgb.map_or_else(String::new, |_| of_space(table));
@@ -186,6 +203,19 @@ fn polar(direction: DVec3) -> [f64; 2] {
     [theta.to_degrees(), if phi <= -180.0 + 1e-9 { 180.0 } else { phi }]
 }
 
+/// Light in exact directions to read.
+fn text_of(listed: &[Listed]) -> String {
+    let mut text = "light leaves in exact directions, where f is a delta:\n".to_owned();
+    text += &format!("{:<14} {:>10} {:>8} {:>8}  power\n", "lobe", "nm", "θ", "φ");
+    for (away, delta) in listed {
+        let [theta, phi] = polar(delta.direction);
+        let away = away.map_or_else(String::new, |away| format!("  {away:.2}° from the viewer"));
+        let (name, channel, power) = (&delta.name, &delta.channel, digits(delta.power));
+        text += &format!("{name:<14} {channel:>10} {theta:>7.2}° {phi:>7.2}°  {power}{away}\n");
+    }
+    text
+}
+
 /// Writes light that leaves in exact directions.
 fn list(args: &LookupArgs, table: &Table, pairs: &[Pair], deltas: &Deltas<'_>) -> Result<()> {
     let to_viewer = pairs.iter().all(|(_, wo)| wo.is_some());
@@ -208,16 +238,9 @@ fn list(args: &LookupArgs, table: &Table, pairs: &[Pair], deltas: &Deltas<'_>) -
     let mut text = String::new();
     for (pair, listed) in pairs.iter().zip(&found) {
         text += &format!("{}\n", heading(table, pair));
-        text += "light leaves in exact directions, where f is a delta:\n";
-        text += &format!("{:<14} {:>10} {:>8} {:>8}  power\n", "lobe", "nm", "θ", "φ");
-        for (away, delta) in listed {
-            let [theta, phi] = polar(delta.direction);
-            text +=
-                &format!("{:<14} {:>10} {theta:>7.2}° {phi:>7.2}°  {}", delta.name, delta.channel, digits(delta.power));
-            text += &away.map_or_else(|| "\n".to_owned(), |away| format!("  {away:.2}° from the viewer\n"));
-        }
+        text += &text_of(listed);
     }
-    if let Table::Mirror(_) = table {
+    if !matches!(table, Table::Orders(_)) {
         text += &of_space(table);
     }
     output::write_text(Path::new("-"), &text)

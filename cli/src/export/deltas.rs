@@ -1,13 +1,14 @@
 //! Light that a table sends into exact directions, where f is a delta.
 
 use glam::DVec3;
-use goniochrome::table::OrderTable as Lookup;
+use goniochrome::table::{OrderTable as Lookup, ScatterTable as Scatter};
 
 use super::reflection::between_angles;
 use crate::support::error::Result;
 use crate::table::Table;
 use crate::table::mirror::MirrorTable;
 use crate::table::orders::LookupArrays;
+use crate::table::scatter::ScatterLookup;
 
 /// Names of the components of a colour, in the order of [`Delta::power`] and of channels of RGB.
 pub const RGB: [&str; 3] = ["R", "G", "B"];
@@ -15,7 +16,7 @@ pub const RGB: [&str; 3] = ["R", "G", "B"];
 /// Light of one channel that leaves in an exact direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delta {
-    /// What reflects it: `mirror`, or an order as `order 1 0`.
+    /// What reflects it: `mirror`, flat facets as `facet 1`, or an order as `order 1 0`.
     pub name: String,
     /// Wavelength in nm, or one of [`RGB`].
     pub channel: String,
@@ -30,25 +31,32 @@ pub struct Delta {
 pub enum Deltas<'t> {
     /// The mirror direction.
     Mirror(&'t MirrorTable),
+    /// Lobes of flat facets: the look-ups of spectra and of RGB, and the wavelengths.
+    Facets(ScatterLookup, ScatterLookup, &'t [f64]),
     /// Diffraction orders: their numbers, the wavelengths, and what the library looks up.
     Orders(&'t [[i32; 2]], &'t [f64], LookupArrays),
 }
 
 impl<'t> Deltas<'t> {
     /// The exact directions of a table; `None` if it has none.
-    #[must_use]
-    pub fn new(table: &'t Table) -> Option<Self> {
-        match table {
+    ///
+    /// # Errors
+    /// A table that did not pass its check, or too little memory.
+    pub fn new(table: &'t Table) -> Result<Option<Self>> {
+        Ok(match table {
             Table::Mirror(table) => Some(Self::Mirror(table)),
-            Table::Scatter(_) => None,
+            Table::Scatter(table) if table.layout.lobes() == 0 => None,
+            Table::Scatter(table) => {
+                Some(Self::Facets(table.spectral_lookup()?, table.rgb_lookup()?, &table.wavelength_nm))
+            }
             Table::Orders(table) => {
                 let weights = table.wavelength_nm.iter().map(|_| [0.0; 3]);
                 Some(Self::Orders(&table.orders, &table.wavelength_nm, table.arrays(weights)))
             }
-        }
+        })
     }
 
-    /// Light that leaves in exact directions, for light from `wi` above the horizon. Orders that reflect nothing are
+    /// Light that leaves in exact directions, for light from `wi` above the horizon. What reflects nothing is
     /// left out.
     ///
     /// # Errors
@@ -56,6 +64,9 @@ impl<'t> Deltas<'t> {
     pub fn at(&self, wi: DVec3) -> Result<Vec<Delta>> {
         match self {
             Self::Mirror(table) => Ok(mirror(table, wi)),
+            Self::Facets(spectra, rgb, wavelength_nm) => {
+                Ok(facets(&spectra.table()?, &rgb.table()?, wavelength_nm, wi))
+            }
             Self::Orders(orders, wavelength_nm, arrays) => {
                 let table = arrays.table()?;
                 Ok(orders.iter().enumerate().flat_map(|order| leaving(&table, wavelength_nm, order, wi)).collect())
@@ -79,6 +90,28 @@ fn mirror(table: &MirrorTable, wi: DVec3) -> Vec<Delta> {
     let direction = DVec3::new(-wi.x, -wi.y, wi.z);
     let delta = |(channel, power)| Delta { name: "mirror".to_owned(), channel, direction, power };
     channels.zip(power).map(delta).collect()
+}
+
+/// Light of each lobe of flat facets, spectral and RGB.
+fn facets(spectra: &Scatter<'_>, rgb: &Scatter<'_>, wavelength_nm: &[f64], wi: DVec3) -> Vec<Delta> {
+    let mut deltas = Vec::new();
+    let mut power = vec![0.0; wavelength_nm.len() + RGB.len()];
+    for lobe in 0..spectra.layout().lobes() {
+        let (spectral, colour) = power.split_at_mut(wavelength_nm.len());
+        let Some(direction) = spectra.reflected(wi.as_vec3(), lobe, spectral) else { continue };
+        rgb.reflected(wi.as_vec3(), lobe, colour);
+        if power.iter().all(|power| *power == 0.0) {
+            continue;
+        }
+        let channels = wavelength_nm.iter().map(f64::to_string).chain(RGB.map(str::to_owned));
+        deltas.extend(channels.zip(&power).map(|(channel, power)| Delta {
+            name: format!("facet {}", lobe + 1),
+            channel,
+            direction: direction.as_dvec3(),
+            power: f64::from(*power),
+        }));
+    }
+    deltas
 }
 
 /// Light of each wavelength in an order, which is given by its place in the table and its numbers.

@@ -13,10 +13,11 @@ use super::density::Density;
 use crate::export::OrderLobes;
 use crate::export::ggx::Ggx;
 
-/// Largest number of values in a file: 64 MiB.
-const MAX_VALUES: usize = 1 << 24;
-/// Largest number of values in a file of diffraction orders, which has an axis more: 256 MiB.
-const MAX_VALUES_OF_ORDERS: usize = 1 << 26;
+/// Largest number of values in a file: 256 MiB.
+pub const MAX_VALUES: usize = 1 << 26;
+/// Samples over θ_i, and along each side of the square, for a lobe around the mirror direction, whose masking changes
+/// over a scale of cos θ_o ≈ α.
+const OF_LOBE: [f64; 2] = [115.0, 264.0];
 /// Smallest number of samples along each side of the square, and of φ_i.
 const MIN_SAMPLES: f64 = 4.0;
 /// Density e of θ_i at the horizon, where masking changes over a scale of cos θ_i: samples lie closer there by (1 +
@@ -63,9 +64,11 @@ impl BsdfGrid {
     /// The grid for a lobe around the mirror direction, in a number of channels.
     #[must_use]
     pub fn of_lobe(ggx: Ggx, channels: usize) -> Self {
+        let [theta, side] = OF_LOBE;
         // Values for each sample: the channels, and the luminance.
-        let side = (MAX_VALUES as f64 / (channels + 1) as f64).cbrt() as usize;
-        Self::of([radial(ggx.alpha), across()], side, grazing(side), vec![0.0])
+        let scale = (MAX_VALUES as f64 / ((channels + 1) as f64 * theta * side * side)).cbrt().min(1.0);
+        let [theta, side] = [theta, side].map(|count| (scale * count) as usize);
+        Self::of([radial(ggx.alpha), across()], side, grazing(theta), vec![0.0])
     }
 
     /// The grid for lobes around diffraction orders.
@@ -74,7 +77,7 @@ impl BsdfGrid {
     /// at one azimuth, and nodes lie close to that. A lobe is half as wide over half vectors as over directions.
     #[must_use]
     pub fn of_orders(lobes: &OrderLobes) -> Self {
-        let room = MAX_VALUES_OF_ORDERS as f64 / (lobes.channels() + 1) as f64;
+        let room = MAX_VALUES as f64 / (lobes.channels() + 1) as f64;
         let width = 0.5 * lobes.spread();
         let along = match lobes.periodicity() {
             Periodicity::Both => Density::uniform(),

@@ -11,6 +11,7 @@ use glam::DVec3;
 use goniochrome::table::{GridNode, HalfVectorWarp, ScatterLayout, ScatterTable as Lookup, tent_solid_angles};
 
 use super::contents::{Contents, over_u, raise};
+use super::grid::MAX_VALUES;
 use crate::export::Reflection;
 use crate::export::gaussian::Gaussian;
 use crate::export::reflection::Evaluator;
@@ -20,8 +21,6 @@ use crate::support::memory::filled;
 use crate::support::parallel;
 use crate::table::scatter::ScatterLookup;
 
-/// Largest number of values in a file: 256 MiB.
-const MAX_VALUES: usize = 1 << 26;
 /// Largest number of samples along a side of the square, less 1: that of nodes of a table.
 const MAX_STEPS: usize = 1023;
 /// Samples for each standard deviation of a lobe over half vectors, along θ_m, and between directions of the light.
@@ -203,4 +202,102 @@ fn facets(evaluator: &mut Evaluator<'_>, warp: &HalfVectorWarp<'_>, wi: DVec3, [
     let mut lobes = vec![0.0; s.len()];
     evaluator.add_facets(wi, wo, wi.z, &mut lobes);
     s.iter_mut().zip(lobes).for_each(|(s, lobe)| *s += lobe as f32);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::reflection::{LobeWidth, ReflectionKind};
+    use crate::table::Table;
+    use crate::table::mirror::neighbours;
+    use crate::table::scatter::ScatterTable;
+    use crate::table::scatter::tests::sample;
+
+    /// Some twenty roundings of single precision, in the place in the square and in the values.
+    const SINGLE: f64 = 20.0 * f32::EPSILON as f64;
+
+    /// The sample table, with one number along the normal, where there is no azimuth.
+    fn table() -> ScatterTable {
+        let mut table = sample();
+        let size = table.wavelength_nm.len() * table.layout.places();
+        table.values.copy_within(..size, size);
+        table
+    }
+
+    /// f cos θ_o in each channel as readers of a file interpolate it.
+    fn read(contents: &Contents, channels: usize, wi: DVec3, wo: DVec3) -> Vec<f64> {
+        let densities = contents.densities.each_ref().map(Vec::as_slice);
+        let mut memory = vec![0.0; HalfVectorWarp::required_len(densities.map(<[f32]>::len))];
+        let warp = HalfVectorWarp::new(densities, &mut memory).unwrap();
+        let [x, y] = warp.warped(wi.as_vec3(), wo.as_vec3(), 0.0).place.map(f64::from);
+        let nodes: Vec<f64> = (0..contents.side).map(|i| i as f64 / (contents.side - 1) as f64).collect();
+        let (theta, phi) = (wi.z.acos(), wi.y.atan2(wi.x));
+        let axes = [
+            neighbours(&contents.phi, phi),
+            neighbours(&contents.theta, theta),
+            neighbours(&nodes, y),
+            neighbours(&nodes, x),
+        ];
+        let mut total = vec![0.0; channels];
+        for corner in 0..16 {
+            let ends = [0, 1, 2, 3].map(|axis| {
+                let (below, above, weight) = axes[axis];
+                if corner >> axis & 1 == 0 { (below, 1.0 - weight) } else { (above, weight) }
+            });
+            let [phi, theta, v, u] = ends.map(|(place, _)| place);
+            let weight: f64 = ends.iter().map(|(_, weight)| weight).product();
+            for (channel, total) in total.iter_mut().enumerate() {
+                let plane = (phi * contents.theta.len() + theta) * channels + channel;
+                let value = contents.values[(plane * contents.side + v) * contents.side + u];
+                *total += weight * f64::from(value) / wi.z.max(ScatterLayout::THETA_MAX.cos());
+            }
+        }
+        total
+    }
+
+    #[test]
+    fn readers_of_a_file_get_the_table() {
+        let reflection = Reflection::scatter(&table(), None, false).unwrap();
+        let ReflectionKind::Scatter(lookup, None) = reflection.kind() else { panic!("a scatter table") };
+        let contents = contents(&reflection, lookup, None).unwrap();
+        assert_eq!((contents.side, contents.theta.len(), contents.phi.len()), (3, 2, 3));
+        let mut evaluator = reflection.evaluator();
+        let mut f = [0.0; 2];
+        for i in 0..500 {
+            let turn = |step: f64| f64::from(i) * step % 1.0;
+            let wi = direction(1.57 * turn(0.618), TAU * turn(0.755) - PI);
+            let wo = direction(1.57 * turn(0.569), TAU * turn(0.414) - PI);
+            evaluator.eval(wi, wo, &mut f);
+            for (found, f) in read(&contents, 2, wi, wo).into_iter().zip(f) {
+                assert!((found / (f * wo.z) - 1.0).abs() < SINGLE, "{wi} {wo}: {found} for {}", f * wo.z);
+            }
+        }
+    }
+
+    #[test]
+    fn lobes_of_flat_facets_have_the_width_that_is_asked_for() {
+        let table = Table::from(table());
+        let width = LobeWidth { spread_deg: Some(12.0), ..LobeWidth::default() };
+        let reflection = Reflection::new(&table, width, false).unwrap();
+        let ReflectionKind::Scatter(lookup, gaussian) = reflection.kind() else { panic!("a scatter table") };
+        let contents = contents(&reflection, lookup, *gaussian).unwrap();
+        let mut evaluator = reflection.evaluator();
+        let mut f = [0.0; 2];
+        for (theta, off) in [(0.3, 0.0), (0.3, 0.2), (0.8, 0.1), (1.0, -0.2)] {
+            let (wi, wo) = (direction(theta, 0.4), direction(theta + off, 0.4 + PI));
+            evaluator.eval(wi, wo, &mut f);
+            let found = read(&contents, 2, wi, wo);
+            // A step of half a standard deviation errs by 1/32 of the peak in each of two directions.
+            assert!((found[0] / (f[0] * wo.z) - 1.0).abs() < 0.1, "{theta} {off}: {} for {}", found[0], f[0] * wo.z);
+        }
+    }
+
+    #[test]
+    fn a_table_whose_nodes_share_no_square_is_refused_with_one_that_does() {
+        let steps = |square| Steps::new(&ScatterLayout::new([10, 12], square, 0).unwrap(), 3, None);
+        assert_eq!(steps([17, 32]), Ok(Steps { theta: 9, phi: 12, square: 32 }));
+        let refusal = steps([32, 64]).unwrap_err().to_string();
+        assert!(refusal.contains("--half-vectors 33x64"), "{refusal}");
+        assert_eq!(steps([33, 64]).unwrap().square, 64);
+    }
 }

@@ -75,6 +75,44 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
     raise(slice.luminance);
 }
 
+/// Moves the samples of a smooth function of one incident azimuth so that interpolation between them is right on
+/// average, instead of at the samples: linear interpolation of f errs by f″h²/12 on average over a step h, along each
+/// axis. The largest errors become a quarter of what they were.
+fn balance(samples: &mut [f32], grid: &BsdfGrid, channels: usize) -> Result<()> {
+    let mut exact = filled(0.0, samples.len(), "the .bsdf file")?;
+    exact.copy_from_slice(samples);
+    let (side, theta) = (grid.side(), &grid.theta);
+    let (area, last) = (side * side, side - 1);
+    // Places of a sample's neighbours: half of f″h² of two steps of different length.
+    let bend = |[before, at, after]: [usize; 3], [step, next]: [f64; 2]| {
+        let [before, at, after] = [before, at, after].map(|place| f64::from(exact[place]));
+        ((after - at) / next - (at - before) / step) * (step * step + next * next) / (step + next)
+    };
+    let work = samples.chunks_mut(area).enumerate();
+    let fill = |(plane, samples): (usize, &mut [f32])| {
+        let row = plane / channels;
+        for (place, sample) in samples.iter_mut().enumerate() {
+            let (u, v, at) = (place % side, place / side, plane * area + place);
+            let mut sum = 0.0;
+            if u > 0 && u < last {
+                sum += bend([at - 1, at, at + 1], [1.0; 2]);
+            }
+            // v is periodic: its last row repeats the first.
+            let [before, after] = [if v == 0 { last - 1 } else { v - 1 }, if v == last { 1 } else { v + 1 }];
+            sum += bend([before, v, after].map(|v| plane * area + v * side + u), [1.0; 2]);
+            if row > 0 && row + 1 < theta.len() {
+                let steps = [theta[row] - theta[row - 1], theta[row + 1] - theta[row]];
+                sum += bend([at - channels * area, at, at + channels * area], steps);
+            }
+            // Light does not become negative.
+            let least = if *sample < 0.0 { f32::NEG_INFINITY } else { 0.0 };
+            *sample = ((f64::from(*sample) - sum / 12.0) as f32).max(least);
+        }
+    };
+    parallel::for_each(parallel::available(), work, || (), |(), item| fill(item));
+    Ok(())
+}
+
 /// The file's numbers of a mirror-like table or of diffraction orders.
 ///
 /// # Errors
@@ -95,6 +133,9 @@ pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Conten
             fill(evaluator, &grid, incident, slice);
         },
     );
+    if let ReflectionKind::Lobe { .. } = reflection.kind() {
+        balance(&mut spectra, &grid, channels)?;
+    }
     let (density_of_facets, visible_area) = match reflection.kind() {
         ReflectionKind::Lobe { ggx, .. } => (over_u(|cos| ggx.density(cos)), over_u(|cos| ggx.visible_area(cos))),
         _ => (over_u(|_| 1.0), over_u(|_| 0.25)),

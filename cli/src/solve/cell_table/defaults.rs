@@ -10,20 +10,21 @@ use crate::solve::mesh_scene::MeshScene;
 pub struct Sides {
     /// Rows in θ_i and columns in φ_i.
     pub incident: [u32; 2],
-    /// Nodes of half vectors along x and along y.
+    /// Nodes of half vectors along x and along y. A .bsdf file has equally many steps along both: the steps along x, one
+    /// less than the nodes, and those along y have a small common multiple.
     pub half_vectors: [u32; 2],
 }
 
 impl Sides {
     /// Curved surfaces.
-    pub const CURVED: Self = Self { incident: [16, 20], half_vectors: [12, 16] };
+    pub const CURVED: Self = Self { incident: [15, 20], half_vectors: [13, 16] };
     /// Surfaces of lines: half vectors lie across the lines, so few azimuths of them are needed.
-    pub const LINES: Self = Self { incident: [20, 24], half_vectors: [16, 8] };
+    pub const LINES: Self = Self { incident: [20, 24], half_vectors: [17, 8] };
     /// Surfaces of flat facets: lobes are exact, boxes hold the rest, and the power of lobes has kinks where a facet's
     /// shadow begins.
-    pub const FLAT: Self = Self { incident: [22, 26], half_vectors: [6, 12] };
+    pub const FLAT: Self = Self { incident: [22, 24], half_vectors: [7, 12] };
     /// Tables that are averaged around the normal: one incident azimuth.
-    pub const ISOTROPIC: Self = Self { incident: [24, 1], half_vectors: [24, 32] };
+    pub const ISOTROPIC: Self = Self { incident: [24, 1], half_vectors: [33, 32] };
 }
 
 /// Share of the area, seen from above, that flat facets have at least on surfaces of flat facets.
