@@ -66,8 +66,8 @@ impl Material for StructuralColour<'_> {
     }
 }
 
-/// Bounce off a surface of facets: into the exact direction of a flat one, or into one drawn by the table's density, each
-/// in proportion to what it reflects.
+/// Bounce off a surface of facets: into the exact direction of a flat one, or into one drawn by the table's density,
+/// each in proportion to what it reflects.
 fn scattered(table: &ScatterTable<'_>, sampler: &ScatterSampler<'_>, eye: Vec3, random: Vec2) -> Option<Bounce> {
     let lobe = |lobe| {
         let mut rgb = [0.0; 3];

@@ -99,7 +99,7 @@ fn exports_that_cannot_hold_orders_are_refused_with_the_remedy() {
         ("export cd.exr --to bsdf --roughness 0.1 -o a.bsdf", 2, ["--roughness is for mirror-like", "--spread 2"]),
         ("export cd.exr --to bsdf --spread 0 -o a.bsdf", 2, ["--spread", "[0.5, 30]"]),
         ("export film.exr --to bsdf --spread 2 -o a.bsdf", 2, ["--spread is for", "leave it out"]),
-        ("export cd.exr --to merl --spread 2 -o a.binary", 2, ["--spread is for", "bsdf"]),
+        ("export cd.exr --to merl --spread 2 -o a.binary", 1, ["diffraction orders", "bsdf with --spread"]),
         ("export cd.exr --to merl -o a.binary", 1, ["diffraction orders", "export a bsdf"]),
         ("export cd.exr --to lut -o a.exr", 1, ["diffraction orders", "order-lut"]),
         ("export cd.exr --to gltf -o a.gltf", 1, ["diffraction orders", "order-lut"]),

@@ -1,4 +1,4 @@
-"""Writes pairs of directions for `goniochrome lookup --pairs`: FILE, and the roughness of the half vectors along x and y.
+"""Writes pairs of directions for `goniochrome lookup --pairs`: FILE, and the roughness of half vectors along x and y.
 
 Of each direction towards the light there are several towards the viewer. Most of their half vectors follow facets of
 the roughness, as GGX does; the others lie anywhere.

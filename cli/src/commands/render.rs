@@ -28,7 +28,7 @@ use crate::table::Table;
 const MAX_BYTES: u64 = 1 << 30;
 
 /// Noise that a picture has by default, in steps of 1/255: nobody sees it.
-const DEFAULT_TARGET: f64 = 1.25;
+const DEFAULT_TARGET: f64 = 1.4;
 /// Smallest and largest target of noise: less than the rounding to 8 bits, and a tenth of the range.
 const TARGETS: [f64; 2] = [0.1, 30.0];
 

@@ -30,8 +30,8 @@ pub mod surface;
 pub mod camera;
 pub mod noise;
 pub mod framebuffer;
-mod scattering;
 mod tracer;
+mod scattering;
 mod film;
 
 use std::sync::atomic::{AtomicU64, Ordering};

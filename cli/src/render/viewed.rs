@@ -82,12 +82,13 @@ impl ViewedTable {
         self.viewer = viewer;
         self.width = width;
         self.origin = layout.origin(viewer);
+        let count = layout.node_count() * width;
+        let incident = layout.incident_nodes(viewer);
+        let [a, b, c, d] = incident.map(|node| &table.nodes[node.index * count..][..count]);
+        let [of_a, of_b, of_c, of_d] = incident.map(|node| node.weight);
         self.nodes.clear();
-        self.nodes.resize(layout.node_count() * width, 0.0);
-        for GridNode { index, weight } in layout.incident_nodes(viewer) {
-            let from = &table.nodes[index * self.nodes.len()..][..self.nodes.len()];
-            self.nodes.iter_mut().zip(from).for_each(|(out, from)| *out += weight * from);
-        }
+        let four = a.iter().zip(b).zip(c.iter().zip(d));
+        self.nodes.extend(four.map(|((a, b), (c, d))| of_a * a + of_b * b + of_c * c + of_d * d));
         let over = 1.0 / viewer.z.max(ScatterLayout::THETA_MAX.cos() as f32);
         self.rows.clear();
         let mut total = 0.0;

@@ -16,7 +16,7 @@ mod wave_limits;
 pub mod checkpoint;
 pub mod diffraction;
 pub mod scatter;
-pub mod waves;
 pub mod order_error;
 pub mod cell_warnings;
 pub mod cell_table;
+pub mod waves;

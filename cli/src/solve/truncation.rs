@@ -8,7 +8,7 @@ use crate::support::error::{Error, Result};
 /// Where paths add as powers it bounds the error of a reflectance Y. CIELAB's L* changes by at most 903 for each unit
 /// of Y, near black: by 0.9 here, less than the smallest difference that is seen. Where waves interfere, a power p that
 /// is left out may move a reflectance R by 2√(R p) and more; such waves are given up at a power of 1e-13, or
-/// 1e-11 in single precision, far below this share.
+/// 1e-12 in single precision, far below this share.
 pub const MAX_TRUNCATED: f64 = 1e-3;
 
 /// Refuses waves of which more power is left in flight than came in.

@@ -13,10 +13,10 @@ pub(crate) const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 1
 
 /// The limits of the interfering waves of one starting ray, whose exits add as powers with those of other rays.
 ///
-/// In single precision waves below 1e-11 in flight are dropped: their amplitude of 3e-6 moves a reflectance R by
-/// 6e-6 √R, less than the error of planes in single precision.
+/// In single precision waves below 1e-12 in flight are dropped: their amplitude of 1e-6 moves a reflectance R by
+/// 2e-6 √R, less than the error of planes in single precision.
 pub(crate) fn ray_limits<V: Lanes>() -> Limits {
-    let in_flight = if V::UNIT_ROUNDOFF > f64::EPSILON { 1e-11 } else { WAVE_LIMITS.in_flight };
+    let in_flight = if V::UNIT_ROUNDOFF > f64::EPSILON { 1e-12 } else { WAVE_LIMITS.in_flight };
     Limits { in_flight, ..WAVE_LIMITS }
 }
 

@@ -18,8 +18,8 @@ use crate::table::scatter::{ScatterTable, warp_pairs};
 /// Steps of θ from 0° to 90° in a mirror-like table: tenths of a degree, so that tables of whole degrees lose nothing.
 const STEPS: u32 = 900;
 
-/// Parts of a step between the incident directions of a table of scattered light, along θ and along φ: the page prepares
-/// its samples at these directions of the viewer, and interpolates them.
+/// Parts of a step between the incident directions of a table of scattered light, along θ and along φ: the page
+/// prepares its samples at these directions of the viewer, and interpolates them.
 const VIEWS_PER_STEP: u32 = 4;
 
 /// Largest number of directions of the viewer. Larger tables have fewer to a step.

@@ -8,8 +8,8 @@
 //!
 //! The phase of a cross term is that of both waves at the middle M of the points A and B where they leave:
 //! φ_a + q_a·(M − A) − φ_b − q_b·(M − B) = φ_a − φ_b + ½(q_a + q_b)·(B − A). For equal directions every point gives
-//! the same phase. Waves that leave through neighbouring facets agree at the facets' common edge, which M is near; there the
-//! interference of both sides balances best.
+//! the same phase. Waves that leave through neighbouring facets agree at the facets' common edge, which M is near;
+//! there the interference of both sides balances best.
 
 use crate::geometry::side::Side;
 use crate::optics::medium::MediaLanes;
@@ -254,8 +254,8 @@ impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
 }
 
 impl<V: Lanes, G: DirectionGrid> ExitBuffer<'_, V, G> {
-    /// Next unused record. If there is none, the exit adds its power to the record of the nearest direction on its side,
-    /// so that power is kept whatever the grid.
+    /// Next unused record. If there is none, the exit adds its power to the record of the nearest direction on its
+    /// side, so that power is kept whatever the grid.
     fn push(&mut self, side: Side, direction: DVec3, power: V) -> Option<&mut ExitRecord<V>> {
         if self.count < self.memory.len() {
             let exit = self.memory.get_mut(self.count)?;

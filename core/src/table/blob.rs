@@ -39,9 +39,9 @@
 //! are whole numbers up to 10⁶, and 0 along an axis along which the surface does not repeat. Periods, wavelengths and
 //! indices are positive, and wavelengths increase.
 //!
-//! Nothing follows the last section. A reader refuses bytes that break any of these rules. Kind 2 held scatter tables of
-//! fixed outgoing bins before version 0.2; it is refused as [`BlobError::Retired`]. A reader that does not know kinds 3
-//! and 4 refuses them for their kind.
+//! Nothing follows the last section. A reader refuses bytes that break any of these rules. Kind 2 held scatter tables
+//! of fixed outgoing bins before version 0.2; it is refused as [`BlobError::Retired`]. A reader that does not know
+//! kinds 3 and 4 refuses them for their kind.
 
 use super::error::TableError;
 use super::layout::ScatterLayout;

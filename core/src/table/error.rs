@@ -24,8 +24,8 @@ pub enum TableError {
     /// A density of a warp has fewer than 2 knots or more than 1025, is not finite, or is below a thousandth of its
     /// mean; or its integrals in a blob are not those of the density.
     Warp,
-    /// The lobes are not as many as the layout says, or one has an index that is not from 0.001 to 1000 or a matrix that
-    /// is not orthogonal.
+    /// The lobes are not as many as the layout says, or one has an index that is not from 0.001 to 1000 or a matrix
+    /// that is not orthogonal.
     Lobe,
     /// A side of a grid of orders is not from 2 to 1024, or a period is not positive and finite.
     OrderLayout,

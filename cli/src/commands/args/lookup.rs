@@ -26,8 +26,8 @@ pub struct LookupArgs {
     /// without it the reflectance and the mirror direction are printed
     #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
     pub roughness: Option<f64>,
-    /// Diffraction orders and flat facets: f with a Gaussian lobe of this standard deviation in degrees around each exact
-    /// direction, as `export` takes it; without it they are listed
+    /// Diffraction orders and flat facets: f with a Gaussian lobe of this standard deviation in degrees around each
+    /// exact direction, as `export` takes it; without it they are listed
     #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]
     pub spread: Option<f64>,
     /// The CSV file to write instead of a text to read; - is standard output

@@ -44,7 +44,7 @@ pub struct RenderArgs {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub samples: Option<u32>,
     /// Follow rays until the noise is so small: its root mean square over the body, in steps of 1/255 of sRGB; from 0.1
-    /// to 30 [default: 1.25]
+    /// to 30 [default: 1.4]
     #[arg(long, value_name = "STEPS")]
     pub target_noise: Option<f64>,
     /// Draw fast and without noise, from few fixed directions and blurred light; one reflection

@@ -10,8 +10,8 @@ use crate::solve::mesh_scene::MeshScene;
 pub struct Sides {
     /// Rows in θ_i and columns in φ_i.
     pub incident: [u32; 2],
-    /// Nodes of half vectors along x and along y. A .bsdf file has equally many steps along both: the steps along x, one
-    /// less than the nodes, and those along y have a small common multiple.
+    /// Nodes of half vectors along x and along y. A .bsdf file has equally many steps along both: the steps along x,
+    /// one less than the nodes, and those along y have a small common multiple.
     pub half_vectors: [u32; 2],
 }
 

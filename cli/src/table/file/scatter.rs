@@ -8,7 +8,7 @@
 //!
 //! A half vector is m = (wi + wo)/|wi + wo|. Its angles at the nodes are in the header. Between nodes s is linear in x
 //! and in y of the warped square, and between incident directions in θ_i and φ_i ([`ScatterLayout`] and
-//! [`HalfVectorWarp`](goniochrome::table::HalfVectorWarp) define both). f = s/(cos θ_i cos θ_o); beyond the last θ_i,
+//! [`HalfVectorWarp`] define both). f = s/(cos θ_i cos θ_o); beyond the last θ_i,
 //! s/cos θ_i is held. With P = 1 the table is a mean over azimuths, and φ_m counts from φ_i.
 //!
 //! | channel | holds |
