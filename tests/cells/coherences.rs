@@ -124,6 +124,26 @@ fn small_cells() -> Vec<HeightField> {
     (0..4).map(cell).collect()
 }
 
+/// Rays are divided into strata some 16 000 at a time. However many there are, all are traced, and in little memory.
+#[test]
+fn every_ray_that_is_asked_for_is_traced() {
+    let cells = small_cells();
+    let scene = cells[0].scene();
+    let mesh_scene = MeshScene::new(&scene).expect("a good mesh");
+    let (coherence, precision) = (Coherence::None, Precision::F32);
+    let of = |rays| {
+        let tracing = Tracing { coherence, rays, seed: 2, precision, threads: 1 };
+        table(&mesh_scene, 2, tracing).expect("a good mesh").energy
+    };
+    // 16 384, and the rest.
+    let (few, many) = (of(2048), of(20_000));
+    for (few, many) in few.iter().zip(&many) {
+        assert_eq!((few.rays, many.rays), (2048, 20_000));
+        let error = few.reflected.std_error.hypot(many.reflected.std_error);
+        assert!((few.reflected.value - many.reflected.value).abs() <= 5.0 * error, "{few:?} {many:?}");
+    }
+}
+
 /// Facets are planes, so what one sheet reflects leaves in lobes, whose directions fall into single bins of `scatter`.
 #[test]
 fn a_direction_of_a_table_is_what_scatter_finds_whatever_the_coherence() {

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace};
-use goniochrome::table::{FacetLobe, HalfVectorGrid, HalfVectorWarp, LobeDirection, tent_solid_angles};
+use goniochrome::table::{HalfVectorGrid, HalfVectorWarp, tent_solid_angles};
 use goniochrome_cli::colour::visible_weights;
 use goniochrome_cli::scene::load;
-use goniochrome_cli::solve::cell_table::{Sides, TableRequest, default_rays, default_sides, estimate};
+use goniochrome_cli::solve::cell_table::{Sides, TableRequest, default_rays, default_sides, estimate, lobe_directions};
 use goniochrome_cli::solve::mesh_scene::MeshScene;
 use goniochrome_cli::solve::precision::Precision;
 use goniochrome_cli::solve::scatter::{Coherence, ScatterRequest, Tracing, scatter};
@@ -58,12 +58,7 @@ fn differences(name: &str) -> Vec<[f64; 2]> {
         .iter()
         .map(|&angles| {
             let wi = direction(angles);
-            let leaving = |(lobe, map): (usize, &FacetLobe)| {
-                let direction = map.direction(wi.as_vec3())?.as_dvec3().normalize();
-                Some(LobeDirection { direction, lobe })
-            };
-            let mut lobes: Vec<_> = table.lobes.iter().enumerate().filter_map(leaving).collect();
-            lobes.sort_by(|a, b| a.direction.x.total_cmp(&b.direction.x));
+            let lobes = lobe_directions(&table.lobes, wi);
             let grid = HalfVectorGrid::new(table.layout, warp, wi, &lobes);
             let request = ScatterRequest { coherence, rays: RAYS, seed: 7, bins: &grid, precision, threads: 2 };
             let direct = &scatter(&mesh_scene, wi, &WAVELENGTH_NM, &request, &|| ()).unwrap()[0].bins;

@@ -40,12 +40,6 @@ impl<'a> HalfVectorGrid<'a> {
         Self { layout, warp, wi, origin: layout.origin(wi), lobes }
     }
 
-    /// Azimuth from which half vectors count.
-    #[must_use]
-    pub fn origin(&self) -> f32 {
-        self.origin
-    }
-
     /// Lobe of a direction, if it leaves in one.
     fn lobe(&self, direction: DVec3) -> Option<usize> {
         let first = self.lobes.partition_point(|lobe| lobe.direction.x < direction.x - Self::MAX_LOBE_DISTANCE);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::solve::cell_table::flat::flat_normals;
+use crate::solve::cell_table::flat::{are_parallel, flat_normals};
 use crate::solve::mesh_scene::MeshScene;
 
 /// Sides of a table: incident directions in θ_i × φ_i, and half vectors outwards × around the normal.
@@ -48,7 +48,7 @@ pub fn default_sides(mesh_scene: &MeshScene<'_>) -> Sides {
         let normal: DVec3 = twice.normalize_or_zero();
         area += twice.z.abs();
         along = [along[0].max(normal.x.abs()), along[1].max(normal.y.abs())];
-        if flat.iter().any(|flat| flat.dot(normal).abs() > 1.0 - 1e-9) {
+        if flat.iter().any(|flat| are_parallel(*flat, normal)) {
             of_flat += twice.z.abs();
         }
     }

@@ -26,6 +26,11 @@ fn key<const N: usize>(numbers: [f64; N]) -> [i64; N] {
     numbers.map(|x| (x * STEPS).round() as i64)
 }
 
+/// Whether two unit normals are parallel, up to the rounding of meshes in single precision.
+pub(super) fn are_parallel(a: DVec3, b: DVec3) -> bool {
+    a.dot(b).abs() > 1.0 - 1e-9
+}
+
 /// The unit normals of flat facets, upwards, in a fixed order.
 pub(super) fn flat_normals(mesh_scene: &MeshScene<'_>) -> Vec<DVec3> {
     let mut area: HashMap<[i64; 3], (DVec3, f64)> = HashMap::new();

@@ -8,7 +8,7 @@ use goniochrome::table::{FacetLobe, HalfVectorGrid, HalfVectorWarp, ScatterLayou
 use goniochrome::trace::sobol::sobol;
 
 use crate::solve::batches::sequence;
-use crate::solve::cell_table::worker::Places;
+use crate::solve::cell_table::worker::lobe_directions;
 use crate::solve::groups::Group;
 use crate::solve::mesh_scene::MeshScene;
 use crate::solve::scatter::{Paths, RayLight, Workspace, trace_rays};
@@ -47,14 +47,16 @@ pub(super) fn lobes_with_light<V: Lanes>(
     possible: &[FacetLobe],
     seed: u32,
 ) -> Vec<FacetLobe> {
+    if possible.is_empty() {
+        return Vec::new();
+    }
     let Some((media, _)) = groups.get(groups.len() / 2) else { return Vec::new() };
     let mut memory = Workspace::<V>::new(mesh_scene);
     let mut power = vec![0.0; possible.len()];
-    let without = Places { layout: *layout, warp, lobes: possible };
     for incident in 0..layout.incident_count() {
         let [theta, phi] = layout.incident(incident);
         let wi = direction(theta, phi);
-        let directions = without.lobe_directions(wi);
+        let directions = lobe_directions(possible, wi);
         let grid = HalfVectorGrid::new(*layout, warp, wi, &directions);
         let sequence = sequence(seed, incident as u32);
         let light = RayLight { cell, media: *media, wi, paths: Paths::Alone, grid: &grid, sequence };

@@ -15,6 +15,7 @@ mod reciprocal;
 
 use std::sync::OnceLock;
 
+use glam::DVec3;
 use goniochrome::measure::bins::DirectionBins;
 use goniochrome::simd::lanes::Lanes;
 use goniochrome::table::{HalfVectorWarp, ScatterLayout};
@@ -30,7 +31,7 @@ use crate::support::memory::filled;
 use crate::support::parallel;
 use crate::table::metadata::Metadata;
 use crate::table::scatter::{Energy, ScatterTable, check_scatter_size, warp_pairs};
-use flat::{flat_normals, indices_under_planes, possible_lobes};
+use flat::{are_parallel, flat_normals, indices_under_planes, possible_lobes};
 use lobes::lobes_with_light;
 use record::DirectionRecord;
 use warp::densities;
@@ -40,7 +41,7 @@ pub use defaults::{Sides, default_rays, default_sides};
 pub(crate) use node_areas::NodeAreas;
 pub use reciprocal::reciprocal;
 pub use request::TableRequest;
-pub use worker::MAX_RAYS;
+pub use worker::{MAX_RAYS, lobe_directions};
 
 /// Traces the table of a cell, without metadata. `progress` is called after each incident direction. Directions that
 /// the checkpoint holds are taken from it, the others are added to it.
@@ -91,12 +92,15 @@ fn traced<V: Lanes>(
     let mut groups = Groups::<V>::new(mesh_scene.scene(), wavelength_nm);
     let groups = groups.evaluate(mesh_scene.scene(), cell.above(), wavelength_nm)?;
     let isotropic = bare.is_isotropic();
-    let flat: Vec<_> = flat_normals(mesh_scene).into_iter().filter(|n| !isotropic || n.z > 1.0 - 1e-9).collect();
+    // Around the normal, only level facets keep their directions.
+    let flat: Vec<_> =
+        flat_normals(mesh_scene).into_iter().filter(|n| !isotropic || are_parallel(*n, DVec3::Z)).collect();
     let warp = densities(mesh_scene, &flat, isotropic);
     let [pairs_u, pairs_v] = warp_pairs(&warp)?;
     let half_vectors = HalfVectorWarp::from_pairs(&pairs_u, &pairs_v).map_err(Error::failed)?;
     let indices = indices_under_planes(mesh_scene, wavelength_nm[wavelength_nm.len() / 2])?;
-    let possible = possible_lobes(&flat, &indices);
+    // Without flat facets nothing is looked for.
+    let possible = if flat.is_empty() { Vec::new() } else { possible_lobes(&flat, &indices) };
     let seed = request.tracing.seed;
     let lobes = lobes_with_light(mesh_scene, cell, &groups, &bare, half_vectors, &possible, seed);
     // There are at most 64 lobes.

@@ -23,13 +23,12 @@ impl NodeAreas {
     pub fn new(layout: &ScatterLayout, warp: &HalfVectorWarp<'_>, incident: usize) -> Self {
         let [theta, phi] = layout.incident(incident);
         let wi = direction(theta, phi).as_vec3();
-        let origin = if layout.is_isotropic() { phi as f32 } else { 0.0 };
         let mut areas = Self {
             area: vec![0.0; layout.node_count()],
             columns: layout.square_sides()[0] as usize,
             level: level_columns(layout, incident),
         };
-        tent_solid_angles(layout, warp, wi, origin, |node, part| {
+        tent_solid_angles(layout, warp, wi, layout.origin(wi), |node, part| {
             let node = areas.shared(node);
             areas.area[node] += f64::from(part) / theta.cos();
         });

@@ -26,17 +26,15 @@ pub fn reciprocal(table: &mut ScatterTable) -> Result<()> {
     for incident in 0..layout.incident_count() {
         let [theta, phi] = layout.incident(incident);
         let wi = direction(theta, phi).as_vec3();
-        let origin = if layout.is_isotropic() { phi as f32 } else { 0.0 };
         for node in 0..layout.node_count() {
             let [x, y] = layout.node(node).map(|place| place as f32);
-            let (m, _) = warp.half_vector([x, y], origin);
+            let (m, _) = warp.half_vector([x, y], layout.origin(wi));
             let wo: Vec3 = 2.0 * wi.dot(m) * m - wi;
             if wo.z < least || wi.dot(m) <= 0.0 {
                 continue;
             }
             let from = layout.incident_nodes(wo);
-            let origin = if layout.is_isotropic() { wo.y.atan2(wo.x) } else { 0.0 };
-            let [x, y] = warp.warped(wo, wi, origin).place;
+            let [x, y] = warp.warped(wo, wi, layout.origin(wo)).place;
             let to = layout.square_nodes(x, y);
             let nodes = from.map(|i| to.map(|o| (i.index, o.index, i.weight * o.weight)));
             let nodes = nodes.as_flattened().iter().filter(|node| node.2 > 0.0);

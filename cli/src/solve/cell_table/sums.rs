@@ -13,7 +13,7 @@ use crate::table::statistics::MeanWithError;
 /// variance that does not fall short of it (collapsed strata; Cochran, "Sampling Techniques", 1977, section 5A.12).
 pub(super) struct DirectionSums {
     places: usize,
-    /// Number of nodes that count azimuths; with `level`, all azimuths of a half-vector angle are one place.
+    /// Number of half-vector angles, if each has one place whatever the azimuth.
     columns: Option<usize>,
     /// Power as `[wavelength][place]`.
     pub power: Vec<f64>,

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
+use crate::solve::cell_table::flat::are_parallel;
 use crate::solve::mesh_scene::MeshScene;
 
 /// Intervals of the densities over u and over v.
@@ -20,7 +21,7 @@ pub(super) fn densities(mesh_scene: &MeshScene<'_>, flat: &[DVec3], isotropic: b
         let twice = (b - a).cross(c - a);
         let normal = twice.normalize_or_zero();
         let normal = if normal.z < 0.0 { -normal } else { normal };
-        if flat.iter().any(|flat| flat.dot(normal).abs() > 1.0 - 1e-9) {
+        if flat.iter().any(|flat| are_parallel(*flat, normal)) {
             continue;
         }
         let theta = normal.truncate().length().atan2(normal.z);

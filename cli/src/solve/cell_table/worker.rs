@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::simd::lanes::Lanes;
 use goniochrome::table::{FacetLobe, HalfVectorGrid, HalfVectorWarp, LobeDirection, ScatterLayout};
@@ -21,6 +22,10 @@ use crate::table::statistics::MeanWithError;
 
 /// The largest number of starting rays for one incident direction that a target error asks for.
 pub const MAX_RAYS: u32 = 1 << 22;
+
+/// The largest number of starting rays that are divided into strata together; more come in several such sets. Their
+/// candidates take 6 MiB.
+const MAX_STRATA: u32 = 1 << 14;
 
 /// Azimuths of the light over which an isotropic table is averaged.
 const AZIMUTHS: u32 = 32;
@@ -55,17 +60,16 @@ pub(super) struct Places<'w> {
     pub lobes: &'w [FacetLobe],
 }
 
-impl Places<'_> {
-    /// The lobes above the horizon for light from `wi`, as [`HalfVectorGrid`] takes them.
-    pub fn lobe_directions(&self, wi: glam::DVec3) -> Vec<LobeDirection> {
-        let leaving = |(lobe, map): (usize, &FacetLobe)| {
-            let direction = map.direction(wi.as_vec3())?.as_dvec3().normalize();
-            Some(LobeDirection { direction, lobe })
-        };
-        let mut lobes: Vec<_> = self.lobes.iter().enumerate().filter_map(leaving).collect();
-        lobes.sort_by(|a, b| a.direction.x.total_cmp(&b.direction.x));
-        lobes
-    }
+/// The lobes above the horizon for light from `wi`, as [`HalfVectorGrid`] takes them.
+#[must_use]
+pub fn lobe_directions(lobes: &[FacetLobe], wi: DVec3) -> Vec<LobeDirection> {
+    let leaving = |(lobe, map): (usize, &FacetLobe)| {
+        let direction = map.direction(wi.as_vec3())?.as_dvec3().normalize();
+        Some(LobeDirection { direction, lobe })
+    };
+    let mut found: Vec<_> = lobes.iter().enumerate().filter_map(leaving).collect();
+    found.sort_by(|a, b| a.direction.x.total_cmp(&b.direction.x));
+    found
 }
 
 /// A thread that traces incident directions, with its memory for the tracer.
@@ -119,25 +123,14 @@ impl<V: Lanes> TableWorker<'_, V> {
             let of_azimuth = (rays / azimuths.len() as u32).max(2).next_multiple_of(2);
             for (place, &phi) in azimuths.iter().enumerate() {
                 let wi = direction(theta, phi);
-                let lobes = places.lobe_directions(wi);
+                let lobes = lobe_directions(places.lobes, wi);
                 let grid = HalfVectorGrid::new(places.layout, places.warp, wi, &lobes);
                 let sequence = sequence(seed, pass).wrapping_add((place as u32).wrapping_mul(0x85eb_ca77));
-                let starts = starts(&self.cell, &places.warp, wi, of_azimuth, sequence);
-                for (pair, points) in (0u32..).zip(starts.as_chunks::<2>().0) {
-                    let mut first = 0;
-                    for (media, wavelengths) in self.groups {
-                        let light = RayLight { cell: self.cell, media: *media, wi, paths, grid: &grid, sequence };
-                        let weights = &request.weights[first..first + wavelengths.len()];
-                        for (half, &point) in points.iter().enumerate() {
-                            let mut ray = sums.ray(half == 1, first, weights, places.layout.node_count());
-                            let start = std::iter::once((2 * pair + half as u32, point));
-                            let unseen = trace_rays(&light, start, &mut self.memory, &mut ray);
-                            let alone = unseen.without_interference > 0;
-                            ray.end(|lane| unseen.absorbed.lane(lane), |lane| unseen.truncated.lane(lane), alone);
-                        }
-                        first += wavelengths.len();
-                    }
-                    sums.end_pair();
+                for set in 0..of_azimuth.div_ceil(MAX_STRATA) {
+                    let count = MAX_STRATA.min(of_azimuth - set * MAX_STRATA);
+                    let sequence = sequence.wrapping_add(set.wrapping_mul(0xc2b2_ae3d));
+                    let starts = starts(&self.cell, &places.warp, wi, count, sequence);
+                    self.add_pairs(paths, wi, &grid, sequence, &starts, &mut sums);
                 }
             }
             *record.energy = sums.energy(whole);
@@ -158,6 +151,35 @@ impl<V: Lanes> TableWorker<'_, V> {
         record.values.chunks_mut(places).chain([&mut *record.error]).for_each(|powers| node_areas.divide(powers));
     }
 
+    /// Adds the powers of starting rays, in pairs of neighbouring strata, at all wavelengths.
+    fn add_pairs(
+        &mut self,
+        paths: Paths,
+        wi: DVec3,
+        grid: &HalfVectorGrid<'_>,
+        sequence: u32,
+        starts: &[[f64; 2]],
+        sums: &mut DirectionSums,
+    ) {
+        let nodes = self.places.layout.node_count();
+        for (pair, points) in (0u32..).zip(starts.as_chunks::<2>().0) {
+            let mut first = 0;
+            for (media, wavelengths) in self.groups {
+                let light = RayLight { cell: self.cell, media: *media, wi, paths, grid, sequence };
+                let weights = &self.request.weights[first..first + wavelengths.len()];
+                for (half, &point) in points.iter().enumerate() {
+                    let mut ray = sums.ray(half == 1, first, weights, nodes);
+                    let start = std::iter::once((2 * pair + half as u32, point));
+                    let unseen = trace_rays(&light, start, &mut self.memory, &mut ray);
+                    let alone = unseen.without_interference > 0;
+                    ray.end(|lane| unseen.absorbed.lane(lane), |lane| unseen.truncated.lane(lane), alone);
+                }
+                first += wavelengths.len();
+            }
+            sums.end_pair();
+        }
+    }
+
     /// Traces starting rays whose fields add.
     fn add_fields(&self, incident: usize, seed: u32, record: &mut DirectionRecord<'_>) {
         let Self { cell, slots, request, places, .. } = *self;
@@ -173,7 +195,7 @@ impl<V: Lanes> TableWorker<'_, V> {
             let share = 1.0 / azimuths.len() as f64;
             for (place, &phi) in azimuths.iter().enumerate() {
                 let wi = direction(theta, phi);
-                let lobes = places.lobe_directions(wi);
+                let lobes = lobe_directions(places.lobes, wi);
                 let grid = HalfVectorGrid::new(places.layout, places.warp, wi, &lobes);
                 let seed = sequence(seed, place as u32);
                 let tracing = Tracing { seed, threads: 1, ..request.tracing };
