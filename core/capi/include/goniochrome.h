@@ -657,9 +657,9 @@ gonio_status gonio_cell_make(gonio_cell *cell, const gonio_mesh *mesh, uint8_t *
 
 /*
  Traces light through a cell. `power` receives one element for each wavelength. Unless it is NULL, `bins` receives,
- for each wavelength, the reflected power of each bin, row by row in cos theta. `memory` has `memory_size` bytes, at
- least as many as gonio_trace_memory_size says, and is used by this call alone. It uses 29 KiB of stack, 51 KiB with
- AVX-512.
+ for each wavelength, the reflected power of each bin, row by row in cos theta. With interference, the power of a bin
+ that few rays reach may be below zero, by noise. `memory` has `memory_size` bytes, at least as many as
+ gonio_trace_memory_size says, and is used by this call alone. It uses 29 KiB of stack, 51 KiB with AVX-512.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to as many elements of their types as the counts say.
