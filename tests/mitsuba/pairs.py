@@ -27,8 +27,10 @@ def main():
     m[anywhere] = direction(rng.uniform(0, np.pi / 2, count), turn)[anywhere]
     wo = 2 * (wi * m).sum(-1, keepdims=True) * m - wi
     above = wo[:, 2] > LEAST
-    angles = [[np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2]), np.arctan2(w[:, 1], w[:, 0])] for w in (wi[above], wo[above])]
-    np.savetxt(path, np.degrees(np.concatenate(angles)).T, "%.9f", ",", header="theta_i,phi_i,theta_o,phi_o", comments="")
+    both = wi[above], wo[above]
+    angles = [[np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2]), np.arctan2(w[:, 1], w[:, 0])] for w in both]
+    rows, header = np.degrees(np.concatenate(angles)).T, "theta_i,phi_i,theta_o,phi_o"
+    np.savetxt(path, rows, "%.9f", ",", header=header, comments="")
 
 
 if __name__ == "__main__":

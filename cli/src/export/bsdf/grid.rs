@@ -17,22 +17,22 @@ use crate::export::ggx::Ggx;
 pub const MAX_VALUES: usize = 1 << 26;
 /// Samples over θ_i, and along each side of the square, for a lobe around the mirror direction, whose masking changes
 /// over a scale of cos θ_o ≈ α.
-const OF_LOBE: [f64; 2] = [115.0, 264.0];
+const OF_LOBE: [f64; 2] = [240.0, 217.0];
 /// Smallest number of samples along each side of the square, and of φ_i.
 const MIN_SAMPLES: f64 = 4.0;
-/// Density e of θ_i at the horizon, where masking changes over a scale of cos θ_i: samples lie closer there by (1 +
-/// e)/e.
-const GRAZING: f64 = 0.3;
+/// Density e of θ_i at the horizon, where masking changes over a scale of cos θ_i, for a lobe and for orders: samples
+/// lie closer there by (1 + e)/e.
+const GRAZING: [f64; 2] = [1.0, 0.3];
 /// Largest θ_i in radians; a direction at 90° sees nothing.
 const MAX_THETA: f64 = 89.99 / 180.0 * PI;
 /// Share of a lobe's half vectors whose density is 1/(θ_m + α/2), a fixed number for each factor of θ_m beyond the
 /// lobe's core; the others lie evenly over the square.
-const LOGARITHMIC: f64 = 0.7;
+const LOGARITHMIC: f64 = 0.85;
 /// Columns of the warp, which resolve the core of the smoothest lobe, α = 0.001, whose u is 0.02.
 const COLUMNS: usize = 1024;
 /// Excess density of φ_m across the plane of incidence, where a lobe meets the horizon at grazing angles, over that
 /// along it.
-const ACROSS: f64 = 3.0;
+const ACROSS: f64 = 5.0;
 
 /// Columns of the warp over v for orders, a multiple of 4 so that their azimuths are among them.
 const SPOKES: usize = 128;
@@ -68,7 +68,7 @@ impl BsdfGrid {
         // Values for each sample: the channels, and the luminance.
         let scale = (MAX_VALUES as f64 / ((channels + 1) as f64 * theta * side * side)).cbrt().min(1.0);
         let [theta, side] = [theta, side].map(|count| (scale * count) as usize);
-        Self::of([radial(ggx.alpha), across()], side, grazing(theta), vec![0.0])
+        Self::of([radial(ggx.alpha), across()], side, grazing(theta, GRAZING[0]), vec![0.0])
     }
 
     /// The grid for lobes around diffraction orders.
@@ -97,7 +97,7 @@ impl BsdfGrid {
         Self::of(
             [Density(vec![LEAST_RADIAL, 1.0]), along],
             side as usize,
-            grazing(theta as usize),
+            grazing(theta as usize, GRAZING[1]),
             (0..phi as usize).map(|i| TAU * even(i, phi) - PI).collect(),
         )
     }
@@ -125,11 +125,11 @@ impl BsdfGrid {
     }
 }
 
-/// Angles θ_i in radians that lie closer towards the horizon.
-fn grazing(count: usize) -> Vec<f64> {
+/// Angles θ_i in radians that lie closer towards the horizon, by (1 + density)/density there.
+fn grazing(count: usize, density: f64) -> Vec<f64> {
     let at = |i: usize| {
         let rest = 1.0 - i as f64 / (count - 1) as f64;
-        (FRAC_PI_2 * (1.0 - GRAZING * (rest * (1.0 / GRAZING).ln_1p()).exp_m1())).clamp(0.0, MAX_THETA)
+        (FRAC_PI_2 * (1.0 - density * (rest * (1.0 / density).ln_1p()).exp_m1())).clamp(0.0, MAX_THETA)
     };
     (0..count).map(at).collect()
 }

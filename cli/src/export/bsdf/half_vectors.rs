@@ -26,6 +26,11 @@ const MAX_STEPS: usize = 1023;
 /// Samples for each standard deviation of a lobe over half vectors, along θ_m, and between directions of the light.
 const PER_LOBE: [f64; 2] = [2.0, 1.0];
 
+/// Points within each step of the square at which the density of samples is fitted, along each side.
+const POINTS: usize = 4;
+/// Number of steps of the fit: more lower the variance by less than 4 % each.
+const FITS: usize = 3;
+
 /// Steps of the file: between θ_i, between φ_i, and along each side of the square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Steps {
@@ -176,8 +181,61 @@ fn fill(
         luminance[row * side + side - 1] *= 2.0;
     }
     luminance.copy_within(..side, area - side);
-    luminance.iter_mut().zip(strength).for_each(|(density, strength)| *density *= strength);
+    luminance.iter_mut().zip(&strength).for_each(|(density, strength)| *density *= strength);
+    let points = points(side, &strength, |[x, y], strength| {
+        let (m, solid_angle) = warp.half_vector([x, y], phi as f32);
+        let visible = wi.as_vec3().dot(m);
+        if 2.0 * visible * m.z > wi.z as f32 { strength * solid_angle * visible } else { 0.0 }
+    });
+    fit(luminance, side, &points);
     raise(luminance);
+}
+
+/// Calls `of` with places of the square and the nodes' values interpolated there: [`POINTS`] times as many along each
+/// side as there are steps.
+fn points(side: usize, nodes: &[f32], of: impl Fn([f32; 2], f32) -> f32) -> Vec<f32> {
+    let last = side - 1;
+    let count = POINTS * last;
+    let place = |i: usize| (i as f32 + 0.5) / POINTS as f32;
+    let all = (0..count).flat_map(|row| (0..count).map(move |column| [column, row]));
+    all.map(|at| {
+        let value: f32 = corners(at).map(|([u, v], weight)| weight * nodes[v * side + u]).iter().sum();
+        of(at.map(|i| place(i) / last as f32), value)
+    })
+    .collect()
+}
+
+/// The four nodes around a point, as column and row, with their weights.
+fn corners(point: [usize; 2]) -> [([usize; 2], f32); 4] {
+    let [u, v] = point.map(|i| i / POINTS);
+    let [x, y] = point.map(|i| ((i % POINTS) as f32 + 0.5) / POINTS as f32);
+    [([u, v], (1.0 - x) * (1.0 - y)), ([u + 1, v], x * (1.0 - y)), ([u, v + 1], (1.0 - x) * y), ([u + 1, v + 1], x * y)]
+}
+
+/// Moves the density p of samples at the nodes towards the one with the smallest variance, ∫ g²/p for the light g at
+/// the points: there ∫ t g²/p² over ∫ t is the same for the tent t of each node. Near the normal g grows as the third
+/// power of u, which the light at the nodes alone does not tell.
+fn fit(density: &mut [f32], side: usize, light: &[f32]) {
+    let count = POINTS * (side - 1);
+    for _ in 0..FITS {
+        let mut sums = vec![[0.0f32; 2]; density.len()];
+        for (at, light) in light.iter().enumerate() {
+            let corners = corners([at % count, at / count]).map(|([u, v], weight)| (v * side + u, weight));
+            let here: f32 = corners.iter().map(|(node, weight)| weight * density[*node]).sum();
+            let ratio = if here > 0.0 { light / here } else { 0.0 };
+            for (node, weight) in corners {
+                sums[node][0] += weight * ratio * ratio;
+                sums[node][1] += weight;
+            }
+        }
+        // The last row repeats the first.
+        for column in 0..side {
+            let both = [0, 1].map(|part| sums[column][part] + sums[(side - 1) * side + column][part]);
+            sums[column] = both;
+            sums[(side - 1) * side + column] = both;
+        }
+        density.iter_mut().zip(sums).for_each(|(density, [ratio, weight])| *density *= (ratio / weight).sqrt());
+    }
 }
 
 /// s in each channel at a place of the square, for light between these incident directions.

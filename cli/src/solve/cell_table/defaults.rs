@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::solve::cell_table::flat::{are_parallel, flat_normals};
+use crate::solve::cell_table::flat::{are_parallel, flat_normals, is_of_lines};
 use crate::solve::mesh_scene::MeshScene;
 
 /// Sides of a table: incident directions in θ_i × φ_i, and half vectors outwards × around the normal.
@@ -29,8 +29,6 @@ impl Sides {
 
 /// Share of the area, seen from above, that flat facets have at least on surfaces of flat facets.
 const MIN_FLAT: f64 = 0.9;
-/// Largest horizontal part of normals along lines: the rounding of meshes in single precision.
-const ALONG: f64 = 1e-5;
 
 /// Default number of starting rays of an incident direction: some for each box.
 const RAYS: u32 = 4096;
@@ -42,19 +40,18 @@ const RAYS_BETWEEN: u32 = 1024;
 #[must_use]
 pub fn default_sides(mesh_scene: &MeshScene<'_>) -> Sides {
     let flat = flat_normals(mesh_scene);
-    let (mut area, mut of_flat, mut along) = (0.0, 0.0, [0.0f64; 2]);
+    let (mut area, mut of_flat) = (0.0, 0.0);
     for ([a, b, c], _, _) in mesh_scene.triangles() {
         let twice = (b - a).cross(c - a);
         let normal: DVec3 = twice.normalize_or_zero();
         area += twice.z.abs();
-        along = [along[0].max(normal.x.abs()), along[1].max(normal.y.abs())];
         if flat.iter().any(|flat| are_parallel(*flat, normal)) {
             of_flat += twice.z.abs();
         }
     }
     match () {
         () if of_flat >= MIN_FLAT * area => Sides::FLAT,
-        () if along.iter().any(|part| *part < ALONG) => Sides::LINES,
+        () if is_of_lines(mesh_scene) => Sides::LINES,
         () => Sides::CURVED,
     }
 }

@@ -21,6 +21,9 @@ const MAX_PRODUCTS: usize = 2000;
 /// precision, far below a difference that a table would show.
 const STEPS: f64 = 1e5;
 
+/// Largest horizontal part of normals along lines: the rounding of meshes in single precision.
+const ALONG: f64 = 1e-5;
+
 /// The components of a vector or matrix in whole steps.
 fn key<const N: usize>(numbers: [f64; N]) -> [i64; N] {
     numbers.map(|x| (x * STEPS).round() as i64)
@@ -48,6 +51,16 @@ pub(super) fn flat_normals(mesh_scene: &MeshScene<'_>) -> Vec<DVec3> {
     let mut flat: Vec<_> = area.into_iter().filter(|(_, (_, area))| *area >= MIN_AREA * width * depth).collect();
     flat.sort_by_key(|(key, _)| *key);
     flat.into_iter().map(|(_, (normal, _))| normal).collect()
+}
+
+/// Whether the surface does not vary along x or along y. Then light has no part of half vectors along the lines, however
+/// often it is reflected.
+pub(super) fn is_of_lines(mesh_scene: &MeshScene<'_>) -> bool {
+    let mut along = DVec3::ZERO;
+    for ([a, b, c], _, _) in mesh_scene.triangles() {
+        along = along.max((b - a).cross(c - a).normalize_or_zero().abs());
+    }
+    along.x.min(along.y) < ALONG
 }
 
 /// The indices, over that of the ambient medium, in which facets may lie under horizontal planes: that of the ambient
