@@ -322,7 +322,10 @@ impl SceneReader<'_> {
         let frame = MeshFrame::read(table)?;
         let mut mesh = match facets {
             Facets::Mesh(item) => Mesh::read(&self.path(&item)?, &names, frame)?,
-            Facets::Surface(item) => surface::build(&item, self.label, period_nm, &names)?,
+            Facets::Surface(item) => {
+                let label = self.label;
+                surface::build(&item, label, period_nm, &names, &mut |item| self.path(item))?
+            }
         };
         mesh.drop_unused();
         placement::fit(&mut mesh, period_nm, frame)?;

@@ -1,9 +1,11 @@
 //! The mesh of a generated surface while it is made.
 
+use std::path::PathBuf;
+
 use glam::DVec3;
 
 use crate::scene::mesh::{Mesh, Triangle};
-use crate::scene::toml_value::TomlTable;
+use crate::scene::toml_value::{TomlItem, TomlTable};
 use crate::support::error::Result;
 
 /// Maximum number of triangles of a surface: far finer than any microscopic one needs; a slip in a count asks for
@@ -11,7 +13,7 @@ use crate::support::error::Result;
 const MAX_TRIANGLES: u64 = 1_000_000;
 
 /// Mesh under construction.
-pub(super) struct Builder {
+pub(super) struct Builder<'a> {
     pub mesh: Mesh,
     /// Index in the scene of each interface of the kind.
     pub numbers: Vec<u16>,
@@ -19,9 +21,11 @@ pub(super) struct Builder {
     pub line: u32,
     /// Period in x and y.
     pub period_nm: [f64; 2],
+    /// Path of a file that the scene names.
+    pub find: &'a mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
 }
 
-impl Builder {
+impl Builder<'_> {
     /// Adds a vertex and returns its index.
     pub fn vertex(&mut self, point: DVec3) -> u32 {
         self.mesh.vertices.push(point.to_array());

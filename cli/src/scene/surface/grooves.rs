@@ -9,7 +9,7 @@ use crate::scene::parts::MAX_LENGTH_NM;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     table.allow(&["kind", "points_nm"])?;
     let item = table.require("points_nm", "points_nm = [[0, 0], [500, 100], [1000, 0]]")?;
     let mut profile: Vec<[f64; 2]> = Vec::new();

@@ -1,9 +1,9 @@
 //! The kinds of generated surfaces, and the mesh of a `surface = { … }`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::builder::Builder;
-use super::{grooves, lamellae, lines, particles, pits, pyramids, scratches, sines};
+use super::{grooves, height_map, lamellae, lines, particles, pits, pyramids, scratches, sines};
 use crate::scene::diagnostics::nearest;
 use crate::scene::mesh::Mesh;
 use crate::scene::toml_value::{TomlItem, TomlTable};
@@ -20,13 +20,21 @@ const KINDS: &[(&str, Interfaces, Generator)] = &[
     ("pyramids", |_| &["pyramids"], pyramids::build),
     ("scratches", |_| &["scratches"], scratches::build),
     ("particles", particles::interfaces, particles::build),
+    ("height_map", |_| &["heights"], height_map::build),
 ];
 
 type Interfaces = fn(&TomlTable<'_>) -> &'static [&'static str];
-type Generator = fn(&TomlTable<'_>, &mut Builder) -> Result<()>;
+type Generator = fn(&TomlTable<'_>, &mut Builder<'_>) -> Result<()>;
 
-/// Makes the mesh of `surface = { … }`; `names` are the scene's interfaces.
-pub(in crate::scene) fn build(item: &TomlItem<'_>, label: &str, period_nm: [f64; 2], names: &[&str]) -> Result<Mesh> {
+/// Makes the mesh of `surface = { … }`; `names` are the scene's interfaces, and `find` gives the path of a file that the
+/// scene names.
+pub(in crate::scene) fn build(
+    item: &TomlItem<'_>,
+    label: &str,
+    period_nm: [f64; 2],
+    names: &[&str],
+    find: &mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
+) -> Result<Mesh> {
     let table = item.table("surface")?;
     let kinds = KINDS.iter().map(|(kind, ..)| *kind);
     let list = kinds.clone().collect::<Vec<_>>().join(", ");
@@ -52,7 +60,7 @@ pub(in crate::scene) fn build(item: &TomlItem<'_>, label: &str, period_nm: [f64;
         )));
     }
     let mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: Path::new(label).to_owned() };
-    let mut builder = Builder { mesh, numbers, line: item.line(), period_nm };
+    let mut builder = Builder { mesh, numbers, line: item.line(), period_nm, find };
     generate(&table, &mut builder)?;
     Ok(builder.mesh)
 }

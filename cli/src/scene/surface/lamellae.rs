@@ -11,7 +11,7 @@ use super::keys::{count, length, positive, within};
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     let keys = ["kind", "shelves", "width_nm", "top_width_nm", "shelf_nm", "gap_nm", "trunk_nm", "stagger_nm"];
     table.allow(&keys)?;
     let shelves = count(&table.require("shelves", "shelves = 8")?, [1, 1000])?;

@@ -18,7 +18,7 @@ const BASE: usize = 2;
 
 pub(super) const INTERFACES: &[&str] = &["line", "foot", "base"];
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     table.allow(&["kind", "width_nm", "height_nm"])?;
     let [width, height] = [length(table, "width_nm")?, length(table, "height_nm")?];
     let period = builder.period_nm[0];

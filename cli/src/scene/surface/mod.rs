@@ -15,6 +15,7 @@
 //! | `pyramids` | upright or inverted square pyramids | `pyramids` |
 //! | `scratches` | random heights along x, the same at every y | `scratches` |
 //! | `particles` | closed ellipsoids or flakes in a layer | `top`, with `film_nm` also `film`, `base`, `particle` |
+//! | `height_map` | measured heights from a PNG, OpenEXR, TIFF or NPY file | `heights` |
 //!
 //! The first lines of each kind's file describe its keys. All but those marked optional are required.
 //!
@@ -29,11 +30,14 @@
 //! - `scratches`: `segments` (2 to 100 000), `rms_slope`; optional `seed`
 //! - `particles`: `shape = "ellipsoid" | "flake"`, `radii_nm = [x, y, z]`, `count = [nx, ny, nz]`, `depth_nm`; optional
 //!   `film_nm` (none), `tilt_deg` (0), `subdivisions` (2), `seed`
+//! - `height_map`: `file`; `height_nm` (required for integers); optional `edges = "mirror" | "wrap"` (mirror),
+//!   `level` (true; with wrap false), `grid = [nx, ny]` (at most 128 a side)
 
 mod builder;
 mod keys;
 mod random;
 mod grooves;
+mod height_map;
 mod lamellae;
 mod lines;
 mod particles;
@@ -48,3 +52,6 @@ pub(super) use kinds::build;
 #[cfg(test)]
 #[path = "tests.rs"]
 mod tests;
+
+#[cfg(test)]
+mod height_map_tests;

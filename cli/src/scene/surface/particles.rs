@@ -26,7 +26,7 @@ pub(super) fn interfaces(table: &TomlTable<'_>) -> &'static [&'static str] {
     if table.get("film_nm").is_some() { &["top", "base", "particle", "film"] } else { &["top", "base", "particle"] }
 }
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     let keys = ["kind", "shape", "radii_nm", "count", "depth_nm", "film_nm", "tilt_deg", "subdivisions", "seed"];
     table.allow(&keys)?;
     let shape = table.require("shape", "\"ellipsoid\" or \"flake\"")?;

@@ -15,7 +15,7 @@ use crate::support::error::Result;
 /// Fraction by which the period may differ from √3 to 1: numbers rounded to whole nanometres.
 const RATIO: f64 = 1e-3;
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     table.allow(&["kind", "depth_nm", "rings"])?;
     let depth_nm = length(table, "depth_nm")?;
     let rings = table.get("rings").map_or(Ok(40), |item| count(&item, [1, 200]))?;

@@ -19,7 +19,7 @@ const ETCHED_SILICON_DEG: f64 = 54.735_610_317_245_35;
 /// Largest fill that leaves a rim: a narrower rim would be of slivers.
 const FULL: f64 = 0.999;
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     table.allow(&["kind", "count", "angle_deg", "fill", "inverted", "seed"])?;
     let [nx, ny] = counts::<2>(table, "count", 1000)?;
     let angle = table.get("angle_deg").map_or(Ok(ETCHED_SILICON_DEG), |item| within(&item, [1.0, 80.0]))?;

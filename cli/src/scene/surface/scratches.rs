@@ -9,7 +9,7 @@ use super::random::RandomSequence;
 use crate::scene::toml_value::TomlTable;
 use crate::support::error::Result;
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     table.allow(&["kind", "segments", "rms_slope", "seed"])?;
     let segments = count(&table.require("segments", "segments = 200")?, [2, 100_000])?;
     let rms_slope = within(&table.require("rms_slope", "rms_slope = 0.1")?, [0.0, 10.0])?;

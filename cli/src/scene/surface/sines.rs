@@ -18,7 +18,7 @@ pub(super) fn interfaces(table: &TomlTable<'_>) -> &'static [&'static str] {
     if table.get("offset_nm").is_some() { &["upper", "lower"] } else { &["upper"] }
 }
 
-pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder) -> Result<()> {
+pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<()> {
     table.allow(&["kind", "waves", "highest", "rms_slope", "grid", "seed", "offset_nm"])?;
     let waves_item = table.require("waves", "waves = 12")?;
     let waves = count(&waves_item, [1, 1000])?;
