@@ -2,6 +2,7 @@
 
 mod allocation;
 mod colour;
+mod finish;
 mod flow;
 mod growth;
 mod laws;

@@ -208,6 +208,7 @@ pub mod geometry;
 pub mod trace;
 pub mod measure;
 pub mod colour;
+pub mod microfacet;
 pub mod table;
 
 /// The examples of README.md, compiled and run as documentation tests.

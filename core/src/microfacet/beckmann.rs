@@ -1,0 +1,133 @@
+//! Visible normals of Beckmann's distribution.
+//!
+//! On a surface of roughness 1, the slopes that a direction sees have the density P(x, y) ∝ (cos θ − x sin θ)⁺
+//! exp(−x² − y²), with x in the plane of the direction (Heitz & d'Eon 2014, section 3). y is drawn by the inverse of
+//! erf, x by bisection and Newton steps on its cumulative distribution.
+
+use core::f32::consts::PI;
+use libm::{erff, expf, logf, sqrtf};
+
+/// 1/√π.
+const INV_SQRT_PI: f32 = 0.564_189_6;
+
+/// Draws the two slopes that a direction with such a cotangent of θ sees, on a surface of roughness 1, by `u` in [0,
+/// 1)².
+pub(super) fn visible_slope(cot_theta: f32, u: [f32; 2]) -> [f32; 2] {
+    [slope_towards(cot_theta, u[0]), erf_inverse(2.0 * u[1] - 1.0)]
+}
+
+/// Integral of (a − x) exp(−x²)/√π over x from −∞ to `to`, for the cotangent a.
+fn cumulative(a: f32, to: f32) -> f32 {
+    0.5 * a * (1.0 + erff(to)) + 0.5 * INV_SQRT_PI * expf(-to * to)
+}
+
+/// Inverse of the cumulative distribution of the slope x ≤ a in the plane of the direction.
+fn slope_towards(a: f32, u: f32) -> f32 {
+    /// Slopes beyond ±4 have a share of 1e-8.
+    const LIMIT: f32 = 4.0;
+    let (mut low, mut high) = (-LIMIT, a.min(LIMIT));
+    let wanted = u * cumulative(a, high);
+    let mut x = 0.5 * (low + high);
+    // A Newton step that leaves the bracket is replaced by its middle: each step halves it, or converges squarely.
+    for _ in 0..32 {
+        let excess = cumulative(a, x) - wanted;
+        if excess > 0.0 {
+            high = x
+        } else {
+            low = x
+        }
+        let slope = (a - x) * INV_SQRT_PI * expf(-x * x);
+        let newton = x - excess / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let done = (next - x).abs() <= 1e-6 * (1.0 + x.abs());
+        x = next;
+        if done {
+            break;
+        }
+    }
+    x
+}
+
+/// Inverse of erf, with a relative error of some 1e-6 (Giles, "Approximating the erfinv function", 2010, for single
+/// precision). It is finite: the argument is held within ±(1 − 6e-8).
+fn erf_inverse(x: f32) -> f32 {
+    let x = x.clamp(-1.0 + f32::EPSILON / 2.0, 1.0 - f32::EPSILON / 2.0);
+    let w = -logf((1.0 - x) * (1.0 + x));
+    let polynomial = |w: f32, coefficients: [f32; 9]| coefficients.into_iter().fold(0.0, |sum, c| sum * w + c);
+    let ratio = if w < 5.0 {
+        polynomial(
+            w - 2.5,
+            [
+                2.810_226_36e-8,
+                3.432_739_39e-7,
+                -3.523_387_7e-6,
+                -4.391_506_54e-6,
+                2.185_808_7e-4,
+                -1.253_725_03e-3,
+                -4.177_681_64e-3,
+                0.246_640_727,
+                1.501_409_41,
+            ],
+        )
+    } else {
+        polynomial(
+            sqrtf(w) - 3.0,
+            [
+                -2.002_142_57e-4,
+                1.009_505_58e-4,
+                1.349_343_22e-3,
+                -3.673_428_44e-3,
+                5.739_507_73e-3,
+                -7.622_461_3e-3,
+                9.438_870_47e-3,
+                1.001_674_06,
+                2.832_976_82,
+            ],
+        )
+    };
+    ratio * x
+}
+
+/// cos θ (1 + Λ) of Smith's Λ, the area of the visible facets, for the root s = sin θ α(φ).
+#[inline]
+pub(super) fn visible_area(cos: f32, root: f32) -> f32 {
+    let a = cos / root.max(f32::MIN_POSITIVE);
+    0.5 * (cos * (1.0 + erff(a)) + root * INV_SQRT_PI * expf(-a * a))
+}
+
+/// The density of normals with a squared slope in units of the roughness, tan²θ_m of a surface of roughness 1, over
+/// cos⁴θ_m.
+#[inline]
+pub(super) fn density(slope_square: f32) -> f32 {
+    expf(-slope_square) / PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_inverse_of_erf_is_its_inverse() {
+        // Rounding of erf, whose derivative falls to 2e-7/√π·10 at the ends of what is tried.
+        const ROUNDING: f32 = 4e-7;
+        for i in 1..2000 {
+            let x = i as f32 / 1000.0 - 1.0;
+            assert!((erff(erf_inverse(x)) - x).abs() <= ROUNDING, "{x}");
+        }
+        assert!(erf_inverse(1.0).is_finite() && erf_inverse(-1.0).is_finite());
+    }
+
+    #[test]
+    fn slopes_towards_a_direction_invert_their_cumulative_distribution() {
+        for a in [1e-4f32, 0.1, 1.0, 3.0, 100.0] {
+            let whole = cumulative(a, a.min(4.0));
+            for i in 0..=100 {
+                let u = i as f32 / 101.0;
+                let x = slope_towards(a, u);
+                // Rounding of three terms of the cumulative distribution.
+                let error = (cumulative(a, x) / whole - u).abs();
+                assert!(x <= a && error <= 2e-6, "{a} {u}: {x} {error}");
+            }
+        }
+    }
+}

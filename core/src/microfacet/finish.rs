@@ -1,0 +1,190 @@
+//! A distribution of microfacets with Smith's masking.
+
+use super::beckmann;
+use super::roughness::Roughness;
+use core::f32::consts::{PI, TAU};
+use glam::Vec3;
+use libm::{cosf, sinf, sqrtf};
+
+/// Distribution of the normals of microfacets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Distribution {
+    /// D = 1/(π α_x α_y cos⁴θ_m (1 + s²)²), with s² = tan²θ_m (cos²φ_m/α_x² + sin²φ_m/α_y²): long tails (Trowbridge &
+    /// Reitz 1975; Walter et al. 2007).
+    #[default]
+    Ggx,
+    /// D = exp(−s²)/(π α_x α_y cos⁴θ_m): Gaussian slopes of variance α²/2 along each axis (Beckmann & Spizzichino
+    /// 1963).
+    Beckmann,
+}
+
+/// Which facets both directions see, given which each sees: Smith's Λ of either, G₁ = 1/(1 + Λ).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Masking {
+    /// Heights of facets are seen by both or by neither: G₂ = 1/(1 + Λ_i + Λ_o).
+    #[default]
+    Correlated,
+    /// Both are independent: G₂ = G₁(wi) G₁(wo), as in Mitsuba's `roughconductor`. It is darker at grazing angles.
+    Separable,
+}
+
+/// An error for which a finish is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FinishError {
+    /// A roughness is not from [`MIN_ROUGHNESS`](super::MIN_ROUGHNESS) to 1.
+    Roughness,
+}
+
+impl core::fmt::Display for FinishError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Roughness => write!(f, "a roughness must be from {} to 1", super::MIN_ROUGHNESS),
+        }
+    }
+}
+
+impl core::error::Error for FinishError {}
+
+/// Finish of a mirror-like surface: what its microfacets make of one reflection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finish {
+    distribution: Distribution,
+    masking: Masking,
+    roughness: Roughness,
+}
+
+/// A pair of directions on a finished surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lobe {
+    /// Cosine of the angle θ_d between either direction and the half vector, in (0, 1]. The facets reflect ρ(θ_d).
+    pub cos_d: f32,
+    /// f/ρ(θ_d) = D G₂/(4 cos θ_i cos θ_o), in 1/sr.
+    pub value: f32,
+    /// Density per solid angle with which [`Finish::sample`] draws wo for wi.
+    pub pdf: f32,
+}
+
+impl Finish {
+    /// Finish of a roughness α along x and y, each from [`MIN_ROUGHNESS`](super::MIN_ROUGHNESS) to 1.
+    ///
+    /// # Errors
+    /// [`FinishError::Roughness`] for a roughness beyond.
+    pub fn new(distribution: Distribution, masking: Masking, alpha: [f32; 2]) -> Result<Self, FinishError> {
+        let roughness = Roughness::new(alpha).ok_or(FinishError::Roughness)?;
+        Ok(Self { distribution, masking, roughness })
+    }
+
+    /// The distribution.
+    #[must_use]
+    pub fn distribution(&self) -> Distribution {
+        self.distribution
+    }
+
+    /// The masking.
+    #[must_use]
+    pub fn masking(&self) -> Masking {
+        self.masking
+    }
+
+    /// Roughness α along x and y.
+    #[must_use]
+    pub fn alpha(&self) -> [f32; 2] {
+        self.roughness.alpha()
+    }
+
+    /// Density D of facet normals per solid angle and area of the surface, at a unit vector `m`; 0 below the horizon.
+    #[must_use]
+    #[inline]
+    pub fn density(&self, m: Vec3) -> f32 {
+        let square = m.z * m.z;
+        let above = m.z > 0.0;
+        if !above {
+            return 0.0;
+        }
+        let stretched = self.roughness.stretched_slope(m);
+        let shape = match self.distribution {
+            Distribution::Ggx => {
+                let base = stretched + square;
+                1.0 / (PI * base * base)
+            }
+            Distribution::Beckmann => beckmann::density(stretched / square) / (square * square),
+        };
+        shape / self.roughness.area()
+    }
+
+    /// Area of the facets that the direction `w` above the horizon sees, per area of the surface and projected along
+    /// `w`: cos θ/G₁ = cos θ (1 + Λ) = ∫ D (w·m)⁺ dω_m.
+    #[must_use]
+    #[inline]
+    pub fn visible_area(&self, w: Vec3) -> f32 {
+        let square = self.roughness.projected_square(w);
+        match self.distribution {
+            Distribution::Ggx => 0.5 * (w.z + sqrtf(w.z * w.z + square)),
+            Distribution::Beckmann => beckmann::visible_area(w.z, sqrtf(square)),
+        }
+    }
+
+    /// Evaluates a pair of directions; `None` if either is below the horizon.
+    #[must_use]
+    #[inline]
+    pub fn lobe(&self, wi: Vec3, wo: Vec3) -> Option<Lobe> {
+        let above = wi.z > 0.0 && wo.z > 0.0;
+        if !above {
+            return None;
+        }
+        let sum = wi + wo;
+        let length = sqrtf(sum.length_squared());
+        let density = self.density(sum / length);
+        let [area_i, area_o] = [self.visible_area(wi), self.visible_area(wo)];
+        let both = match self.masking {
+            // cos_i cos_o (1 + Λ_i + Λ_o).
+            Masking::Correlated => area_i * wo.z + area_o * wi.z - wi.z * wo.z,
+            Masking::Separable => area_i * area_o,
+        };
+        let quarter = 0.25 * density;
+        // |wi + wo| = 2 cos θ_d for unit vectors, without the cancellation of wi·wo near grazing.
+        Some(Lobe { cos_d: (0.5 * length).min(1.0), value: quarter / both, pdf: quarter / area_i })
+    }
+
+    /// Draws wo for light from `wi` by `u` uniform in [0, 1)²: the mirror direction at a facet drawn as often as it is
+    /// seen, D (wi·m)⁺/visible area (Heitz & d'Eon 2014). `None` if `wi` is below the horizon, or wo is: that is a
+    /// sample without light, and counts.
+    #[must_use]
+    pub fn sample(&self, wi: Vec3, u: [f32; 2]) -> Option<Vec3> {
+        let above = wi.z > 0.0;
+        if !above {
+            return None;
+        }
+        let m = self.visible_normal(wi, u);
+        let wo = (2.0 * wi.dot(m) * m - wi).normalize();
+        (wo.z > 0.0).then_some(wo)
+    }
+
+    /// Draws a normal that `wi` above the horizon sees, by `u` in [0, 1)², with density D (wi·m)⁺ over
+    /// [`Finish::visible_area`].
+    #[must_use]
+    pub fn visible_normal(&self, wi: Vec3, u: [f32; 2]) -> Vec3 {
+        let u = u.map(|u| u.clamp(0.0, 1.0 - f32::EPSILON / 2.0));
+        // As the surface of roughness 1 sees it.
+        let squeezed = self.roughness.squeezed(wi);
+        let m = match self.distribution {
+            Distribution::Ggx => visible_cap(squeezed.normalize(), u),
+            Distribution::Beckmann => {
+                let sin = sqrtf(squeezed.x * squeezed.x + squeezed.y * squeezed.y);
+                let [cos_phi, sin_phi] = if sin > 0.0 { [squeezed.x / sin, squeezed.y / sin] } else { [1.0, 0.0] };
+                let [along, across] = beckmann::visible_slope(squeezed.z / sin.max(f32::MIN_POSITIVE), u);
+                Vec3::new(sin_phi * across - cos_phi * along, -sin_phi * along - cos_phi * across, 1.0)
+            }
+        };
+        self.roughness.squeezed(m).normalize()
+    }
+}
+
+/// Draws a normal of the GGX surface of roughness 1, a hemisphere, as `wi` sees it: the mirror directions of `wi` at
+/// them fill the cap above −wi·z evenly (Dupuy & Benyoub, "Sampling visible GGX normals with spherical caps", 2023).
+fn visible_cap(wi: Vec3, u: [f32; 2]) -> Vec3 {
+    let phi = TAU * u[0];
+    let z = (1.0 - u[1]) * (1.0 + wi.z) - wi.z;
+    let sin = sqrtf((1.0 - z * z).max(0.0));
+    Vec3::new(sin * cosf(phi), sin * sinf(phi), z) + wi
+}

@@ -1,0 +1,50 @@
+//! The roughness of a finish, and how facets of one stretched distribution are those of another.
+
+use glam::Vec3;
+
+/// Smallest roughness: lobes of a tenth of a degree, below which single precision loses the half vector.
+pub const MIN_ROUGHNESS: f32 = 1e-3;
+
+/// Roughness α along x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Roughness {
+    alpha: [f32; 2],
+}
+
+impl Roughness {
+    /// Roughness α along x and y, each from [`MIN_ROUGHNESS`] to 1; `None` beyond.
+    pub fn new(alpha: [f32; 2]) -> Option<Self> {
+        alpha.iter().all(|alpha| (MIN_ROUGHNESS..=1.0).contains(alpha)).then_some(Self { alpha })
+    }
+
+    /// α along x and y.
+    pub fn alpha(self) -> [f32; 2] {
+        self.alpha
+    }
+
+    /// Slopes of a facet in units of the roughness, squared and added, times cos²θ_m.
+    #[inline]
+    pub fn stretched_slope(self, m: Vec3) -> f32 {
+        let [x, y] = [m.x / self.alpha[0], m.y / self.alpha[1]];
+        x * x + y * y
+    }
+
+    /// Product of α along x and y.
+    #[inline]
+    pub fn area(self) -> f32 {
+        self.alpha[0] * self.alpha[1]
+    }
+
+    /// Square of sin θ α(φ), the roughness in the plane of a direction.
+    #[inline]
+    pub fn projected_square(self, w: Vec3) -> f32 {
+        let [x, y] = [w.x * self.alpha[0], w.y * self.alpha[1]];
+        x * x + y * y
+    }
+
+    /// Direction as the surface of roughness 1 sees it, not of unit length.
+    #[inline]
+    pub fn squeezed(self, w: Vec3) -> Vec3 {
+        Vec3::new(w.x * self.alpha[0], w.y * self.alpha[1], w.z)
+    }
+}
