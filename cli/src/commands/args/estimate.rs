@@ -53,7 +53,7 @@ impl EstimateArgs {
 #[derive(Debug, Clone, Args)]
 pub struct CellSampling {
     /// Cells: number of incident directions, θ × φ; with one φ the table is isotropic, averaged around the normal
-    /// [default: 15x20, for lines 20x24, for flat facets 22x24]. Diffraction orders: cone angles β × α, where sin α is
+    /// [default: 15x20, for lines 30x16, for flat facets 22x24]. Diffraction orders: cone angles β × α, where sin α is
     /// the component along the period [default: 9x33, for cells with two periods 13x13]
     #[arg(long, value_name = "THETAxPHI")]
     pub incident: Option<Bins>,

@@ -13,7 +13,7 @@ const INTERVALS: [usize; 2] = [32, 32];
 const INTERVALS_OF_LINES: [usize; 2] = [16, 64];
 /// Least density over u at the normal for surfaces of lines, over its mean. The node at the normal stands for all
 /// azimuths, at most of which there is no light, so its step is kept small.
-const LINES_AT_NORMAL: f32 = 1.0;
+const LINES_AT_NORMAL: f32 = 1.5;
 /// Share of the nodes that follow the normals of facets. The others lie evenly, for light of several hits.
 const BY_NORMALS: f64 = 0.7;
 
