@@ -158,20 +158,20 @@ fn differences(user: &User, a: &str, b: &str) -> Vec<f64> {
 
 #[test]
 fn noise_is_what_is_said_and_no_more_than_was_asked_for() {
-    // Some 1000 pixels, whose three components err alike and not normally, tell a root mean square to a few percent;
-    // the reference has a fifth of the noise, which adds 2 %.
-    const ESTIMATE: f64 = 0.15;
+    // Some 500 pixels of the silhouette have most of the noise, and errors that are not normal: both root mean squares
+    // are known to 4 %. The first rays of all, two in each half, are too few for the slope of the encoding.
+    const ESTIMATE: f64 = 0.1;
     let user = User::new();
     save(&user, "t.exr", &twisted(0.1));
-    let view = "--mesh sphere --size 40 --background transparent";
-    user.ok(&format!("render t.exr -o reference.exr {view} --samples 512"));
-    for target in [4.0, 1.5] {
+    let view = "--mesh sphere --size 100 --background transparent";
+    user.ok(&format!("render t.exr -o reference.exr {view} --samples 1024"));
+    for target in [2.0, 1.0] {
         let ran = user.ok(&format!("render t.exr -o a.exr {view} --target-noise {target}"));
         let said: f64 = ran.stderr.split_whitespace().nth(1).unwrap().parse().unwrap();
         let apart = differences(&user, "a.exr", "reference.exr");
         let rms = (apart.iter().map(|d| d * d).sum::<f64>() / apart.len() as f64).sqrt();
         println!("{target}: said {said}, found {rms:.2}; {}", ran.stderr);
-        assert!(apart.len() > 2000 && said <= target, "{}", ran.stderr);
+        assert!(apart.len() > 10_000 && said <= target, "{}", ran.stderr);
         assert!((rms / said - 1.0).abs() <= ESTIMATE, "{target}: said {said}, found {rms}");
     }
     let ran = user.ok(&format!("render t.exr -o a.exr {view}"));

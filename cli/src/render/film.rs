@@ -9,16 +9,14 @@ use crate::support::memory;
 pub(super) const FIRST_RAYS: u32 = 2;
 /// Largest number of rays of each half of a pixel.
 const MAX_RAYS: u32 = 2048;
-/// Variance that is little, over the one that is asked for.
-const LITTLE: f64 = 0.25;
 
 /// One pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pixel {
     /// Sums of linear RGB, multiplied by coverage, over the rays of each half.
     pub sums: [[f32; 3]; 2],
-    /// Rays of each half that hit the body.
-    pub covered: [f32; 2],
+    /// Rays of both halves that hit the body.
+    pub covered: u32,
     /// Rays of each half that were followed.
     pub done: u32,
     /// Rays of each half that are to be followed.
@@ -34,7 +32,7 @@ impl Pixel {
     }
 
     fn shows_body(&self) -> bool {
-        self.covered[0] + self.covered[1] > 0.0
+        self.covered > 0
     }
 }
 
@@ -92,40 +90,45 @@ impl Film {
         NoiseReached { rms: mean(variance).sqrt(), mean_rays: mean(rays), most_rays: self.halves as u32 * most }
     }
 
-    /// Asks for twice as many rays where there is most noise, in as many pixels as it takes to reach the target if
-    /// variance falls as rays are added; false if the target is reached, or no pixel may have more.
+    /// Asks for more rays, up to twice as many, where they help most; false if the target is reached, or no pixel may
+    /// have more.
+    ///
+    /// If the variance v of a pixel falls as its rays n are added, so that a = v n stays, the fewest rays in all that
+    /// leave a sum V of variances are n = √a Σ√a / V.
     pub fn ask_for_more(&mut self, target: f64) -> bool {
-        let variance_now: f64 = self.body().map(|pixel| f64::from(pixel.variance)).sum();
+        let variance: f64 = self.body().map(|pixel| f64::from(pixel.variance)).sum();
         let aim = target * target * self.body().count() as f64;
-        if variance_now <= aim {
+        if variance <= aim {
             return false;
         }
         let around = around(self.size.map(|side| side as usize), |i| self.pixels[i].variance);
-        let may_have_more = |(pixel, around): &(&Pixel, &f32)| pixel.done < MAX_RAYS && **around > 0.0;
-        let candidates = self.pixels.iter().zip(&around).filter(may_have_more);
-        let mut noisiest: Vec<f32> =
-            candidates.filter(|(pixel, _)| pixel.shows_body()).map(|(_, around)| *around).collect();
-        noisiest.sort_unstable_by(|a, b| b.total_cmp(a));
-        // Twice as many rays leave half of the variance.
-        let mut variance = variance_now;
-        let enough = noisiest.iter().position(|around| {
-            variance -= 0.5 * f64::from(*around);
-            variance <= aim
-        });
-        // While noise is far from the target, pixels that have little of it need not help.
-        let little = (LITTLE * target * target) as f32;
-        let Some(last) = noisiest.last() else { return false };
-        let limit = enough.map_or(little.min(noisiest[0]).max(*last), |place| noisiest[place]);
+        let root = |pixel: &Pixel, around: f32| (f64::from(around) * f64::from(pixel.done)).sqrt();
+        let (mut roots, mut variance_around) = (0.0, 0.0);
+        for (pixel, &around) in self.pixels.iter().zip(&around).filter(|(pixel, _)| pixel.shows_body()) {
+            roots += root(pixel, around);
+            variance_around += f64::from(around);
+        }
+        let by_root = roots / (aim / variance * variance_around);
         let done = self.done();
-        let mut asked = 0;
-        for (pixel, around) in self.pixels.iter_mut().zip(around) {
-            if around >= limit && around > 0.0 && pixel.done < MAX_RAYS {
-                asked += self.halves as u64 * u64::from(pixel.done);
-                pixel.wanted = 2 * pixel.done;
+        let (mut asked, mut expected) = (0, 0.0);
+        // Steps of 3/2 and 4/3, or both at once; in the end also where a step is a little too far.
+        for too_far in [1.2, 1.0] {
+            for (pixel, &around) in self.pixels.iter_mut().zip(&around) {
+                let best = by_root * root(pixel, around);
+                let step = if pixel.done.is_power_of_two() { pixel.done / 2 } else { pixel.done / 3 };
+                if best > too_far * f64::from(pixel.done) && pixel.done < MAX_RAYS {
+                    let is_far = best > 1.5 * f64::from(pixel.done);
+                    pixel.wanted = if is_far { 2 * pixel.done } else { pixel.done + step }.min(MAX_RAYS);
+                    asked += u64::from(pixel.wanted - pixel.done);
+                    expected += best - f64::from(pixel.done);
+                }
+            }
+            if asked > 0 {
+                break;
             }
         }
-        self.expected = (done + asked).max((done as f64 * (variance_now / aim).min(100.0)) as u64);
-        true
+        self.expected = done + self.halves as u64 * (expected as u64).max(asked);
+        asked > 0
     }
 
     /// Pixels that show the body.
@@ -138,7 +141,7 @@ impl Film {
         let of_pixel = |pixel: &Pixel| {
             let count = self.halves as f32 * pixel.done as f32;
             let [r, g, b] = std::array::from_fn(|c| (pixel.sums[0][c] + pixel.sums[1][c]) / count);
-            let covered = if is_transparent { (pixel.covered[0] + pixel.covered[1]) / count } else { 1.0 };
+            let covered = if is_transparent { pixel.covered as f32 / count } else { 1.0 };
             [r, g, b, covered]
         };
         let shows_body = self.pixels.iter().any(Pixel::shows_body);

@@ -67,7 +67,7 @@ impl LatLong {
 /// The place u, v in [0, 1] of a unit direction in a lat-long image.
 #[must_use]
 pub fn place(direction: DVec3) -> [f64; 2] {
-    let polar = direction.x.hypot(direction.y).atan2(direction.z);
+    let polar = (direction.x * direction.x + direction.y * direction.y).sqrt().atan2(direction.z);
     [0.5 - direction.y.atan2(direction.x) / TAU, polar * FRAC_1_PI]
 }
 

@@ -191,7 +191,7 @@ impl Painter<'_> {
     /// Adds the rays that a pixel still wants to one of its halves.
     fn shade(&self, pixel: &mut Pixel, half: usize, [x, y]: [u32; 2], scratch: &mut Scratch) {
         let camera = self.stage.camera;
-        let (mut behind, mut covered) = ([0.0; 3], 0.0);
+        let (mut behind, mut covered) = ([0.0; 3], 0);
         scratch.radiance.fill(0.0);
         for ray in pixel.done..pixel.wanted {
             let mut stream = SampleStream::new(ray, y * camera.size[0] + x, half as u32);
@@ -202,7 +202,7 @@ impl Painter<'_> {
             };
             let direction = camera.direction(f64::from(x) + right, f64::from(y) + down);
             if self.tracer.trace(camera.eye, direction, &mut stream, scratch) {
-                covered += 1.0;
+                covered += 1;
                 continue;
             }
             let rgb = match self.stage.background {
@@ -214,6 +214,6 @@ impl Painter<'_> {
         }
         let rgb = self.tracer.channels.colour(&scratch.radiance);
         (0..3).for_each(|c| pixel.sums[half][c] += rgb[c] + behind[c]);
-        pixel.covered[half] += covered;
+        pixel.covered += covered;
     }
 }

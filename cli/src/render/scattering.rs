@@ -15,9 +15,11 @@ use super::pyramid::Pyramid;
 use super::tracer::{PREVIEW_RAYS, SampleStream, Scratch, Tracer, above};
 use super::viewed::{SampledTable, Towards};
 
-/// Directions that each ray samples by the table, and as many by the light. The ray has then one place on the body, at
-/// which the table is interpolated once.
-const DIRECTIONS: u32 = 8;
+/// Directions that each ray samples by the table. The ray has one place on the body, at which the table is interpolated
+/// once.
+const BY_TABLE: u32 = 16;
+/// Directions that each ray samples by the light: they find small lamps, and are worth less elsewhere.
+const BY_LIGHT: u32 = 4;
 
 /// Directions that a pixel of a preview samples, shared out among its rays.
 const PREVIEW_SAMPLES: u32 = 64;
@@ -80,9 +82,12 @@ impl Tracer<'_> {
         stream: &mut SampleStream,
         scratch: &mut Scratch,
     ) {
-        // Beside each other, both ways of sampling draw as many directions.
-        const SHARE: f64 = 1.0 / DIRECTIONS as f64;
         let is_even = self.environment.is_uniform();
+        let by_light = if is_even { 0 } else { BY_LIGHT };
+        // The balance heuristic: one over the number of directions that both ways draw per solid angle.
+        let scale = |towards: &Towards, pdf_of_light: f64| {
+            1.0 / (f64::from(BY_TABLE) * f64::from(towards.pdf) + f64::from(by_light) * pdf_of_light)
+        };
         let (mut hit, mut wo) = (first, wo);
         for left in (0..self.reflections).rev() {
             let last = left == 0;
@@ -96,26 +101,24 @@ impl Tracer<'_> {
                     None => self.add_light(self.widened.radiance(wi), 1.0, scratch),
                 }
             }
-            for u in stream.several(if is_even { 0 } else { DIRECTIONS }) {
-                let (wi, by_light) = self.environment.sample(u);
+            for u in stream.several(by_light) {
+                let (wi, pdf) = self.environment.sample(u);
                 let direction = frame.to_local(wi).as_vec3();
-                if direction.z > 0.0 && by_light > 0.0 && next_hit(wi).is_none() {
+                if direction.z > 0.0 && pdf > 0.0 && next_hit(wi).is_none() {
                     let towards = scratch.viewed.towards(table, direction);
                     reflect(&towards, scratch);
-                    let scale = SHARE / (by_light + f64::from(towards.pdf));
-                    self.add_light(self.environment.radiance(wi), scale, scratch);
+                    self.add_light(self.environment.radiance(wi), scale(&towards, pdf), scratch);
                 }
             }
-            for u in stream.several(DIRECTIONS) {
+            for u in stream.several(BY_TABLE) {
                 let Some(towards) = scratch.viewed.sample(table, u.map(|u| u as f32)) else { continue };
                 let wi = frame.to_world(towards.direction.as_dvec3()).normalize();
                 reflect(&towards, scratch);
                 match next_hit(wi) {
-                    Some(next) => onward.offer(next, wi, SHARE / f64::from(towards.pdf), scratch),
+                    Some(next) => onward.offer(next, wi, scale(&towards, 0.0), scratch),
                     None => {
-                        let by_light = if is_even { 0.0 } else { self.environment.pdf(wi) };
-                        let scale = SHARE / (by_light + f64::from(towards.pdf));
-                        self.add_light(self.environment.radiance(wi), scale, scratch);
+                        let pdf = if is_even { 0.0 } else { self.environment.pdf(wi) };
+                        self.add_light(self.environment.radiance(wi), scale(&towards, pdf), scratch);
                     }
                 }
             }

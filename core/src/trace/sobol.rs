@@ -14,17 +14,14 @@ pub fn sobol(index: u32, seed: u32) -> [f64; 2] {
 }
 
 /// Second dimension of Sobol's sequence: its direction numbers are Pascal's triangle modulo 2.
+///
+/// Binomial coefficients are odd where the bits of one number are among those of the other (Lucas), so that each bit is
+/// the sum of all bits of the index at places that contain its own: five steps, one for each bit of a place.
 fn second_dimension(mut index: u32) -> u32 {
-    let mut direction = 1u32 << 31;
-    let mut bits = 0;
-    while index != 0 {
-        if index & 1 != 0 {
-            bits ^= direction;
-        }
-        index >>= 1;
-        direction ^= direction >> 1;
+    for (step, without) in [(16, 0x0000_ffff), (8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
+        index ^= index >> step & without;
     }
-    bits
+    index.reverse_bits()
 }
 
 /// Nested uniform scrambling: a hash of the bits above a bit decides whether it flips.
@@ -66,6 +63,18 @@ mod tests {
                     seen[index_of_box] = true;
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_second_dimension_adds_up_the_rows_of_pascals_triangle() {
+        for index in [0, 1, 2, 3, 0x0001_0000, 0x8000_0000, 0xdead_beef, u32::MAX] {
+            let (mut direction, mut bits) = (1u32 << 31, 0);
+            for place in 0..32 {
+                bits ^= if index >> place & 1 == 1 { direction } else { 0 };
+                direction ^= direction >> 1;
+            }
+            assert_eq!(second_dimension(index), bits, "{index:x}");
         }
     }
 

@@ -53,12 +53,12 @@ impl EstimateArgs {
 #[derive(Debug, Clone, Args)]
 pub struct CellSampling {
     /// Cells: number of incident directions, θ × φ; with one φ the table is isotropic, averaged around the normal
-    /// [default: 15x20, for lines 30x16, for flat facets 22x24]. Diffraction orders: cone angles β × α, where sin α is
+    /// [default: 15x20, for lines 28x20, for flat facets 22x24]. Diffraction orders: cone angles β × α, where sin α is
     /// the component along the period [default: 9x33, for cells with two periods 13x13]
     #[arg(long, value_name = "THETAxPHI")]
     pub incident: Option<Bins>,
     /// Cells: number of half vectors at which the table holds values, outwards from the normal × around it
-    /// [default: 13x16, for lines 17x8, for flat facets 7x12, for isotropic tables 33x32]
+    /// [default: 13x16, for lines 13x8, for flat facets 7x12, for isotropic tables 33x32]
     #[arg(long, value_name = "THETAxPHI")]
     pub half_vectors: Option<Bins>,
     /// What sized tables of versions before 0.2

@@ -19,7 +19,7 @@ impl Sides {
     /// Curved surfaces.
     pub const CURVED: Self = Self { incident: [15, 20], half_vectors: [13, 16] };
     /// Surfaces of lines: half vectors lie across the lines, so few azimuths of them are needed.
-    pub const LINES: Self = Self { incident: [30, 16], half_vectors: [17, 8] };
+    pub const LINES: Self = Self { incident: [28, 20], half_vectors: [13, 8] };
     /// Surfaces of flat facets: lobes are exact, boxes hold the rest, and the power of lobes has kinks where a facet's
     /// shadow begins.
     pub const FLAT: Self = Self { incident: [22, 24], half_vectors: [7, 12] };

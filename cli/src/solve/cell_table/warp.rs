@@ -10,7 +10,7 @@ use crate::solve::mesh_scene::MeshScene;
 /// Intervals of the densities over u and over v.
 const INTERVALS: [usize; 2] = [32, 32];
 /// Intervals for surfaces of lines, whose half vectors all lie at two azimuths.
-const INTERVALS_OF_LINES: [usize; 2] = [16, 64];
+const INTERVALS_OF_LINES: [usize; 2] = [12, 64];
 /// Least density over u at the normal for surfaces of lines, over its mean. The node at the normal stands for all
 /// azimuths, at most of which there is no light, so its step is kept small.
 const LINES_AT_NORMAL: f32 = 1.5;
