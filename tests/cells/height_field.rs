@@ -75,6 +75,7 @@ impl HeightField {
             toml: String::new(),
             media,
             shape,
+            finish: None,
             periods: None,
             front: None,
             files: Vec::new(),

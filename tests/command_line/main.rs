@@ -12,6 +12,7 @@ mod disk_full;
 mod drawn_scenes;
 mod exports;
 mod figures;
+mod finishes;
 mod hits;
 mod kills;
 mod lookup;

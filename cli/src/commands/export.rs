@@ -5,7 +5,7 @@ use std::slice;
 
 use goniochrome::table::blob::Precision;
 
-use crate::commands::args::{ExportArgs, ExportKind, Origin, spelled};
+use crate::commands::args::{ExportArgs, ExportKind, Origin, finish_choice, spelled};
 use crate::export::blob;
 use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
@@ -43,7 +43,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         let line = format!("{}: {error}", args.source);
         if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
     };
-    let width = LobeWidth { roughness: args.roughness, spread_deg: args.spread };
+    let width = LobeWidth { finish: finish_choice(args.roughness, args.distribution), spread_deg: args.spread };
     let (bytes, residual) = match args.to {
         ExportKind::Merl => merl::encode(&table, width).map_err(named)?,
         _ => (bsdf::encode(&table, width, args.rgb.then(|| args.gamut.unwrap_or_default())).map_err(named)?, None),
@@ -62,12 +62,21 @@ fn write_blob(args: &ExportArgs) -> Result<()> {
     let source = Path::new(&args.source);
     output::check_destination(&args.output, slice::from_ref(&source.to_owned()))?;
     let table = read_table(args)?;
+    note_on_finish(args, &table);
     let precision = if args.half { Precision::Half } else { Precision::Single };
     let bytes =
         blob::encode(&table, precision).map_err(|error| Error::failed(format_args!("{}: {error}", args.source)))?;
     output::write_file(&args.output, &bytes)?;
     note(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
     Ok(())
+}
+
+/// Says that a format holds a table's reflectance without its finish.
+fn note_on_finish(args: &ExportArgs, table: &Table) {
+    if table.metadata().get(MetadataKey::FinishRoughness).is_some() {
+        let name = spelled(args.to);
+        note(args.quiet, format_args!("{}: {name} holds the reflectance without the finish", args.output.display()));
+    }
 }
 
 /// Reads the table, for formats that take nothing else.
@@ -99,6 +108,12 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (
             args.roughness.is_some(),
             "roughness",
+            matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
+            "merl and bsdf",
+        ),
+        (
+            args.distribution.is_some(),
+            "distribution",
             matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
             "merl and bsdf",
         ),

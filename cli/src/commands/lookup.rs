@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::colour::space_name;
-use crate::commands::args::{DirectionArg, LookupArgs};
+use crate::commands::args::{DirectionArg, LookupArgs, finish_choice};
 use crate::commands::csv_file::{number, write_csv};
 use crate::commands::table_source::TableSource;
 use crate::export::{Delta, Deltas, LobeWidth, RGB, Reflection};
@@ -16,6 +16,7 @@ use crate::support::output;
 use crate::support::progress::note;
 use crate::support::text::one_line;
 use crate::table::Table;
+use crate::table::finish::FinishChoice;
 
 /// The length of the longest file of pairs: 64 MiB.
 const MAX_BYTES: u64 = 64 << 20;
@@ -30,7 +31,7 @@ pub fn run(args: &LookupArgs) -> Result<()> {
     if let Some(csv) = &args.csv {
         output::check_destination(csv, &inputs)?;
     }
-    let width = LobeWidth { roughness: args.roughness, spread_deg: args.spread };
+    let width = LobeWidth { finish: finish_choice(args.roughness, args.distribution), spread_deg: args.spread };
     let with_width = width != LobeWidth::default();
     let pairs = match (&args.pairs, args.wi) {
         (Some(path), _) => read_pairs(path)?,
@@ -42,7 +43,12 @@ pub fn run(args: &LookupArgs) -> Result<()> {
     }
     let table = source.table(args.quiet)?;
     let deltas = Deltas::new(&table)?;
-    let has_f = with_width || matches!(table, Table::Scatter(_));
+    let has_f = with_width || matches!(table, Table::Scatter(_)) || is_finished(&table)?;
+    if is_finished(&table)? && !to_viewer {
+        return Err(Error::usage(
+            "--wo is missing: the table has a finish, which reflects into all directions; give it, as --wo 45,180",
+        ));
+    }
     match deltas {
         _ if to_viewer && has_f => values(args, &table, &pairs, width, deltas.filter(|_| args.spread.is_none())),
         Some(deltas) => list(args, &table, &pairs, &deltas),
@@ -51,6 +57,14 @@ pub fn run(args: &LookupArgs) -> Result<()> {
                 "--wo is missing: the table has no exact directions, and f needs the direction towards the viewer";
             Err(Error::usage(format_args!("{what}; give it, as --wo 45,180")))
         }
+    }
+}
+
+/// Whether a mirror-like table is rough.
+fn is_finished(table: &Table) -> Result<bool> {
+    match table {
+        Table::Mirror(table) => Ok(FinishChoice::default().of(&table.metadata)?.is_some()),
+        _ => Ok(false),
     }
 }
 
@@ -150,7 +164,7 @@ fn values(
     };
     let both = pairs.iter().filter_map(|(wi, wo)| Some((*wi, (*wo)?)));
     if let Some(path) = &args.csv {
-        if left_out.is_some() {
+        if left_out.is_some() && matches!(table, Table::Scatter(_)) {
             let said =
                 "f leaves out exact lobes of flat facets: --spread gives them a width, without --wo they are listed";
             note(args.quiet, format_args!("{}: {said}", args.table.display()));
@@ -176,7 +190,7 @@ fn values(
         if error.is_some() {
             text += &format!("standard error of the luminance of f: {}\n", digits(found[columns.len()]));
         }
-        if let Some(left_out) = &left_out {
+        if let (Some(left_out), Table::Scatter(_)) = (&left_out, table) {
             text += &text_of(&listed(left_out, &(wi, Some(wo)))?);
         }
     }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::commands::args::RenderArgs;
+use crate::commands::args::{RenderArgs, finish_choice};
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
 use crate::obj;
@@ -69,7 +69,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         return Err(Error::usage(what));
     }
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
-    let surface = Surface::new(&table, args.spectral).map_err(name)?;
+    let finish = finish_choice(args.roughness, args.distribution);
+    let surface = Surface::new(&table, args.spectral, finish)
+        .map_err(|error| if error.exit_code() == 2 { error } else { name(error) })?;
     surface.check_not_black().map_err(name)?;
     let light = lamp.map_or_else(|| light(&args.env, args.running.quiet), |lamp| Ok(EnvironmentLight::Lamp(lamp)))?;
     let environment = Environment::new(light, args.env_turn);

@@ -5,6 +5,8 @@ use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
 use crate::support::error::{Error, Result};
 use crate::support::output;
+use crate::support::progress::note;
+use crate::table::metadata::MetadataKey;
 use crate::view::page;
 
 pub fn run(args: &PageArgs) -> Result<()> {
@@ -16,6 +18,9 @@ pub fn run(args: &PageArgs) -> Result<()> {
     output::check_destination(&args.output, &source.files())?;
     let table = source.table(args.quiet)?;
     let spread = spread(args.spread, &table)?;
+    if table.metadata().get(MetadataKey::FinishRoughness).is_some() {
+        note(args.quiet, format_args!("{}: the page shows a mirror, without the finish", args.output.display()));
+    }
     let html =
         page(&table, spread).map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
     output::write_file(&args.output, html.as_bytes())

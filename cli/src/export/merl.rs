@@ -54,6 +54,7 @@ pub fn encode(table: &Table, width: LobeWidth) -> Result<(Vec<u8>, Option<Residu
         ));
     }
     let reflection = Reflection::new(table, width, true)?;
+    reflection.check_isotropic()?;
     if let ReflectionKind::Scatter(lookup, _) = reflection.kind()
         && let layout = lookup.layout()
         && !layout.is_isotropic()

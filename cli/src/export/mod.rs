@@ -1,6 +1,5 @@
 //! Tables in the formats of engines and renderers, one file per format.
 
-pub mod ggx;
 mod gaussian;
 mod order_lobes;
 mod reflection;

@@ -1,13 +1,14 @@
 //! The BRDF f(wi, wo) of any kind of table, in each of its channels.
 
 use glam::{DVec3, Vec3};
+use goniochrome::microfacet::Finish;
 use goniochrome::table::ScatterTable as Lookup;
 
 use super::gaussian::Gaussian;
-use super::ggx::Ggx;
 use super::order_lobes::{LobesAt, OrderLobes};
 use crate::support::error::{Error, Result};
 use crate::table::Table;
+use crate::table::finish::FinishChoice;
 use crate::table::mirror::neighbours;
 use crate::table::scatter::{ScatterLookup, ScatterTable};
 
@@ -27,8 +28,8 @@ pub struct Reflection {
 pub enum ReflectionKind {
     /// The reflectance of a mirror-like table, spread by a lobe.
     Lobe {
-        /// The lobe.
-        ggx: Ggx,
+        /// The facets that make the lobe.
+        finish: Finish,
         /// The table's angles in radians.
         theta: Vec<f64>,
     },
@@ -41,14 +42,14 @@ pub enum ReflectionKind {
 /// Widths of lobes that the user gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LobeWidth {
-    /// α of the GGX lobe of a mirror-like table.
-    pub roughness: Option<f64>,
+    /// The facets of a mirror-like table, in place of its own finish.
+    pub finish: FinishChoice,
     /// Standard deviation of the Gaussian lobe of a diffraction order or of flat facets, in degrees.
     pub spread_deg: Option<f64>,
 }
 
 impl Reflection {
-    /// The BRDF of a table. A mirror-like table needs a roughness; diffraction orders and exact lobes of flat facets
+    /// The BRDF of a table. A mirror-like table needs a finish; diffraction orders and exact lobes of flat facets
     /// need a spread; other tables have neither.
     ///
     /// # Errors
@@ -76,32 +77,32 @@ impl Reflection {
                 ))
             })
         };
-        let kind = match (table, width.roughness) {
-            (Table::Mirror(_), None) => {
-                return Err(Error::usage(
-                    "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \
-                     give the width of the GGX lobe that shall stand in for it, as --roughness 0.1",
-                ));
+        let kind = match (table, width.finish.is_given()) {
+            (Table::Mirror(table), _) => {
+                let Some(finish) = width.finish.of(&table.metadata)? else {
+                    return Err(Error::usage(
+                        "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \
+                         give the width of the GGX lobe that shall stand in for it, as --roughness 0.1",
+                    ));
+                };
+                let theta = table.theta_deg.iter().map(|theta| theta.to_radians()).collect();
+                ReflectionKind::Lobe { finish, theta }
             }
-            (Table::Scatter(_), Some(_)) => {
+            (Table::Scatter(_), true) => {
                 return Err(Error::usage(
                     "--roughness is for mirror-like tables; this one holds the scattering of tilted facets as it is: leave it out",
                 ));
             }
-            (Table::Orders(_), Some(_)) => {
+            (Table::Orders(_), true) => {
                 return Err(Error::usage(
                     "--roughness is for mirror-like tables; this one holds diffraction orders: give their width, as --spread 2",
                 ));
             }
-            (Table::Mirror(table), Some(alpha)) => ReflectionKind::Lobe {
-                ggx: Ggx { alpha },
-                theta: table.theta_deg.iter().map(|theta| theta.to_radians()).collect(),
-            },
-            (Table::Scatter(table), None) => {
+            (Table::Scatter(table), false) => {
                 let gaussian = exact.then(spread).transpose()?.map(|spread| Gaussian { spread });
                 return Self::scatter(table, gaussian, rgb);
             }
-            (Table::Orders(table), None) => {
+            (Table::Orders(table), false) => {
                 let lobes = OrderLobes::new(table, spread()?, rgb)?;
                 let channels = lobes.channels();
                 return Ok(Self { channels, wavelength_nm, values: Vec::new(), kind: ReflectionKind::Orders(lobes) });
@@ -144,6 +145,23 @@ impl Reflection {
         let Table::Scatter(table) = table else { return Ok(None) };
         let kind = ReflectionKind::Scatter(table.lookup(table.luminance_error.clone(), 1)?, None);
         Ok(Some(Self { channels: 1, wavelength_nm: Vec::new(), values: Vec::new(), kind }))
+    }
+
+    /// Refuses facets that are not equally rough in all directions, for a format that holds no others.
+    ///
+    /// # Errors
+    /// A mirror-like table whose finish has two roughnesses.
+    pub fn check_isotropic(&self) -> Result<()> {
+        match &self.kind {
+            ReflectionKind::Lobe { finish, .. } if !finish.is_isotropic() => {
+                let [x, y] = finish.alpha();
+                Err(Error::usage(format_args!(
+                    "a finish of roughness {x} along x and {y} along y: this format takes one roughness; give it, as \
+                     --roughness {x}"
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The form of the BRDF.
@@ -212,10 +230,9 @@ impl<'r> Evaluator<'r> {
             lookup.eval(single(wi), single(wo), &mut self.values);
             out.iter_mut().zip(&self.values).for_each(|(out, value)| *out = f64::from(*value));
             self.add_facets(wi, wo, 1.0 / wo.z, out);
-        } else if let ReflectionKind::Lobe { ggx, .. } = &self.reflection.kind {
-            let m = (wi + wo).normalize();
-            self.reflection.reflectance(wi.dot(m), out);
-            let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z);
+        } else if let ReflectionKind::Lobe { finish, .. } = &self.reflection.kind {
+            let lobe = finish.lobe(wi.as_vec3(), wo.as_vec3()).map_or(0.0, |lobe| f64::from(lobe.value));
+            self.reflection.reflectance(wi.dot((wi + wo).normalize()), out);
             out.iter_mut().for_each(|value| *value *= lobe);
         }
     }

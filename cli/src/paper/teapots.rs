@@ -16,6 +16,7 @@ use crate::render::{Background, Quality, Sampling, Stage, render};
 use crate::solve::colours::Colour;
 use crate::support::error::Result;
 use crate::support::output;
+use crate::table::finish::FinishChoice;
 use crate::table::mirror::MirrorTable;
 
 /// Width and height of a picture in pixels.
@@ -46,7 +47,7 @@ pub(super) fn draw(
     lights: Vec<(&str, EnvironmentLight)>,
     threads: usize,
 ) -> Result<Vec<String>> {
-    let surface = Surface::new(&table.into(), false)?;
+    let surface = Surface::new(&table.into(), false, FinishChoice::default())?;
     let shape = BodyShape::Mesh(TriangleMesh::teapot(DEFAULT_LEVEL));
     let mut memory = BvhMemory::default();
     let body = Body::new(&shape, &mut memory)?;

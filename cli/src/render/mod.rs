@@ -26,6 +26,7 @@ pub mod spread;
 mod pyramid;
 mod orders;
 mod viewed;
+mod glossy;
 pub mod surface;
 pub mod camera;
 pub mod noise;

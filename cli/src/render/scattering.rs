@@ -1,7 +1,6 @@
-//! Light that a table of scattered light reflects to the viewer.
+//! Light that reaches the viewer from a surface that reflects into many directions.
 //!
-//! The table's incident direction is the viewer, in evaluation and in sampling: f is reciprocal. Directions are sampled
-//! by the table and, where the light is not the same everywhere, by the environment; the balance heuristic (Veach 1997)
+//! Directions are sampled by the surface's own density and, where the light is not the same everywhere, by the environment; the balance heuristic (Veach 1997)
 //! combines the two. Facet lobes come from directions of their own, which are all looked up.
 //!
 //! Of the ways to other parts of the body, only one is followed, chosen in proportion to what it reflects.
@@ -10,10 +9,10 @@ use glam::{DVec3, Vec3};
 use goniochrome::trace::sobol::sobol;
 
 use super::body::SurfaceHit;
+use super::glossy::{Glossy, Towards};
 use super::mesh::ShadingFrame;
 use super::pyramid::Pyramid;
 use super::tracer::{PREVIEW_RAYS, SampleStream, Scratch, Tracer, above};
-use super::viewed::{SampledTable, Towards};
 
 /// Directions that each ray samples by the table. The ray has one place on the body, at which the table is interpolated
 /// once.
@@ -76,7 +75,7 @@ impl Tracer<'_> {
     /// Follows scattering reflections from the first hit of a ray that leaves it along `wo`.
     pub(super) fn trace_scattered(
         &self,
-        table: &SampledTable<'_>,
+        surface: &Glossy<'_>,
         first: SurfaceHit,
         wo: DVec3,
         stream: &mut SampleStream,
@@ -86,16 +85,16 @@ impl Tracer<'_> {
         let by_light = if is_even { 0 } else { BY_LIGHT };
         // The balance heuristic: one over the number of directions that both ways draw per solid angle.
         let scale = |towards: &Towards, pdf_of_light: f64| {
-            1.0 / (f64::from(BY_TABLE) * f64::from(towards.pdf) + f64::from(by_light) * pdf_of_light)
+            1.0 / (f64::from(BY_TABLE) * towards.pdf() + f64::from(by_light) * pdf_of_light)
         };
         let (mut hit, mut wo) = (first, wo);
         for left in (0..self.reflections).rev() {
             let last = left == 0;
-            let (frame, viewer) = look(table, &hit, wo, scratch);
+            let (frame, viewer) = look(surface, &hit, wo, scratch);
             let next_hit = |wi: DVec3| if last { None } else { self.next_hit(&hit, &frame, wi) };
             let mut onward = Onward::new(if last { 0.0 } else { stream.next()[0] });
-            for lobe in 0..table.table.layout().lobes() {
-                let Some(wi) = reflect_lobe(table, lobe, &frame, viewer, scratch) else { continue };
+            for lobe in 0..surface.lobes() {
+                let Some(wi) = reflect_lobe(surface, lobe, &frame, viewer, scratch) else { continue };
                 match next_hit(wi) {
                     Some(next) => onward.offer(next, wi, 1.0, scratch),
                     None => self.add_light(self.widened.radiance(wi), 1.0, scratch),
@@ -105,15 +104,15 @@ impl Tracer<'_> {
                 let (wi, pdf) = self.environment.sample(u);
                 let direction = frame.to_local(wi).as_vec3();
                 if direction.z > 0.0 && pdf > 0.0 && next_hit(wi).is_none() {
-                    let towards = scratch.viewed.towards(table, direction);
-                    reflect(&towards, scratch);
+                    let Some(towards) = surface.towards(&scratch.viewed, direction) else { continue };
+                    reflect(surface, &towards, scratch);
                     self.add_light(self.environment.radiance(wi), scale(&towards, pdf), scratch);
                 }
             }
             for u in stream.several(BY_TABLE) {
-                let Some(towards) = scratch.viewed.sample(table, u.map(|u| u as f32)) else { continue };
-                let wi = frame.to_world(towards.direction.as_dvec3()).normalize();
-                reflect(&towards, scratch);
+                let Some(towards) = surface.sample(&scratch.viewed, u.map(|u| u as f32)) else { continue };
+                let wi = frame.to_world(towards.direction()).normalize();
+                reflect(surface, &towards, scratch);
                 match next_hit(wi) {
                     Some(next) => onward.offer(next, wi, scale(&towards, 0.0), scratch),
                     None => {
@@ -130,16 +129,16 @@ impl Tracer<'_> {
     /// Adds what the first hit of a ray of a preview reflects along `wo`.
     pub(super) fn preview_scattered(
         &self,
-        table: &SampledTable<'_>,
+        surface: &Glossy<'_>,
         pyramid: &Pyramid<'_>,
         hit: &SurfaceHit,
         wo: DVec3,
         ray: u32,
         scratch: &mut Scratch,
     ) {
-        let (frame, viewer) = look(table, hit, wo, scratch);
-        for lobe in 0..table.table.layout().lobes() {
-            if let Some(wi) = reflect_lobe(table, lobe, &frame, viewer, scratch) {
+        let (frame, viewer) = look(surface, hit, wo, scratch);
+        for lobe in 0..surface.lobes() {
+            if let Some(wi) = reflect_lobe(surface, lobe, &frame, viewer, scratch) {
                 self.add_light(self.widened.radiance(wi), 1.0, scratch);
             }
         }
@@ -147,9 +146,9 @@ impl Tracer<'_> {
         const OF_RAY: u32 = PREVIEW_SAMPLES / PREVIEW_RAYS;
         for sample in ray * OF_RAY..(ray + 1) * OF_RAY {
             let u = sobol(sample, PREVIEW_SEED).map(|u| u as f32);
-            let Some(towards) = scratch.viewed.sample(table, u) else { continue };
-            reflect(&towards, scratch);
-            let (wi, pdf) = (frame.to_world(towards.direction.as_dvec3()).normalize(), f64::from(towards.pdf));
+            let Some(towards) = surface.sample(&scratch.viewed, u) else { continue };
+            reflect(surface, &towards, scratch);
+            let (wi, pdf) = (frame.to_world(towards.direction()).normalize(), towards.pdf());
             let light = pyramid.radiance(wi, 1.0 / (f64::from(PREVIEW_SAMPLES) * pdf));
             self.add_light(light, 1.0 / (f64::from(OF_RAY) * pdf), scratch);
         }
@@ -162,28 +161,28 @@ impl Tracer<'_> {
 }
 
 /// Looks at a hit from `wo`; returns the frame there, and the direction to the viewer in it.
-fn look(table: &SampledTable<'_>, hit: &SurfaceHit, wo: DVec3, scratch: &mut Scratch) -> (ShadingFrame, Vec3) {
+fn look(surface: &Glossy<'_>, hit: &SurfaceHit, wo: DVec3, scratch: &mut Scratch) -> (ShadingFrame, Vec3) {
     let frame = hit.frame.facing(wo);
     let viewer = above(frame.to_local(wo)).as_vec3();
-    scratch.viewed.look(table, viewer);
+    surface.look(viewer, &mut scratch.viewed);
     (frame, viewer)
 }
 
 /// Sets the product of throughput and f cos θ for light from a direction.
-fn reflect(towards: &Towards, scratch: &mut Scratch) {
-    scratch.viewed.reflect(towards, &mut scratch.reflectance);
+fn reflect(surface: &Glossy<'_>, towards: &Towards, scratch: &mut Scratch) {
+    surface.reflect(&scratch.viewed, towards, &mut scratch.reflectance);
     scratch.multiply();
 }
 
 /// Direction of a facet lobe in the world, if its light is seen; sets the product of throughput and its reflectance.
 fn reflect_lobe(
-    table: &SampledTable<'_>,
+    surface: &Glossy<'_>,
     lobe: usize,
     frame: &ShadingFrame,
     viewer: Vec3,
     scratch: &mut Scratch,
 ) -> Option<DVec3> {
-    let direction = table.table.reflected(viewer, lobe, &mut scratch.reflectance)?;
+    let direction = surface.reflected(viewer, lobe, &mut scratch.reflectance)?;
     scratch.multiply();
     Some(frame.to_world(direction.as_dvec3()).normalize())
 }

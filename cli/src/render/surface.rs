@@ -1,11 +1,14 @@
 //! A table prepared for shading.
 
+use goniochrome::microfacet::Finish;
+
 use super::channels::Channels;
+use super::glossy::{FinishedMirror, Glossy};
 use super::orders::{OrderShading, OrderSurface};
 use super::viewed::SampledTable;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
-use crate::table::mirror::neighbours;
+use crate::table::finish::FinishChoice;
 use crate::table::scatter::ScatterLookup;
 
 /// The reflection of a surface, for each channel in which light is traced.
@@ -17,8 +20,8 @@ pub struct Surface {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Reflectance {
-    /// ρ(θ), `[theta][channel]`.
-    Mirror { theta_deg: Vec<f64>, values: Vec<f32> },
+    /// ρ(θ), `[theta][channel]`, of the surface or, with a finish, of its facets.
+    Mirror { theta_deg: Vec<f64>, values: Vec<f32>, finish: Option<Finish> },
     /// s and lobes.
     Scatter(ScatterLookup),
     /// Diffraction orders.
@@ -28,24 +31,32 @@ enum Reflectance {
 /// A [`Surface`] that is ready to be looked up and sampled.
 pub(super) enum Prepared<'a> {
     Mirror { theta_deg: &'a [f64], values: &'a [f32] },
-    Scatter(SampledTable<'a>),
+    Glossy(Glossy<'a>),
     Orders(OrderShading<'a>),
 }
 
 impl Surface {
-    /// The surface of a table: by its RGB, converted to linear sRGB, or by its wavelengths with `spectral`.
+    /// The surface of a table: by its RGB, converted to linear sRGB, or by its wavelengths with `spectral`. A finish is
+    /// for mirror-like tables.
     ///
     /// Colours by the paper's matrix, which is a display of its own, are not converted. Diffraction orders are traced
     /// in RGB, which their quadrature over the wavelengths makes.
     ///
     /// # Errors
     /// A damaged table, a table without colours, or wavelengths that cannot tell colours apart.
-    pub fn new(table: &Table, spectral: bool) -> Result<Self> {
+    pub fn new(table: &Table, spectral: bool, finish: FinishChoice) -> Result<Self> {
         table.check()?;
+        if finish.is_given() && !matches!(table, Table::Mirror(_)) {
+            return Err(Error::usage(
+                "--roughness, --distribution: are for mirror-like tables, and this one has directions of its own; leave \
+                 them out",
+            ));
+        }
         match table {
             Table::Mirror(mirror) => {
                 let (channels, values) = channels_and_values(table, spectral)?;
-                Ok(Self { channels, reflectance: Reflectance::Mirror { theta_deg: mirror.theta_deg.clone(), values } })
+                let (theta_deg, finish) = (mirror.theta_deg.clone(), finish.of(&mirror.metadata)?);
+                Ok(Self { channels, reflectance: Reflectance::Mirror { theta_deg, values, finish } })
             }
             Table::Scatter(scatter) => {
                 let (channels, values) = channels_and_values(table, spectral)?;
@@ -84,8 +95,13 @@ impl Surface {
     /// Prepares look-up and sampling.
     pub(super) fn prepare(&self) -> Result<Prepared<'_>> {
         match &self.reflectance {
-            Reflectance::Mirror { theta_deg, values } => Ok(Prepared::Mirror { theta_deg, values }),
-            Reflectance::Scatter(lookup) => Ok(Prepared::Scatter(SampledTable::new(lookup.table()?, lookup.values())?)),
+            Reflectance::Mirror { theta_deg, values, finish: None } => Ok(Prepared::Mirror { theta_deg, values }),
+            &Reflectance::Mirror { ref theta_deg, ref values, finish: Some(finish) } => {
+                Ok(Prepared::Glossy(Glossy::Finish(FinishedMirror { finish, theta_deg, values })))
+            }
+            Reflectance::Scatter(lookup) => {
+                Ok(Prepared::Glossy(Glossy::Table(SampledTable::new(lookup.table()?, lookup.values())?)))
+            }
             Reflectance::Orders(orders) => Ok(Prepared::Orders(orders.shading()?)),
         }
     }
@@ -102,20 +118,9 @@ fn channels_and_values(table: &Table, spectral: bool) -> Result<(Channels, Vec<f
     }
 }
 
-/// Multiplies each channel by ρ(θ), linear between the table's angles and constant beyond them.
-pub(super) fn reflect(theta_deg: &[f64], values: &[f32], at_deg: f64, throughput: &mut [f32]) {
-    let channels = throughput.len();
-    let (below, above, weight) = neighbours(theta_deg, at_deg);
-    let weight = weight as f32;
-    let (low, high) = (&values[below * channels..][..channels], &values[above * channels..][..channels]);
-    for ((through, low), high) in throughput.iter_mut().zip(low).zip(high) {
-        *through *= low + weight * (high - low);
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::super::glossy::reflect;
     use crate::table::mirror::MirrorTable;
 
     #[test]

@@ -2,7 +2,8 @@
 //!
 //! At each hit the surface frame is turned to the viewer: both sides of a sheet carry the same structure. A mirror-like
 //! table reflects the ray once, L = ρ(θ) E(mirror direction). Diffraction orders come from directions of their own,
-//! which are all looked up. Tables of scattered light are followed in [`super::scattering`].
+//! which are all looked up. Tables of scattered light and rough
+//! surfaces are followed in [`super::scattering`].
 //!
 //! A reflected ray that hits the body again is reflected again, up to a number of reflections. From the last of them
 //! the environment is seen as if the body did not block it: with one reflection, the body does not see itself at all.
@@ -13,10 +14,10 @@ use goniochrome::trace::sobol::sobol;
 use super::body::{Body, SurfaceHit};
 use super::channels::Channels;
 use super::environment::Environment;
+use super::glossy::{Viewed, reflect};
 use super::mesh::ShadingFrame;
 use super::pyramid::Pyramid;
-use super::surface::{Prepared, reflect};
-use super::viewed::ViewedTable;
+use super::surface::Prepared;
 
 /// Rays through each pixel of a preview.
 pub(super) const PREVIEW_RAYS: u32 = 4;
@@ -47,7 +48,7 @@ pub(super) struct Scratch {
     pub(super) reflectance: Vec<f32>,
     pub(super) product: Vec<f32>,
     pub(super) onward: Vec<f32>,
-    pub(super) viewed: ViewedTable,
+    pub(super) viewed: Viewed,
 }
 
 impl Scratch {
@@ -59,7 +60,7 @@ impl Scratch {
             reflectance: empty(),
             product: empty(),
             onward: empty(),
-            viewed: ViewedTable::default(),
+            viewed: Viewed::default(),
         }
     }
 
@@ -114,9 +115,9 @@ impl Tracer<'_> {
         scratch.throughput.fill(1.0);
         match &self.surface {
             Prepared::Mirror { theta_deg, values } => self.trace_mirror(theta_deg, values, hit, direction, scratch),
-            Prepared::Scatter(scattering) => match &self.pyramid {
-                Some(pyramid) => self.preview_scattered(scattering, pyramid, &hit, -direction, stream.ray(), scratch),
-                None => self.trace_scattered(scattering, hit, -direction, stream, scratch),
+            Prepared::Glossy(glossy) => match &self.pyramid {
+                Some(pyramid) => self.preview_scattered(glossy, pyramid, &hit, -direction, stream.ray(), scratch),
+                None => self.trace_scattered(glossy, hit, -direction, stream, scratch),
             },
             Prepared::Orders(orders) => {
                 let frame = hit.frame.facing(-direction);

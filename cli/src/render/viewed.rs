@@ -66,7 +66,7 @@ pub(super) struct ViewedTable {
 
 /// A direction towards the light.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Towards {
+pub(super) struct TableTowards {
     /// Unit vector in the frame of the surface.
     pub direction: Vec3,
     /// Density per solid angle with which [`ViewedTable::sample`] draws it.
@@ -114,15 +114,15 @@ impl ViewedTable {
     }
 
     /// What is known of a direction towards the light, above the horizon.
-    pub fn towards(&self, table: &SampledTable<'_>, direction: Vec3) -> Towards {
+    pub fn towards(&self, table: &SampledTable<'_>, direction: Vec3) -> TableTowards {
         let warped = table.table.warp().warped(self.viewer, direction, self.origin);
         let nodes = table.table.layout().square_nodes(warped.place[0], warped.place[1]);
         let pdf = self.density(nodes) / (self.reflected() * warped.solid_angle);
-        Towards { direction, pdf: if pdf.is_finite() { pdf } else { 0.0 }, nodes }
+        TableTowards { direction, pdf: if pdf.is_finite() { pdf } else { 0.0 }, nodes }
     }
 
     /// Draws a direction towards the light by `u`, uniform in [0, 1)²; `None` for a draw below the horizon.
-    pub fn sample(&self, table: &SampledTable<'_>, u: [f32; 2]) -> Option<Towards> {
+    pub fn sample(&self, table: &SampledTable<'_>, u: [f32; 2]) -> Option<TableTowards> {
         let layout = table.table.layout();
         let ([columns, rows], width) = (sides(&layout), self.width);
         let whole = self.reflected();
@@ -155,11 +155,11 @@ impl ViewedTable {
         let nodes = layout.square_nodes(x, y);
         let pdf = self.density(nodes) / (whole * solid_angle * cos);
         let counts = cos > 0.0 && direction.z > 0.0 && pdf > 0.0 && pdf.is_finite();
-        counts.then(|| Towards { direction: direction.normalize(), pdf, nodes })
+        counts.then(|| TableTowards { direction: direction.normalize(), pdf, nodes })
     }
 
     /// Writes f cos θ of the light's direction to `out`, for each channel.
-    pub fn reflect(&self, towards: &Towards, out: &mut [f32]) {
+    pub fn reflect(&self, towards: &TableTowards, out: &mut [f32]) {
         out.fill(0.0);
         for GridNode { index, weight } in towards.nodes {
             let node = &self.nodes[index * (out.len() + 1)..][..out.len()];

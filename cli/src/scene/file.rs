@@ -12,6 +12,11 @@
 //!            { repeat = 2, layers = [ { material = "air", thickness_nm = 180.0 } ] } ]
 //! substrate = "mirror"                # a medium, or "mirror": a perfect mirror
 //!
+//! [finish]                            # optional: plane layers on a surface that is rough, as microfacets
+//! roughness = 0.2                     # α; or [0.1, 0.4] along the tangent and the binormal
+//! distribution = "ggx"                # optional: of the facets' normals; or "beckmann"
+//! masking = "correlated"              # optional: or "separable", which is darker at grazing angles
+//!
 //! [cell]                              # or a mesh; a scene has one of the two
 //! mesh = "bumps.obj"                  # nanometres, z up; paths start at the scene file
 //! axes = "y-up"                       # optional, for a mesh with y up: x, y, z of the file are x, −z, y of the cell
@@ -54,7 +59,7 @@ use super::mesh_frame::MeshFrame;
 use super::model::{Periods, Scene, Shape};
 use super::parts::{Layer, MAX_LENGTH_NM, NamedInterface};
 use super::toml_value::{TomlItem, TomlTable};
-use super::{placement, refractive_index_info, surface};
+use super::{finish, placement, refractive_index_info, surface};
 use crate::support::error::Result;
 use crate::support::text::{one_line, toml_key};
 
@@ -105,7 +110,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
         source.refuse(offset, format_args!("not valid TOML: {}", error.message()))
     })?;
     let root = TomlTable::root(source, document.get_ref());
-    root.allow(&["name", "description", "source", "extrapolate", "stack", "cell", "materials", "interface"])?;
+    root.allow(&["name", "description", "source", "extrapolate", "stack", "cell", "finish", "materials", "interface"])?;
     for key in ["description", "source"] {
         root.get(key).map(|item| item.text()).transpose()?;
     }
@@ -130,6 +135,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
         (Some(_), Some(cell)) => return Err(cell.refuse("a scene has either [stack] or [cell]; remove one")),
         (None, None) => return Err(root.refuse("neither [stack] nor [cell]; add one")),
     };
+    let finish = root.get("finish").map(|item| finish::finish(&item.table("[finish]")?)).transpose()?;
     let SceneReader { media, files, .. } = reader;
     let media = media.finish();
     let (shape, CellExtras { periods, front }) = match described {
@@ -138,7 +144,10 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
             (Shape::of_mesh(mesh, period_nm, interfaces, &media)?, extras)
         }
     };
-    Ok(Scene { name, toml: text.to_owned(), media, shape, periods, front, files })
+    if let (Shape::Mesh(_), Some(item)) = (&shape, root.get("finish")) {
+        return Err(item.refuse("a cell of tilted facets has its own roughness; remove [finish]"));
+    }
+    Ok(Scene { name, toml: text.to_owned(), media, shape, finish, periods, front, files })
 }
 
 fn extrapolate(table: &TomlTable<'_>, default: Extrapolate) -> Result<Extrapolate> {

@@ -17,6 +17,7 @@ mod placement;
 mod surface;
 mod watertight;
 mod planes;
+mod finish;
 mod model;
 mod file;
 pub mod presets;
@@ -24,6 +25,7 @@ mod load;
 
 pub use builtin::{list as list_materials, names as material_names};
 pub use dispersion::OwnedDispersion;
+pub use finish::{DISTRIBUTIONS, LEAST_ROUGHNESS, MASKINGS, named};
 pub use load::{load, parse, parse_columns, parse_mesh, parse_nk};
 pub use medium::OwnedMedium;
 pub use mesh::{Mesh, Triangle};

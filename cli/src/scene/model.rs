@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use goniochrome::microfacet::Finish;
 use goniochrome::optics::interface::Below;
 use goniochrome::optics::medium::{MediumError, MediumIndex};
 
@@ -22,6 +23,8 @@ pub struct Scene {
     pub media: Vec<NamedMedium>,
     /// Geometry: a stack of layers, or a cell.
     pub shape: Shape,
+    /// Roughness of a planar scene, if it is no mirror.
+    pub finish: Option<Finish>,
     /// Coherence between the periods of a cell, if the scene names it.
     pub periods: Option<Periods>,
     /// Medium in front of a thick plate, if the cell's uppermost medium is one: light arrives in it, through the

@@ -47,6 +47,12 @@ pub enum MetadataKey {
     ImbalanceMax,
     /// Warnings that the command printed; absent without one.
     Warning,
+    /// Roughness α of a finish along x and y.
+    FinishRoughness,
+    /// Distribution of the facets of a finish: `ggx` or `beckmann`.
+    FinishDistribution,
+    /// Masking of the facets of a finish: `correlated` or `separable`.
+    FinishMasking,
 }
 
 impl AsRef<str> for MetadataKey {
@@ -71,6 +77,9 @@ impl AsRef<str> for MetadataKey {
             Self::FellBack => "fell_back",
             Self::ImbalanceMax => "imbalance_max",
             Self::Warning => "warning",
+            Self::FinishRoughness => "finish_roughness",
+            Self::FinishDistribution => "finish_distribution",
+            Self::FinishMasking => "finish_masking",
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod statistics;
 pub mod metadata;
+pub mod finish;
 pub mod mirror;
 pub mod scatter;
 pub mod orders;

@@ -92,6 +92,13 @@ impl Finish {
         self.roughness.alpha()
     }
 
+    /// Whether the facets are equally rough in all directions.
+    #[must_use]
+    pub fn is_isotropic(&self) -> bool {
+        let [x, y] = self.alpha();
+        x.to_bits() == y.to_bits()
+    }
+
     /// Density D of facet normals per solid angle and area of the surface, at a unit vector `m`; 0 below the horizon.
     #[must_use]
     #[inline]
@@ -124,6 +131,18 @@ impl Finish {
         }
     }
 
+    /// G₂/(4 cos θ_i cos θ_o) of two directions above the horizon, finite where only one of them is near it.
+    #[must_use]
+    #[inline]
+    pub fn shadowing(&self, wi: Vec3, wo: Vec3) -> f32 {
+        let [area_i, area_o] = [self.visible_area(wi), self.visible_area(wo)];
+        0.25 / match self.masking {
+            // cos_i cos_o (1 + Λ_i + Λ_o).
+            Masking::Correlated => area_i * wo.z + area_o * wi.z - wi.z * wo.z,
+            Masking::Separable => area_i * area_o,
+        }
+    }
+
     /// Evaluates a pair of directions; `None` if either is below the horizon.
     #[must_use]
     #[inline]
@@ -135,15 +154,12 @@ impl Finish {
         let sum = wi + wo;
         let length = sqrtf(sum.length_squared());
         let density = self.density(sum / length);
-        let [area_i, area_o] = [self.visible_area(wi), self.visible_area(wo)];
-        let both = match self.masking {
-            // cos_i cos_o (1 + Λ_i + Λ_o).
-            Masking::Correlated => area_i * wo.z + area_o * wi.z - wi.z * wo.z,
-            Masking::Separable => area_i * area_o,
-        };
-        let quarter = 0.25 * density;
         // |wi + wo| = 2 cos θ_d for unit vectors, without the cancellation of wi·wo near grazing.
-        Some(Lobe { cos_d: (0.5 * length).min(1.0), value: quarter / both, pdf: quarter / area_i })
+        Some(Lobe {
+            cos_d: (0.5 * length).min(1.0),
+            value: density * self.shadowing(wi, wo),
+            pdf: 0.25 * density / self.visible_area(wi),
+        })
     }
 
     /// Draws wo for light from `wi` by `u` uniform in [0, 1)²: the mirror direction at a facet drawn as often as it is

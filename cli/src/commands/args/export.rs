@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use goniochrome::microfacet::Distribution;
 
-use crate::commands::args::values::{roughness, spread};
+use crate::commands::args::values::{RoughnessArg, distribution, spread};
 use crate::export::bsdf::Gamut;
 use crate::export::lut::Vary;
 
@@ -22,9 +23,13 @@ pub struct ExportArgs {
     /// blob: values in half precision
     #[arg(long)]
     pub half: bool,
-    /// merl and bsdf of mirror-like tables: the width of the lobe, α of the GGX distribution in (0, 1]
-    #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
-    pub roughness: Option<f64>,
+    /// merl and bsdf of mirror-like tables: the roughness α of the facets that make the lobe, in (0, 1] [default: that
+    /// of the table's finish]
+    #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true)]
+    pub roughness: Option<RoughnessArg>,
+    /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
+    #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
+    pub distribution: Option<Distribution>,
     /// bsdf of diffraction orders, bsdf and merl of tables with exact lobes of flat facets: the width of each, the
     /// standard deviation of a Gaussian lobe in degrees
     #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use goniochrome::microfacet::Distribution;
 
-use crate::commands::args::values::{DirectionArg, roughness, spread};
+use crate::commands::args::values::{DirectionArg, RoughnessArg, distribution, spread};
 
 /// Arguments of `lookup`. Both directions point away from the surface; azimuths count from the tangent +x.
 #[derive(Debug, Args)]
@@ -22,10 +23,13 @@ pub struct LookupArgs {
     /// pair in each line, with or without a header
     #[arg(long, value_name = "FILE", conflicts_with_all = ["wi", "wo"])]
     pub pairs: Option<PathBuf>,
-    /// Mirror-like tables: f through a lobe of this width, α of the GGX distribution in (0, 1], as `export` takes it;
-    /// without it the reflectance and the mirror direction are printed
-    #[arg(long, value_parser = roughness, allow_negative_numbers = true)]
-    pub roughness: Option<f64>,
+    /// Mirror-like tables: f of facets of this roughness α in (0, 1], along x and y if there are two, as `export` takes
+    /// it [default: the table's finish; without one the reflectance and the mirror direction are printed]
+    #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true)]
+    pub roughness: Option<RoughnessArg>,
+    /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
+    #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
+    pub distribution: Option<Distribution>,
     /// Diffraction orders and flat facets: f with a Gaussian lobe of this standard deviation in degrees around each
     /// exact direction, as `export` takes it; without it they are listed
     #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]

@@ -34,7 +34,7 @@ pub use sampling::SamplingArgs;
 pub use scatter::ScatterArgs;
 pub use shared::{Colouring, Computing, Diffracting, Running};
 pub use spectrum::SpectrumArgs;
-pub use values::{Bins, DirectionArg, IlluminantArg, ModelArg, SpaceArg, spelled};
+pub use values::{Bins, DirectionArg, IlluminantArg, ModelArg, RoughnessArg, SpaceArg, finish_choice, spelled};
 pub use view::PageArgs;
 
 /// Compute how layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
+use goniochrome::microfacet::Distribution;
 
 use crate::commands::args::shared::Running;
+use crate::commands::args::values::{RoughnessArg, distribution, roughness_or_mirror};
 use crate::render::Background;
 use crate::render::camera::View;
 use crate::render::mesh::{Axes, DEFAULT_LEVEL};
@@ -57,6 +59,13 @@ pub struct RenderArgs {
     /// Diffraction orders and facet lobes: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,
+    /// Mirror-like tables: the roughness α of the surface, in (0, 1], or two numbers along the tangent and the binormal;
+    /// 0 is a mirror [default: the table's finish]
+    #[arg(long, value_name = "ALPHA[,ALPHA]", value_parser = roughness_or_mirror, allow_hyphen_values = true)]
+    pub roughness: Option<RoughnessArg>,
+    /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
+    #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
+    pub distribution: Option<Distribution>,
     /// Shade each wavelength of the table and then integrate, with the environment's RGB turned into smooth spectra;
     /// without this option RGB is shaded
     #[arg(long)]

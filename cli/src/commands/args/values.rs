@@ -6,17 +6,20 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use glam::DVec3;
 use goniochrome::colour::{Illuminant, RgbSpace};
+use goniochrome::microfacet::Distribution;
 use goniochrome::optics::interface::Model;
 
 use crate::colour::{SPACES, space_name};
 use crate::export::bsdf::Gamut;
 use crate::obj::Axes;
 use crate::render::tone::ToneMap;
+use crate::scene::{DISTRIBUTIONS, LEAST_ROUGHNESS, named};
 use crate::solve::precision::Precision;
 use crate::solve::scatter::Coherence;
 use crate::solve::spectra::Method;
 use crate::solve::waves::OrderMethod;
 use crate::support::direction::direction;
+use crate::table::finish::FinishChoice;
 
 /// The values of `--model`.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
@@ -148,9 +151,6 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     if number > 0.0 && number.is_finite() { Ok(number) } else { Err("must be positive".into()) }
 }
 
-/// The smallest roughness: below it, single precision no longer holds the peak of the lobe.
-const MIN_ROUGHNESS: f64 = 1e-3;
-
 /// Ends of the range of `--spread`, in degrees: a narrower lobe falls between the samples of a file, a wider one is no
 /// longer that of an order.
 const SPREAD_DEG: [f64; 2] = [0.5, 30.0];
@@ -165,13 +165,40 @@ pub(super) fn spread(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses `--roughness`.
-pub(super) fn roughness(text: &str) -> Result<f64, String> {
-    let alpha = text.parse::<f64>().map_err(|error| error.to_string())?;
-    if alpha > 0.0 && alpha < MIN_ROUGHNESS {
-        return Err(format!("must be at least {MIN_ROUGHNESS}: a smoother lobe is a mirror"));
+/// Roughness along x and along y: one number, or two such as `0.1,0.4`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoughnessArg(pub [f64; 2]);
+
+impl FromStr for RoughnessArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let part = |text: &str| {
+            let alpha = text.trim().parse::<f64>().map_err(|error| error.to_string())?;
+            if alpha > 0.0 && alpha < LEAST_ROUGHNESS {
+                return Err(format!("must be at least {LEAST_ROUGHNESS}: a smoother lobe is a mirror"));
+            }
+            if alpha > 0.0 && alpha <= 1.0 { Ok(alpha) } else { Err("must lie in (0, 1]".into()) }
+        };
+        let (x, y) = text.split_once(',').unwrap_or((text, text));
+        Ok(Self([part(x)?, part(y)?]))
     }
-    if alpha > 0.0 && alpha <= 1.0 { Ok(alpha) } else { Err("must lie in (0, 1]".into()) }
+}
+
+/// Parses the `--roughness` of a picture, which may be 0.
+pub(super) fn roughness_or_mirror(text: &str) -> Result<RoughnessArg, String> {
+    if text.parse() == Ok(0.0) { Ok(RoughnessArg([0.0; 2])) } else { text.parse() }
+}
+
+/// What `--roughness` and `--distribution` ask for.
+#[must_use]
+pub fn finish_choice(roughness: Option<RoughnessArg>, distribution: Option<Distribution>) -> FinishChoice {
+    FinishChoice { roughness: roughness.map(|RoughnessArg(alpha)| alpha), distribution }
+}
+
+/// Parses `--distribution`.
+pub(super) fn distribution(text: &str) -> Result<Distribution, String> {
+    named(&DISTRIBUTIONS, text).ok_or_else(|| "expected ggx or beckmann".into())
 }
 
 /// A direction above the surface, as polar angle and azimuth in degrees, such as `30,180`.

@@ -6,6 +6,7 @@ use crate::solve::precision::Precision;
 use crate::solve::scatter::{Coherence, Tracing};
 use crate::solve::spectra::{Method, Spectra};
 use crate::solve::waves::OrderMethod;
+use crate::table::finish;
 use crate::table::metadata::{Metadata, MetadataKey};
 
 /// Metadata of every table. Nothing here depends on when or where, so equal runs give equal files.
@@ -72,6 +73,9 @@ pub(super) fn planar_metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spec
     let mut metadata = common_metadata(args, scene, spectra.worst(|sample| sample.imbalance));
     metadata.insert(MetadataKey::Method, spelled(args.computing.method));
     metadata.insert(MetadataKey::TruncatedMax, format!("{:e}", spectra.worst(|sample| sample.truncated)));
+    if let Some(kept) = &scene.finish {
+        finish::keep(kept, &mut metadata);
+    }
     metadata.insert(MetadataKey::Recomputed, spectra.recomputed.to_string());
     if args.computing.method == Method::Hits {
         metadata.insert(MetadataKey::FellBack, spectra.fell_back.to_string());

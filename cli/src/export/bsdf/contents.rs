@@ -30,10 +30,10 @@ pub struct Contents {
     pub visible_area: Vec<f32>,
 }
 
-/// A function of cos θ at equally spaced u = sqrt(2θ/π).
+/// A function of θ at equally spaced u = sqrt(2θ/π).
 pub(super) fn over_u(of: impl Fn(f64) -> f64) -> Vec<f32> {
-    let cos = |i: usize| ((i as f64 / (FACET_SAMPLES - 1) as f64).powi(2) * FRAC_PI_2).cos();
-    (0..FACET_SAMPLES).map(|i| of(cos(i)) as f32).collect()
+    let theta = |i: usize| (i as f64 / (FACET_SAMPLES - 1) as f64).powi(2) * FRAC_PI_2;
+    (0..FACET_SAMPLES).map(|i| of(theta(i)) as f32).collect()
 }
 
 /// Raises the density of samples of one incident direction to its least. A black direction gets an even one.

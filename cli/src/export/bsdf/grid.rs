@@ -11,7 +11,6 @@ use goniochrome::table::Periodicity;
 
 use super::density::Density;
 use crate::export::OrderLobes;
-use crate::export::ggx::Ggx;
 
 /// Largest number of values in a file: 256 MiB.
 pub const MAX_VALUES: usize = 1 << 26;
@@ -61,14 +60,14 @@ pub struct BsdfGrid {
 }
 
 impl BsdfGrid {
-    /// The grid for a lobe around the mirror direction, in a number of channels.
+    /// The grid for a lobe of a roughness α around the mirror direction, in a number of channels.
     #[must_use]
-    pub fn of_lobe(ggx: Ggx, channels: usize) -> Self {
+    pub fn of_lobe(alpha: f64, channels: usize) -> Self {
         let [theta, side] = OF_LOBE;
         // Values for each sample: the channels, and the luminance.
         let scale = (MAX_VALUES as f64 / ((channels + 1) as f64 * theta * side * side)).cbrt().min(1.0);
         let [theta, side] = [theta, side].map(|count| (scale * count) as usize);
-        Self::of([radial(ggx.alpha), across()], side, grazing(theta, GRAZING[0]), vec![0.0])
+        Self::of([radial(alpha), across()], side, grazing(theta, GRAZING[0]), vec![0.0])
     }
 
     /// The grid for lobes around diffraction orders.

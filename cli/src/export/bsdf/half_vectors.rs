@@ -138,7 +138,7 @@ pub(super) fn contents(
         luminance,
         values,
         density_of_facets: over_u(|_| 1.0),
-        visible_area: over_u(|cos| 0.25 * cos.max(least)),
+        visible_area: over_u(|theta| 0.25 * theta.cos().max(least)),
     })
 }
 

@@ -38,8 +38,10 @@ pub fn encode(table: &Table, width: LobeWidth, rgb: Option<Gamut>) -> Result<Vec
     let reflection = Reflection::new(table, width, rgb.is_some())?;
     let reflection = if rgb == Some(Gamut::Clip) { reflection.clipped() } else { reflection };
     let contents = match reflection.kind() {
-        ReflectionKind::Lobe { ggx, .. } => {
-            resampled::contents(&reflection, BsdfGrid::of_lobe(*ggx, reflection.channels))?
+        ReflectionKind::Lobe { finish, .. } => {
+            reflection.check_isotropic()?;
+            let [alpha, _] = finish.alpha().map(f64::from);
+            resampled::contents(&reflection, BsdfGrid::of_lobe(alpha, reflection.channels))?
         }
         ReflectionKind::Scatter(lookup, gaussian) => half_vectors::contents(&reflection, lookup, *gaussian)?,
         ReflectionKind::Orders(lobes) => resampled::contents(&reflection, BsdfGrid::of_orders(lobes))?,

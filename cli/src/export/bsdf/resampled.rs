@@ -26,8 +26,10 @@ fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]
     if !evaluator.projected_orders(wi, wo, out) {
         let reflection = evaluator.reflection();
         reflection.reflectance(wi.dot(m), out);
-        if let ReflectionKind::Lobe { ggx, .. } = reflection.kind() {
-            let lobe = ggx.density(m.z) * ggx.masking(wi.z, wo.z.abs()) * wo.z;
+        if let ReflectionKind::Lobe { finish, .. } = reflection.kind() {
+            let raised = wo.with_z(wo.z.abs()).as_vec3();
+            let both = finish.density(m.as_vec3()) * finish.shadowing(wi.as_vec3(), raised);
+            let lobe = f64::from(both) * wo.z;
             out.iter_mut().for_each(|value| *value *= lobe);
         }
     }
@@ -60,7 +62,9 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
         let strength = if above { values.iter().map(|value| value * value).sum::<f64>().sqrt() } else { 0.0 };
         slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
         let scale = match reflection.kind() {
-            ReflectionKind::Lobe { ggx, .. } => 4.0 * ggx.visible_area(wi.z) / ggx.density(m.z),
+            ReflectionKind::Lobe { finish, .. } => {
+                4.0 * f64::from(finish.visible_area(wi.as_vec3()) / finish.density(m.as_vec3()))
+            }
             _ => 1.0,
         };
         for (c, value) in values.iter().enumerate() {
@@ -137,7 +141,10 @@ pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Conten
         balance(&mut spectra, &grid, channels)?;
     }
     let (density_of_facets, visible_area) = match reflection.kind() {
-        ReflectionKind::Lobe { ggx, .. } => (over_u(|cos| ggx.density(cos)), over_u(|cos| ggx.visible_area(cos))),
+        ReflectionKind::Lobe { finish, .. } => {
+            let at = |theta| direction(theta, 0.0).as_vec3();
+            (over_u(|theta| finish.density(at(theta)).into()), over_u(|theta| finish.visible_area(at(theta)).into()))
+        }
         _ => (over_u(|_| 1.0), over_u(|_| 0.25)),
     };
     let densities = grid.density.map(|density| density.0.iter().map(|d| *d as f32).collect());
