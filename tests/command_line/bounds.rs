@@ -120,7 +120,7 @@ fn what_fits_the_limits_and_not_the_memory_is_refused() {
         refused_within_little(&user, line, 1, says);
         assert!(!user.at("a.exr").exists());
     };
-    let what = ["not enough memory for a picture of 8192 × 8192 pixels, which takes 2.95 GB"];
+    let what = ["not enough memory for a picture of 8192 × 8192 pixels, which takes 2.68 GB"];
     short("render t.exr -o a.exr --size 8192 --quiet", &what);
     // Three million faces, whose text is short enough for the limit of a mesh file.
     let faces = "f 1 2 3\n".repeat(3_000_000);

@@ -77,9 +77,9 @@ fn a_bsdf_of_a_scatter_table_is_as_small_as_the_table_and_none_of_its_light_is_n
     // The green of pits is out of gamut.
     user.ok("estimate beetle-pits -o p.exr --incident 3x4 --half-vectors 5x8 --wavelengths 400:700:50 --rays 64 -q");
     user.ok("export p.exr --to bsdf --rgb --gamut keep -o keep.bsdf --quiet");
-    // φ_i repeats its first, the square of 8 steps is 9 × 9, and the warp has 33 × 33 knots.
+    // φ_i repeats its first, the square of 8 steps is 9 × 9, and the warp of lines has 13 × 65 knots.
     const SLICES: usize = 3 * 5;
-    let tensors = |channels: usize| 4 * SLICES * (33 * 33 + 81 * (channels + 1));
+    let tensors = |channels: usize| 4 * SLICES * (13 * 65 + 81 * (channels + 1));
     // D and σ, two rows of 4096 samples each, and names.
     let rest = 4 * 2 * 2 * 4096..4 * 2 * 2 * 4096 + 1024;
     assert!(rest.contains(&(user.read("t.bsdf").len() - tensors(7))));

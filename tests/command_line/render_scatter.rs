@@ -18,7 +18,7 @@ const EXACT: f64 = 1e-3;
 
 /// A table of a broad lobe that reddens and is twisted around the normal, with flat facets that reflect the fraction
 /// `flat`. It is not reciprocal, so that swapped directions show.
-fn twisted(flat: f32) -> ScatterTable {
+pub fn twisted(flat: f32) -> ScatterTable {
     let layout = ScatterLayout::new([6, 4], [9, 16], 1).unwrap();
     let rgb: Vec<[f32; 3]> = (0..layout.count())
         .map(|i| {
@@ -47,7 +47,7 @@ fn twisted(flat: f32) -> ScatterTable {
     }
 }
 
-fn save(user: &User, name: &str, table: &ScatterTable) {
+pub fn save(user: &User, name: &str, table: &ScatterTable) {
     file::write(&user.at(name), &table.clone().into(), 1).unwrap();
 }
 

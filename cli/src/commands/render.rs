@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use goniochrome::microfacet::Finish;
+
 use crate::commands::args::{RenderArgs, finish_choice};
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
@@ -69,9 +71,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         return Err(Error::usage(what));
     }
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
-    let finish = finish_choice(args.roughness, args.distribution);
-    let surface = Surface::new(&table, args.spectral, finish)
-        .map_err(|error| if error.exit_code() == 2 { error } else { name(error) })?;
+    let finish = finish(args, &table)?;
+    let surface = Surface::new(&table, args.spectral, finish).map_err(name)?;
     surface.check_not_black().map_err(name)?;
     let light = lamp.map_or_else(|| light(&args.env, args.running.quiet), |lamp| Ok(EnvironmentLight::Lamp(lamp)))?;
     let environment = Environment::new(light, args.env_turn);
@@ -119,6 +120,19 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         RenderFormat::Exr => film.exr(&format!("{} on {} in {} light", table.name(), args.mesh, args.env))?,
     };
     output::write_file(&args.output, &bytes)
+}
+
+/// The finish of a table's surface: by the options, else the table's own.
+fn finish(args: &RenderArgs, table: &Table) -> Result<Option<Finish>> {
+    let choice = finish_choice(args.roughness, args.distribution);
+    match table {
+        Table::Mirror(table) => choice.of(&table.metadata),
+        _ if choice.is_given() => Err(Error::usage(
+            "--roughness, --distribution: are for mirror-like tables, and this one has directions of its own; leave them \
+             out",
+        )),
+        _ => Ok(None),
+    }
 }
 
 /// How the options say that pixels are sampled.

@@ -16,7 +16,6 @@ use crate::render::{Background, Quality, Sampling, Stage, render};
 use crate::solve::colours::Colour;
 use crate::support::error::Result;
 use crate::support::output;
-use crate::table::finish::FinishChoice;
 use crate::table::mirror::MirrorTable;
 
 /// Width and height of a picture in pixels.
@@ -47,7 +46,7 @@ pub(super) fn draw(
     lights: Vec<(&str, EnvironmentLight)>,
     threads: usize,
 ) -> Result<Vec<String>> {
-    let surface = Surface::new(&table.into(), false, FinishChoice::default())?;
+    let surface = Surface::new(&table.into(), false, None)?;
     let shape = BodyShape::Mesh(TriangleMesh::teapot(DEFAULT_LEVEL));
     let mut memory = BvhMemory::default();
     let body = Body::new(&shape, &mut memory)?;

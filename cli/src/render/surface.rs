@@ -8,7 +8,6 @@ use super::orders::{OrderShading, OrderSurface};
 use super::viewed::SampledTable;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
-use crate::table::finish::FinishChoice;
 use crate::table::scatter::ScatterLookup;
 
 /// The reflection of a surface, for each channel in which light is traced.
@@ -44,18 +43,12 @@ impl Surface {
     ///
     /// # Errors
     /// A damaged table, a table without colours, or wavelengths that cannot tell colours apart.
-    pub fn new(table: &Table, spectral: bool, finish: FinishChoice) -> Result<Self> {
+    pub fn new(table: &Table, spectral: bool, finish: Option<Finish>) -> Result<Self> {
         table.check()?;
-        if finish.is_given() && !matches!(table, Table::Mirror(_)) {
-            return Err(Error::usage(
-                "--roughness, --distribution: are for mirror-like tables, and this one has directions of its own; leave \
-                 them out",
-            ));
-        }
         match table {
             Table::Mirror(mirror) => {
                 let (channels, values) = channels_and_values(table, spectral)?;
-                let (theta_deg, finish) = (mirror.theta_deg.clone(), finish.of(&mirror.metadata)?);
+                let theta_deg = mirror.theta_deg.clone();
                 Ok(Self { channels, reflectance: Reflectance::Mirror { theta_deg, values, finish } })
             }
             Table::Scatter(scatter) => {

@@ -8,7 +8,8 @@
 //!
 //! [stack]                             # plane layers, top to bottom
 //! ambient = 1.0                       # a medium: a number n, a pair [n, k] or the name of a material
-//! layers = [ { material = 2.4, thickness_nm = 180.0 },
+//! layers = [ { material = 2.4, thickness_nm = 180.0, spread_nm = 10.0 }, # spread: optional, of the thickness over
+//!                                     # the surface: the standard deviation of a Gaussian
 //!            { repeat = 2, layers = [ { material = "air", thickness_nm = 180.0 } ] } ]
 //! substrate = "mirror"                # a medium, or "mirror": a perfect mirror
 //!
@@ -57,7 +58,7 @@ use super::medium::OwnedMedium;
 use super::mesh::Mesh;
 use super::mesh_frame::MeshFrame;
 use super::model::{Periods, Scene, Shape};
-use super::parts::{Layer, MAX_LENGTH_NM, NamedInterface};
+use super::parts::{Layer, MAX_LENGTH_NM, NamedInterface, ThicknessSpread};
 use super::toml_value::{TomlItem, TomlTable};
 use super::{finish, placement, refractive_index_info, surface};
 use crate::support::error::Result;
@@ -81,6 +82,8 @@ struct SceneReader<'a> {
     folder: Option<&'a Path>,
     media: Media,
     files: Vec<PathBuf>,
+    /// Number of layers met so far, each entry once.
+    entries: u32,
 }
 
 /// Geometry of a scene as written.
@@ -117,7 +120,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     let name = root.get("name").map(|item| item.text()).transpose()?.unwrap_or(name);
     let name = one_line(name);
     let extrapolate = extrapolate(&root, Extrapolate::Refuse)?;
-    let mut reader = SceneReader { label, folder, media: Media::new(extrapolate), files: Vec::new() };
+    let mut reader = SceneReader { label, folder, media: Media::new(extrapolate), files: Vec::new(), entries: 0 };
     if let Some(materials) = root.get("materials") {
         for item in materials.table("[materials]")?.entries() {
             let medium = reader.material(&item, extrapolate)?;
@@ -287,7 +290,10 @@ impl SceneReader<'_> {
             } else {
                 let medium = self.medium(&table.require("material", "a number, a pair [n, k] or a material")?)?;
                 let thickness_nm = length(&table.require("thickness_nm", "thickness_nm = 100.0")?)?;
-                layers.push(Layer { medium, thickness_nm });
+                let sigma_nm = table.get("spread_nm").map_or(Ok(0.0), |item| length(&item))?;
+                let spread = ThicknessSpread { sigma_nm, entry: self.entries };
+                self.entries += 1;
+                layers.push(Layer { medium, thickness_nm, spread: (sigma_nm > 0.0).then_some(spread) });
             }
         }
         Ok(layers)
@@ -349,6 +355,9 @@ impl SceneReader<'_> {
         let below = table.require("below", "the medium behind the facet, or \"mirror\"")?;
         let below: Below = self.media.resolve_below(&below)?;
         let coating = table.get("coating").map_or(Ok(Vec::new()), |item| self.layers(&item))?;
+        if let (Some(item), true) = (table.get("coating"), coating.iter().any(|layer| layer.spread.is_some())) {
+            return Err(item.refuse("a coating has one thickness; remove spread_nm, which is for layers of a [stack]"));
+        }
         Ok(NamedInterface { name: item.key().to_owned(), interface: Interface { above, below }, coating })
     }
 }
@@ -356,9 +365,9 @@ impl SceneReader<'_> {
 /// Table of a layer, or of a repeated group of layers.
 fn layer_table<'a>(entry: &TomlItem<'a>) -> Result<TomlTable<'a>> {
     let table = entry.table("layer")?;
-    table.allow(&["material", "thickness_nm", "repeat", "layers"])?;
+    table.allow(&["material", "thickness_nm", "spread_nm", "repeat", "layers"])?;
     let group = ["repeat", "layers"].iter().any(|key| table.get(key).is_some());
-    let single = ["material", "thickness_nm"].iter().any(|key| table.get(key).is_some());
+    let single = ["material", "thickness_nm", "spread_nm"].iter().any(|key| table.get(key).is_some());
     match (group, single) {
         (true, true) => Err(table.refuse("either material and thickness_nm, or repeat and layers; not both")),
         (true, false) => table.require("repeat", "repeat = 10").map(|_| table.clone()),

@@ -30,6 +30,6 @@ pub use load::{load, parse, parse_columns, parse_mesh, parse_nk};
 pub use medium::OwnedMedium;
 pub use mesh::{Mesh, Triangle};
 pub use model::{Periods, Scene, Shape};
-pub use parts::{Layer, NamedInterface, NamedMedium};
+pub use parts::{Layer, NamedInterface, NamedMedium, ThicknessSpread};
 pub use planes::{FlatCell, Plane};
 pub use watertight::ClosedCell;

@@ -24,6 +24,17 @@ pub struct Layer {
     pub medium: MediumIndex,
     /// Thickness, 0 or more; a layer of no thickness is legal and does nothing.
     pub thickness_nm: f64,
+    /// Variation of the thickness from place to place, if the scene names one.
+    pub spread: Option<ThicknessSpread>,
+}
+
+/// Gaussian distribution of a layer's thickness over the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThicknessSpread {
+    /// Standard deviation, more than 0.
+    pub sigma_nm: f64,
+    /// The entry of the scene file, counted from 0. Layers that `repeat` makes of one entry vary together.
+    pub entry: u32,
 }
 
 /// Interface between two media, `[interface.NAME]` in a scene file.

@@ -119,7 +119,8 @@ fn coatings_become_films_that_push_the_rest_down() {
     };
     let [air, film, dark] = [0, 1, 2].map(|n| n as u16);
     let top = interfaces.iter_mut().find(|interface| interface.name == "top").unwrap();
-    top.coating = vec![Layer { medium: dark, thickness_nm: 7.0 }, Layer { medium: air, thickness_nm: 5.0 }];
+    let layer = |medium, thickness_nm| Layer { medium, thickness_nm, spread: None };
+    top.coating = vec![layer(dark, 7.0), layer(air, 5.0)];
     let (above, below) = (top.interface.above, top.interface.below);
     let found = planes(&mesh, &interfaces);
     assert_eq!(found.iter().map(|plane| plane.z_nm).collect::<Vec<_>>(), [50.0, 43.0, 38.0, -112.0]);

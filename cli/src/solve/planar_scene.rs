@@ -6,7 +6,7 @@ use goniochrome::optics::interface::{Below, Interface};
 use goniochrome::optics::medium::{Medium, MediumIndex};
 use goniochrome::optics::stack::{Boundary, Film, Stack, StackMemory};
 
-use crate::scene::{Layer, Plane, Scene, Shape};
+use crate::scene::{Layer, Plane, Scene, Shape, ThicknessSpread};
 use crate::solve::groups::media_of;
 use crate::support::error::{Error, Result};
 
@@ -17,7 +17,22 @@ pub struct PlanarScene<'s> {
     ambient: MediumIndex,
     layers: Vec<Film>,
     substrate: Below,
+    spreads: Vec<Spread>,
 }
+
+/// Gaussian variation of thickness that some layers share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spread {
+    /// Standard deviation of each layer.
+    sigma_nm: f64,
+    /// The entry of the scene file.
+    entry: u32,
+    /// Places of the layers.
+    layers: Vec<usize>,
+}
+
+/// Standard deviations to either side over which thicknesses are averaged. Beyond lie 6e-7 of a Gaussian.
+pub(super) const SPREAD_SIGMAS: f64 = 5.0;
 
 /// Memory that a [`Stack`] borrows: its interfaces, films and boundaries.
 #[derive(Debug)]
@@ -47,7 +62,13 @@ impl<'s> PlanarScene<'s> {
             // Thicknesses as written: differences of heights would be rounded.
             Shape::Stack { ambient, layers, substrate } => {
                 let film = |layer: &Layer| Film { medium: layer.medium, thickness_nm: layer.thickness_nm };
-                Self { scene, ambient: *ambient, layers: layers.iter().map(film).collect(), substrate: *substrate }
+                Self {
+                    scene,
+                    ambient: *ambient,
+                    layers: layers.iter().map(film).collect(),
+                    substrate: *substrate,
+                    spreads: spreads(scene, layers)?,
+                }
             }
             Shape::Planes(flat) => Self::of_planes(scene, flat.planes())?,
             Shape::Mesh(_) => {
@@ -79,7 +100,7 @@ impl<'s> PlanarScene<'s> {
         let memory = StackMemory { interfaces: &mut interfaces, films: &mut films, boundaries: &mut boundaries };
         let stack = cell.stack(memory).map_err(|error| named(&error))?;
         let layers = (0..stack.planes() - 1).map(|j| stack.film(j)).collect();
-        Ok(Self { scene, ambient: stack.ambient(), layers, substrate: stack.substrate() })
+        Ok(Self { scene, ambient: stack.ambient(), layers, substrate: stack.substrate(), spreads: Vec::new() })
     }
 
     /// Memory for [`PlanarScene::stack`].
@@ -127,6 +148,25 @@ impl<'s> PlanarScene<'s> {
         Ok((0..stack.planes() - 1).map(path).sum())
     }
 
+    /// The variations of thickness over the surface; empty for most scenes.
+    #[must_use]
+    pub fn spreads(&self) -> &[Spread] {
+        &self.spreads
+    }
+
+    /// The scene at a place where thicknesses differ from their means by so many standard deviations, one number for
+    /// each of [`PlanarScene::spreads`].
+    #[must_use]
+    pub(super) fn at_place(&self, deviations: &[f64]) -> Self {
+        let mut place = self.clone();
+        for (spread, deviation) in place.spreads.drain(..).zip(deviations) {
+            for layer in spread.layers {
+                place.layers[layer].thickness_nm += deviation * spread.sigma_nm;
+            }
+        }
+        place
+    }
+
     /// The number of layers between the outer media.
     #[must_use]
     pub fn layers(&self) -> usize {
@@ -138,4 +178,30 @@ impl<'s> PlanarScene<'s> {
     pub fn scene(&self) -> &'s Scene {
         self.scene
     }
+}
+
+/// The variations of the layers of a stack.
+///
+/// # Errors
+/// One that would make a thickness negative.
+fn spreads(scene: &Scene, layers: &[Layer]) -> Result<Vec<Spread>> {
+    let mut spreads: Vec<Spread> = Vec::new();
+    for (place, layer) in layers.iter().enumerate() {
+        let Some(ThicknessSpread { sigma_nm, entry }) = layer.spread else { continue };
+        let most = layer.thickness_nm / SPREAD_SIGMAS;
+        if sigma_nm > most {
+            return Err(Error::failed(format_args!(
+                "{}: layer {}: spread_nm {sigma_nm} is more than a fifth of the thickness {} nm, which would fall below 0; \
+                 it is at most {most}",
+                scene.name,
+                place + 1,
+                layer.thickness_nm
+            )));
+        }
+        match spreads.iter_mut().find(|spread| spread.entry == entry) {
+            Some(spread) => spread.layers.push(place),
+            None => spreads.push(Spread { sigma_nm, entry, layers: vec![place] }),
+        }
+    }
+    Ok(spreads)
 }

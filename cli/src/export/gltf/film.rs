@@ -76,6 +76,9 @@ impl SingleFilm {
         let name = &planar.scene().name;
         let refuse =
             |why: String| Err(Error::failed(format_args!("{name}: {why}; export a lut, which holds any stack")));
+        if !planar.spreads().is_empty() {
+            return refuse("its film has no single thickness (spread_nm)".into());
+        }
         let mut buffer = planar.buffer();
         let stack = planar.stack(&mut buffer)?;
         let films = stack.planes() - 1;
