@@ -1,6 +1,6 @@
-"""Compares finished tables with Mitsuba's rough conductor and rough dielectric; see `run` for the files. Arguments: their
-folder, and each table's name with its distribution and its roughness along x and y. Tables have constant indices, so
-that one wavelength is enough."""
+"""Compares finished tables with Mitsuba's rough conductor and rough dielectric; see `run` for the files. Arguments:
+their folder, and each table's name with its material, its distribution and its roughness along x and y. Tables have
+constant indices, so that one wavelength is enough."""
 import math
 import sys
 

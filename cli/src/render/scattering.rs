@@ -1,7 +1,8 @@
 //! Light that reaches the viewer from a surface that reflects into many directions.
 //!
-//! Directions are sampled by the surface's own density and, where the light is not the same everywhere, by the environment; the balance heuristic (Veach 1997)
-//! combines the two. Facet lobes come from directions of their own, which are all looked up.
+//! Directions are sampled by the surface's own density and, where the light is not the same everywhere, by the
+//! environment; the balance heuristic (Veach 1997) combines the two. Facet lobes come from directions of their own,
+//! which are all looked up.
 //!
 //! Of the ways to other parts of the body, only one is followed, chosen in proportion to what it reflects.
 

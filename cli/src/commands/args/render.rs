@@ -59,8 +59,8 @@ pub struct RenderArgs {
     /// Diffraction orders and facet lobes: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,
-    /// Mirror-like tables: the roughness α of the surface, in (0, 1], or two numbers along the tangent and the binormal;
-    /// 0 is a mirror [default: the table's finish]
+    /// Mirror-like tables: the roughness α of the surface, in (0, 1], or two numbers along the tangent and the
+    /// binormal; 0 is a mirror [default: the table's finish]
     #[arg(long, value_name = "ALPHA[,ALPHA]", value_parser = roughness_or_mirror, allow_hyphen_values = true)]
     pub roughness: Option<RoughnessArg>,
     /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]

@@ -26,8 +26,8 @@ const KINDS: &[(&str, Interfaces, Generator)] = &[
 type Interfaces = fn(&TomlTable<'_>) -> &'static [&'static str];
 type Generator = fn(&TomlTable<'_>, &mut Builder<'_>) -> Result<()>;
 
-/// Makes the mesh of `surface = { … }`; `names` are the scene's interfaces, and `find` gives the path of a file that the
-/// scene names.
+/// Makes the mesh of `surface = { … }`; `names` are the scene's interfaces, and `find` gives the path of a file that
+/// the scene names.
 pub(in crate::scene) fn build(
     item: &TomlItem<'_>,
     label: &str,

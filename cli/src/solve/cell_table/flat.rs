@@ -53,8 +53,8 @@ pub(super) fn flat_normals(mesh_scene: &MeshScene<'_>) -> Vec<DVec3> {
     flat.into_iter().map(|(_, (normal, _))| normal).collect()
 }
 
-/// Whether the surface does not vary along x or along y. Then light has no part of half vectors along the lines, however
-/// often it is reflected.
+/// Whether the surface does not vary along x or along y. Then light has no part of half vectors along the lines,
+/// however often it is reflected.
 pub(super) fn is_of_lines(mesh_scene: &MeshScene<'_>) -> bool {
     let mut along = DVec3::ZERO;
     for ([a, b, c], _, _) in mesh_scene.triangles() {

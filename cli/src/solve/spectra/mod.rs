@@ -4,6 +4,7 @@ mod request;
 mod samples;
 mod hit_by_hit;
 mod planar_grid;
+mod one_place;
 mod places;
 
 use crate::solve::planar_scene::PlanarScene;
@@ -26,24 +27,7 @@ pub fn spectra(
     progress: &(dyn Fn() + Sync),
 ) -> Result<Spectra> {
     if planar.spreads().is_empty() {
-        return at_one_place(planar, theta_deg, wavelength_nm, request, progress);
+        return one_place::spectra(planar, theta_deg, wavelength_nm, request, progress);
     }
     places::mean(planar, theta_deg, wavelength_nm, request, progress)
-}
-
-/// Spectra where all thicknesses are as written.
-fn at_one_place(
-    planar: &PlanarScene<'_>,
-    theta_deg: &[f64],
-    wavelength_nm: &[f64],
-    request: &SpectraRequest,
-    progress: &(dyn Fn() + Sync),
-) -> Result<Spectra> {
-    let found = planar_grid::compute(planar, theta_deg, wavelength_nm, request, progress)?;
-    if request.method != Method::Hits {
-        return Ok(found);
-    }
-    let closed = SpectraRequest { method: Method::Trace, ..*request };
-    let closed = planar_grid::compute(planar, theta_deg, wavelength_nm, &closed, &|| ())?;
-    Ok(hit_by_hit::replace_unconverged(found, &closed, request.precision))
 }

@@ -1,15 +1,15 @@
 //! Means over the places of a surface whose layers vary in thickness.
 //!
-//! The mean over a Gaussian is taken by the trapezoidal rule, which converges exponentially: a fringe exp(iκx) of x, the
-//! thickness in standard deviations, comes out as it should but for terms exp(−(2πj/h − κ)²/2), j ≥ 1, for a step h. A
-//! step that is too long for a fringe therefore gives a wrong mean, and another step another one, unless they divide
-//! each other. So steps shrink by the golden ratio until two means agree.
+//! The mean over a Gaussian is taken by the trapezoidal rule, which converges exponentially: a fringe exp(iκx) of x,
+//! the thickness in standard deviations, comes out as it should but for terms exp(−(2πj/h − κ)²/2), j ≥ 1, for a step
+//! h. A step that is too long for a fringe therefore gives a wrong mean, and another step another one, unless they
+//! divide each other. So steps shrink by the golden ratio until two means agree.
 
 use std::sync::Mutex;
 
 use goniochrome::simd::complex::Polarised;
 
-use super::at_one_place;
+use super::one_place::spectra;
 use super::request::SpectraRequest;
 use super::samples::{Sample, Spectra};
 use crate::solve::planar_scene::{PlanarScene, SPREAD_SIGMAS};
@@ -124,7 +124,7 @@ fn by_rule(
             rest /= side;
         }
         let weight = (-0.5 * deviations.iter().map(|x| x * x).sum::<f64>()).exp();
-        let here = at_one_place(&planar.at_place(&deviations), &[theta], wavelength_nm, request, &|| ())?;
+        let here = spectra(&planar.at_place(&deviations), &[theta], wavelength_nm, request, &|| ())?;
         whole += weight;
         for (sum, sample) in mean.samples.iter_mut().zip(&here.samples) {
             *sum = added(sum, &scaled(sample, weight));
