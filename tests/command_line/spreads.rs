@@ -61,7 +61,7 @@ fn repeated_layers_vary_together_and_what_cannot_vary_is_refused() {
     user.refused("spectrum thin.toml", 1, &["layer 1: spread_nm 30", "at most 20"]);
     user.write("film.toml", stack(one));
     user.refused("export film.toml --to gltf -o f.gltf", 1, &["spread_nm", "export a lut"]);
-    let many = vec![one; 5].join(", ");
+    let many = [one; 5].join(", ");
     user.write("many.toml", stack(&many));
     user.refused("spectrum many.toml --theta 0", 1, &["more than 40000", "fewer layers"]);
 }
