@@ -89,10 +89,17 @@ fn erf_inverse(x: f32) -> f32 {
 }
 
 /// cos θ (1 + Λ) of Smith's Λ, the area of the visible facets, for the root s = sin θ α(φ).
+///
+/// erf is the polynomial of Abramowitz & Stegun (1964), 7.1.26, in 1/(1 + 0.3275911 a), times an exponential that the
+/// area needs anyway; it errs by at most 1.5e-7.
 #[inline]
 pub(super) fn visible_area(cos: f32, root: f32) -> f32 {
+    const COEFFICIENTS: [f32; 5] = [1.061_405_4, -1.453_152, 1.421_413_7, -0.284_496_74, 0.254_829_6];
     let a = cos / root.max(f32::MIN_POSITIVE);
-    0.5 * (cos * (1.0 + erff(a)) + root * INV_SQRT_PI * expf(-a * a))
+    let tail = expf(-a * a);
+    let t = 1.0 / (1.0 + 0.327_591_1 * a);
+    let erf = 1.0 - tail * COEFFICIENTS.into_iter().fold(0.0, |sum, c| (sum + c) * t);
+    0.5 * (cos * (1.0 + erf) + root * INV_SQRT_PI * tail)
 }
 
 /// The density of normals with a squared slope in units of the roughness, tan²θ_m of a surface of roughness 1, over
