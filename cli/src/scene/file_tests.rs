@@ -64,7 +64,7 @@ fn syntax_and_keys_are_refused_by_place() {
     assert!(message.starts_with("s.toml:2:11: not valid TOML: "), "{message}");
     assert_eq!(
         refusal(&stack("[ { material = 2, thicknes = 1 } ]")),
-        "s.toml:3:28: unknown key \"thicknes\" in layer; nearest is \"thickness_nm\" (known: material, thickness_nm, repeat, layers)"
+        "s.toml:3:28: unknown key \"thicknes\" in layer; nearest is \"thickness_nm\" (known: material, thickness_nm, spread_nm, repeat, layers)"
     );
     assert!(refusal("[stak]\n").starts_with("s.toml:1:2: unknown key \"stak\" in the scene; nearest is \"stack\""));
     assert!(
