@@ -37,15 +37,16 @@ fn a_scenes_finish_travels_with_its_table_and_options_replace_it() {
             assert!((f / expected - 1.0).abs() <= SINGLE, "{more}: {f} {expected}");
         }
     }
-    // The finish is in the table, not in what `lookup` reads of the scene.
     user.refused("lookup film.exr --wi 0,0", 2, &["--wo is missing", "finish"]);
     user.refused(
         "export film.exr --to merl -o f.binary",
         2,
         &["roughness 0.1 along x and 0.4 along y", "--roughness 0.1"],
     );
-    let said = user.ok("export film.exr --to blob -o f.gonio").stderr;
-    assert!(said.contains("without the finish"), "{said}");
+    for export in ["film.exr --to blob -o f.gonio", "film.exr --to lut -o f.png", "film.toml --to lut -o g.png"] {
+        let said = user.ok(&format!("export {export}")).stderr;
+        assert!(said.contains("without the finish"), "{export}: {said}");
+    }
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::scene::{Scene, load, parse};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
+use crate::table::finish::is_finished;
 use crate::table::metadata::MetadataKey;
 use crate::table::{Table, file};
 
@@ -62,7 +63,7 @@ fn write_blob(args: &ExportArgs) -> Result<()> {
     let source = Path::new(&args.source);
     output::check_destination(&args.output, slice::from_ref(&source.to_owned()))?;
     let table = read_table(args)?;
-    note_on_finish(args, &table);
+    note_on_finish(args, is_finished(table.metadata()));
     let precision = if args.half { Precision::Half } else { Precision::Single };
     let bytes =
         blob::encode(&table, precision).map_err(|error| Error::failed(format_args!("{}: {error}", args.source)))?;
@@ -71,9 +72,9 @@ fn write_blob(args: &ExportArgs) -> Result<()> {
     Ok(())
 }
 
-/// Says that a format holds a table's reflectance without its finish.
-fn note_on_finish(args: &ExportArgs, table: &Table) {
-    if table.metadata().get(MetadataKey::FinishRoughness).is_some() {
+/// Says that a format holds the reflectance of a table or scene without its finish.
+fn note_on_finish(args: &ExportArgs, finished: bool) {
+    if finished {
         let name = spelled(args.to);
         note(args.quiet, format_args!("{}: {name} holds the reflectance without the finish", args.output.display()));
     }
@@ -173,6 +174,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         }
         match file::read(path)? {
             Table::Mirror(table) => {
+                note_on_finish(args, is_finished(&table.metadata));
                 let named = |error: Error| Error::failed(format_args!("{}: {error}", args.source));
                 let mut lut = Lut::of_table(&table, width).map_err(named)?;
                 if to_png {
@@ -197,6 +199,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         }
     } else {
         let scene = load(&args.source)?;
+        note_on_finish(args, scene.finish.is_some());
         output::check_destination(&args.output, &scene.files)?;
         Lut::of_scene(&scene, width, args.vary)?
     };
@@ -228,6 +231,7 @@ fn gltf(args: &ExportArgs) -> Result<()> {
     let path = Path::new(&args.source);
     let scene = if is_table(path) { scene_of_table(path)? } else { load(&args.source)? };
     output::check_destination(&args.output, &scene.files)?;
+    note_on_finish(args, scene.finish.is_some());
     let fitted = Fitted::new(&scene)?;
     output::write_text(&args.output, &fitted.json())?;
     for line in fitted.report() {

@@ -16,7 +16,7 @@ use crate::support::output;
 use crate::support::progress::note;
 use crate::support::text::one_line;
 use crate::table::Table;
-use crate::table::finish::FinishChoice;
+use crate::table::finish::is_finished;
 
 /// The length of the longest file of pairs: 64 MiB.
 const MAX_BYTES: u64 = 64 << 20;
@@ -43,8 +43,9 @@ pub fn run(args: &LookupArgs) -> Result<()> {
     }
     let table = source.table(args.quiet)?;
     let deltas = Deltas::new(&table)?;
-    let has_f = with_width || matches!(table, Table::Scatter(_)) || is_finished(&table)?;
-    if is_finished(&table)? && !to_viewer {
+    let finished = is_finished(table.metadata());
+    let has_f = with_width || matches!(table, Table::Scatter(_)) || finished;
+    if finished && !to_viewer {
         return Err(Error::usage(
             "--wo is missing: the table has a finish, which reflects into all directions; give it, as --wo 45,180",
         ));
@@ -57,14 +58,6 @@ pub fn run(args: &LookupArgs) -> Result<()> {
                 "--wo is missing: the table has no exact directions, and f needs the direction towards the viewer";
             Err(Error::usage(format_args!("{what}; give it, as --wo 45,180")))
         }
-    }
-}
-
-/// Whether a mirror-like table is rough.
-fn is_finished(table: &Table) -> Result<bool> {
-    match table {
-        Table::Mirror(table) => Ok(FinishChoice::default().of(&table.metadata)?.is_some()),
-        _ => Ok(false),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::commands::table_source::TableSource;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
-use crate::table::metadata::MetadataKey;
+use crate::table::finish::is_finished;
 use crate::view::page;
 
 pub fn run(args: &PageArgs) -> Result<()> {
@@ -18,7 +18,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
     output::check_destination(&args.output, &source.files())?;
     let table = source.table(args.quiet)?;
     let spread = spread(args.spread, &table)?;
-    if table.metadata().get(MetadataKey::FinishRoughness).is_some() {
+    if is_finished(table.metadata()) {
         note(args.quiet, format_args!("{}: the page shows a mirror, without the finish", args.output.display()));
     }
     let html =

@@ -85,14 +85,6 @@ impl<'a> TomlItem<'a> {
         self.as_text().ok_or_else(|| self.refuse(format_args!("expected a text in quotes, found {}", self.found())))
     }
 
-    /// Value as true or false.
-    pub fn boolean(&self) -> Result<bool> {
-        match self.value.get_ref() {
-            DeValue::Boolean(x) => Ok(*x),
-            _ => Err(self.refuse(format_args!("expected true or false, found {}", self.found()))),
-        }
-    }
-
     pub fn as_text(&self) -> Option<&'a str> {
         match self.value.get_ref() {
             DeValue::String(text) => Some(text),

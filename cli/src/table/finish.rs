@@ -30,6 +30,12 @@ pub fn keep(finish: &Finish, metadata: &mut Metadata) {
     metadata.insert(MetadataKey::FinishMasking, name_of(&MASKINGS, finish.masking()));
 }
 
+/// Whether a table's metadata hold a finish.
+#[must_use]
+pub fn is_finished(metadata: &Metadata) -> bool {
+    metadata.get(MetadataKey::FinishRoughness).is_some()
+}
+
 /// The finish that a table's metadata hold.
 fn kept(metadata: &Metadata) -> Result<Option<Finish>> {
     let Some(text) = metadata.get(MetadataKey::FinishRoughness) else { return Ok(None) };

@@ -32,7 +32,7 @@ pub(super) fn build(table: &TomlTable<'_>, builder: &mut Builder<'_>) -> Result<
             other => return Err(item.refuse(format_args!("{other:?} is unknown; write \"mirror\" or \"wrap\""))),
         },
     };
-    let level = table.get("level").map(|item| item.boolean()).transpose()?.unwrap_or(mirror);
+    let level = table.get("level").map(|item| item.flag()).transpose()?.unwrap_or(mirror);
     let map = grey_map::read(&(builder.find)(&file)?)?;
     let pixels = map.size.map(|n| if mirror { 2 * n } else { n });
     let grid = match table.get("grid") {

@@ -5,8 +5,6 @@
 //! h. A step that is too long for a fringe therefore gives a wrong mean, and another step another one, unless they
 //! divide each other. So steps shrink by the golden ratio until two means agree.
 
-use std::sync::Mutex;
-
 use goniochrome::simd::complex::Polarised;
 
 use super::one_place::spectra;
@@ -35,36 +33,18 @@ pub(super) fn mean(
     request: &SpectraRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Spectra> {
-    let rows = Mutex::new(vec![None; theta_deg.len()]);
-    let failed = Mutex::new(None);
-    let lock = |error: &Mutex<Option<Error>>| error.lock().is_ok_and(|error| error.is_some());
     let one = SpectraRequest { threads: 1, ..*request };
+    let mut rows: Vec<Option<Result<Spectra>>> = theta_deg.iter().map(|_| None).collect();
+    let work = rows.iter_mut().zip(theta_deg);
     parallel::for_each(
         request.threads,
-        theta_deg.iter().enumerate(),
+        work,
         || (),
-        |(), (place, theta)| {
-            if lock(&failed) {
-                return;
-            }
-            match row(planar, *theta, wavelength_nm, &one) {
-                Ok(row) => {
-                    if let Ok(mut rows) = rows.lock() {
-                        rows[place] = Some(row);
-                    }
-                }
-                Err(error) => {
-                    if let Ok(mut failed) = failed.lock() {
-                        *failed = Some(error);
-                    }
-                }
-            }
+        |(), (out, theta)| {
+            *out = Some(row(planar, *theta, wavelength_nm, &one));
             progress();
         },
     );
-    if let Some(error) = failed.into_inner().unwrap_or(None) {
-        return Err(error);
-    }
     let mut mean = Spectra {
         theta_deg: theta_deg.to_vec(),
         wavelength_nm: wavelength_nm.to_vec(),
@@ -72,7 +52,8 @@ pub(super) fn mean(
         fell_back: 0,
         recomputed: 0,
     };
-    for row in rows.into_inner().unwrap_or_default().into_iter().flatten() {
+    for row in rows.into_iter().flatten() {
+        let row = row?;
         mean.samples.extend(row.samples);
         mean.fell_back += row.fell_back;
         mean.recomputed += row.recomputed;
