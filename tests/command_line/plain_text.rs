@@ -156,6 +156,7 @@ fn tables_of_strangers_give_plain_text_in_every_output() {
             reflectance_p: vec![0.4; 9],
             rgb: vec![[0.4, 0.5, 0.6]; 3],
             metadata: keys.map(|key| (key, name.clone())).into_iter().collect(),
+            ..MirrorTable::default()
         };
         let bytes = file::encode(&table.into(), 1).unwrap();
         let file = format!("t{name}.exr");

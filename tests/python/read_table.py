@@ -3,7 +3,7 @@
 
     python3 tests/python/read_table.py table.exr
 
-A 2D table of a mirror-like surface gives rho[angle, wavelength], the angles and the wavelengths. A 4D table of a cell
+A 2D table of a mirror-like surface gives rho[angle, wavelength], the angles and the wavelengths; over a thickness rho[thickness, angle, wavelength]. A 4D table of a cell
 gives s[theta_i, phi_i, phi_m, theta_m, wavelength] = f cos theta_i cos theta_o in 1/sr, the angles of incidence, the
 angles of the half vectors, the wavelengths, rho[theta_i, phi_i, lobe, wavelength] and the numbers of the lobes. A table
 of orders gives the unpolarised strengths of the reflected
@@ -22,7 +22,8 @@ def read(path):
     wavelength_nm = numbers("wavelength_nm")
     spectra = np.stack([channels["T." + f"{nm:.6f}nm".replace(".", ",")].pixels for nm in wavelength_nm], axis=-1)
     if header["goniochrome.kind"] == "mirror":
-        return spectra[0], numbers("theta_deg"), wavelength_nm
+        spectra = spectra if "goniochrome.thickness_nm" in header else spectra[0]
+        return spectra, numbers("theta_deg"), wavelength_nm
     if header["goniochrome.kind"] == "orders":
         orders, angles = numbers("orders").reshape(-1, 2), [numbers("beta_deg"), numbers("alpha_deg")]
         return spectra.reshape(len(orders), *map(len, angles), -1), orders, *angles, wavelength_nm

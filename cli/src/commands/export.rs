@@ -6,6 +6,7 @@ use std::slice;
 use goniochrome::table::blob::Precision;
 
 use crate::commands::args::{ExportArgs, ExportKind, Origin, finish_choice, spelled};
+use crate::commands::thickness_option::one_surface;
 use crate::export::blob;
 use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
@@ -39,7 +40,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     if args.to == ExportKind::OrderLut {
         return order_lut(args, &inputs);
     }
-    let table = read_table(args)?;
+    let table = one_surface(read_table(args)?, args.thickness)?;
     let named = |error: Error| {
         let line = format!("{}: {error}", args.source);
         if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
@@ -115,6 +116,12 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (
             args.distribution.is_some(),
             "distribution",
+            matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
+            "merl and bsdf",
+        ),
+        (
+            args.thickness.is_some(),
+            "thickness",
             matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
             "merl and bsdf",
         ),

@@ -8,6 +8,7 @@ use crate::colour::space_name;
 use crate::commands::args::{DirectionArg, LookupArgs, finish_choice};
 use crate::commands::csv_file::{number, write_csv};
 use crate::commands::table_source::TableSource;
+use crate::commands::thickness_option::one_surface;
 use crate::export::{Delta, Deltas, LobeWidth, RGB, Reflection};
 use crate::solve::precision::Precision;
 use crate::support::error::{Error, Result};
@@ -41,7 +42,7 @@ pub fn run(args: &LookupArgs) -> Result<()> {
     if with_width && !to_viewer {
         return Err(Error::usage("--roughness, --spread: are for f, which needs --wo; give it, or leave them out"));
     }
-    let table = source.table(args.quiet)?;
+    let table = one_surface(source.table(args.quiet)?, args.thickness)?;
     let deltas = Deltas::new(&table)?;
     let finished = is_finished(table.metadata());
     let has_f = with_width || matches!(table, Table::Scatter(_)) || finished;

@@ -17,6 +17,7 @@ mod scatter;
 mod orders;
 mod compare;
 mod sampling;
+mod thickness_option;
 mod lookup;
 mod plot;
 mod spread_option;

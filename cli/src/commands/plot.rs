@@ -5,6 +5,7 @@ use goniochrome::table::Periodicity;
 use crate::commands::args::{OrderArg, PlotArgs, PlotKind};
 use crate::commands::pictures::save_picture;
 use crate::commands::table_source::TableSource;
+use crate::commands::thickness_option::one_surface;
 use crate::plot::{Picture, PictureFormat, tables};
 use crate::support::error::{Error, Result};
 use crate::support::output;
@@ -28,7 +29,7 @@ pub fn run(args: &PlotArgs) -> Result<()> {
     if !args.phi.is_finite() {
         return Err(Error::usage(format_args!("--phi {}: the azimuth must be finite", args.phi)));
     }
-    let table = source.table(args.quiet)?;
+    let table = one_surface(source.table(args.quiet)?, args.thickness)?;
     let name = table.name();
     let theta = args.theta.as_ref().map(|angles| angles.0.as_slice());
     let of_cells = args.theta_out.is_some() || args.phi_out.is_some();

@@ -3,6 +3,7 @@
 use crate::commands::args::PageArgs;
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
+use crate::commands::thickness_option::one_surface;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
@@ -16,7 +17,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
     }
     let source = TableSource::find(&args.table)?;
     output::check_destination(&args.output, &source.files())?;
-    let table = source.table(args.quiet)?;
+    let table = one_surface(source.table(args.quiet)?, args.thickness)?;
     let spread = spread(args.spread, &table)?;
     if is_finished(table.metadata()) {
         note(args.quiet, format_args!("{}: the page shows a mirror, without the finish", args.output.display()));

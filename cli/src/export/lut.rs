@@ -6,7 +6,6 @@
 //! into the gamut. The header describes the texels: see [`Lut::about`].
 
 use std::collections::BTreeMap;
-use std::str::FromStr;
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{Vec2, f16};
@@ -16,12 +15,13 @@ use goniochrome::optics::interface::Model;
 use super::half_exr;
 use super::shader::ShaderLanguage;
 use crate::colour::space_name;
-use crate::scene::{Scene, Shape};
+use crate::scene::Scene;
+use crate::scene::vary::Vary;
 use crate::solve::integral::Integral;
 use crate::solve::planar_scene::PlanarScene;
 use crate::solve::precision::Precision;
 use crate::solve::spectra::{Method, SpectraRequest};
-use crate::support::error::{Error, Result};
+use crate::support::error::Result;
 use crate::support::parallel;
 use crate::support::text;
 use crate::table::file::PREFIX;
@@ -40,39 +40,6 @@ pub struct Lut {
     pub(super) facts: BTreeMap<&'static str, String>,
     /// Thickness of the varied layer in the first and the last row, in nm.
     pub rows_nm: Option<[f64; 2]>,
-}
-
-/// A layer of varied thickness, written as `LAYER=FROM:TO:STEPS` such as `1=100:800:64`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vary {
-    /// The layer, counted from 1 at the top.
-    pub layer: usize,
-    /// First and last thickness in nm.
-    pub range_nm: [f64; 2],
-    /// Number of rows, ends included.
-    pub steps: u16,
-}
-
-/// Largest number of rows; a row has at most as many columns.
-const MAX_STEPS: u16 = 4096;
-
-impl FromStr for Vary {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let parsed = || {
-            let (layer, range) = text.split_once('=')?;
-            let [from, to, steps] = range.split(':').collect::<Vec<_>>().try_into().ok()?;
-            let length = |text: &str| text.parse::<f64>().ok().filter(|nm| nm.is_finite() && *nm >= 0.0);
-            let layer = layer.parse().ok().filter(|layer| *layer > 0)?;
-            let steps = steps.parse().ok().filter(|steps| (2..=MAX_STEPS).contains(steps))?;
-            Some(Self { layer, range_nm: [length(from)?, length(to)?], steps })
-        };
-        match parsed() {
-            Some(vary) if vary.range_nm[0] < vary.range_nm[1] => Ok(vary),
-            _ => Err(format!("expected LAYER=FROM:TO:STEPS such as 1=100:800:64, FROM < TO, 2 to {MAX_STEPS} steps")),
-        }
-    }
 }
 
 /// The angle θ of each column, in degrees.
@@ -102,28 +69,15 @@ impl Lut {
     /// A scene that is not planar, has no such layer, or names media that are unknown at visible wavelengths.
     pub fn of_scene(scene: &Scene, width: usize, vary: Option<Vary>) -> Result<Self> {
         let facts = facts(&scene.name, Illuminant::D65);
-        let Some(Vary { layer, range_nm: [from, to], steps }) = vary else {
+        let Some(vary) = vary else {
             return Ok(Self { width, texels: row(scene, width)?, facts, ..Self::default() });
         };
-        let mut scene = scene.clone();
-        let mut texels = Vec::with_capacity(width * usize::from(steps));
-        for step in 0..steps {
-            let thickness_nm = from + (to - from) * f64::from(step) / f64::from(steps - 1);
-            let Shape::Stack { layers, .. } = &mut scene.shape else {
-                return Err(Error::usage(format_args!("--vary: {} has no [stack] of layers", scene.name)));
-            };
-            let count = layers.len();
-            let Some(varied) = layers.get_mut(layer - 1) else {
-                return Err(Error::usage(format_args!(
-                    "--vary {layer}=…: {} has {count} layers; name one of them, 1 is the top",
-                    scene.name
-                )));
-            };
-            varied.thickness_nm = thickness_nm;
-            texels.extend(row(&scene, width)?);
+        let mut texels = Vec::with_capacity(width * usize::from(vary.steps));
+        for thickness_nm in vary.thicknesses() {
+            texels.extend(row(&vary.scene_at(scene, thickness_nm)?, width)?);
         }
-        let mut lut = Self { width, texels, facts, rows_nm: Some([from, to]), ..Self::default() };
-        lut.facts.insert("varied_layer", layer.to_string());
+        let mut lut = Self { width, texels, facts, rows_nm: Some(vary.range_nm), ..Self::default() };
+        lut.facts.insert("varied_layer", vary.layer.to_string());
         Ok(lut)
     }
 

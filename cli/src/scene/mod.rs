@@ -20,6 +20,7 @@ mod planes;
 mod finish;
 mod model;
 mod file;
+pub mod vary;
 pub mod presets;
 mod load;
 

@@ -3,7 +3,7 @@
 use goniochrome::colour::{Illuminant, Quadrature, RgbSpace, xyz};
 
 use crate::colour::visible_weights;
-use crate::solve::spectra::Spectra;
+use crate::solve::spectra::{Sample, Spectra};
 use crate::support::error::Result;
 
 /// A colour at one angle.
@@ -27,7 +27,7 @@ impl Colour {
     }
 }
 
-/// The colours of unpolarised reflectance, one for each angle of a grid.
+/// The colours of unpolarised reflectance, one for each row of samples.
 ///
 /// # Errors
 /// None of the wavelengths is visible.
@@ -37,10 +37,24 @@ pub fn colours(
     space: RgbSpace,
     quadrature: Quadrature,
 ) -> Result<Vec<Colour>> {
+    colours_of(spectra, Sample::mean_reflectance, illuminant, space, quadrature)
+}
+
+/// The colours of a power, one for each row of samples.
+///
+/// # Errors
+/// None of the wavelengths is visible.
+pub fn colours_of(
+    spectra: &Spectra,
+    power: fn(&Sample) -> f64,
+    illuminant: Illuminant,
+    space: RgbSpace,
+    quadrature: Quadrature,
+) -> Result<Vec<Colour>> {
     let weights = visible_weights(&spectra.wavelength_nm, illuminant, quadrature)?;
-    let colour = |angle| {
-        let xyz = xyz(&weights, spectra.row(angle).iter().map(|sample| sample.mean_reflectance()));
+    let colour = |row| {
+        let xyz = xyz(&weights, spectra.row(row).iter().map(power));
         Colour { xyz, rgb: space.from_xyz(xyz) }
     };
-    Ok((0..spectra.theta_deg.len()).map(colour).collect())
+    Ok((0..spectra.rows()).map(colour).collect())
 }

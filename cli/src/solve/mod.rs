@@ -3,6 +3,7 @@
 pub mod precision;
 pub mod groups;
 pub mod planar_scene;
+pub mod backing;
 pub mod mesh_scene;
 pub mod spectra;
 pub mod colours;

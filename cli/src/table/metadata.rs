@@ -47,6 +47,8 @@ pub enum MetadataKey {
     ImbalanceMax,
     /// Warnings that the command printed; absent without one.
     Warning,
+    /// The medium behind a transparent planar scene: `ambient`, as in front, or `body`.
+    Backing,
     /// Roughness α of a finish along x and y.
     FinishRoughness,
     /// Distribution of the facets of a finish: `ggx` or `beckmann`.
@@ -77,6 +79,7 @@ impl AsRef<str> for MetadataKey {
             Self::FellBack => "fell_back",
             Self::ImbalanceMax => "imbalance_max",
             Self::Warning => "warning",
+            Self::Backing => "backing",
             Self::FinishRoughness => "finish_roughness",
             Self::FinishDistribution => "finish_distribution",
             Self::FinishMasking => "finish_masking",

@@ -7,6 +7,7 @@ use clap::{Args, FromArgMatches as _};
 
 use crate::commands::args::shared::{Colouring, Computing};
 use crate::commands::args::values::{Bins, positive};
+use crate::scene::vary::Vary;
 use crate::solve::grid::Wavelengths;
 use crate::solve::scatter::Coherence;
 
@@ -28,6 +29,10 @@ pub struct EstimateArgs {
     /// planar scene need [default: auto, for cells 380:780:10]
     #[arg(long, allow_hyphen_values = true)]
     pub wavelengths: Option<Wavelengths>,
+    /// Planar scenes: a table over the thickness of a layer, counted from 1 at the top, in nm: LAYER=FROM:TO:STEPS such
+    /// as 1=100:800:141
+    #[arg(long, value_name = "LAYER=FROM:TO:STEPS")]
+    pub vary: Option<Vary>,
     /// How a cell of tilted facets is sampled
     #[command(flatten)]
     pub cell: CellSampling,

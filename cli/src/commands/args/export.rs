@@ -7,7 +7,7 @@ use goniochrome::microfacet::Distribution;
 
 use crate::commands::args::values::{RoughnessArg, distribution, spread};
 use crate::export::bsdf::Gamut;
-use crate::export::lut::Vary;
+use crate::scene::vary::Vary;
 
 /// Arguments of `export`.
 #[derive(Debug, Args)]
@@ -23,6 +23,9 @@ pub struct ExportArgs {
     /// blob: values in half precision
     #[arg(long)]
     pub half: bool,
+    /// merl and bsdf of tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
+    #[arg(long, value_name = "NM")]
+    pub thickness: Option<f64>,
     /// merl and bsdf of mirror-like tables: the roughness α of the facets that make the lobe, in (0, 1] [default: that
     /// of the table's finish]
     #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true)]

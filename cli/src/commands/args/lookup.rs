@@ -23,6 +23,9 @@ pub struct LookupArgs {
     /// pair in each line, with or without a header
     #[arg(long, value_name = "FILE", conflicts_with_all = ["wi", "wo"])]
     pub pairs: Option<PathBuf>,
+    /// Tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
+    #[arg(long, value_name = "NM")]
+    pub thickness: Option<f64>,
     /// Mirror-like tables: f of facets of this roughness α in (0, 1], along x and y if there are two, as `export` takes
     /// it [default: the table's finish; without one the reflectance and the mirror direction are printed]
     #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true)]

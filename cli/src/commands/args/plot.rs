@@ -55,6 +55,9 @@ pub struct PlotArgs {
     /// Spectra of cells: azimuth of the direction towards the viewer [default: opposite to the light, as in a mirror]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub phi_out: Option<f64>,
+    /// Tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
+    #[arg(long, value_name = "NM")]
+    pub thickness: Option<f64>,
     /// Spectrum, angles and map of diffraction orders: the order to draw, as M or M,N; repeat it for more [default: the
     /// strongest; for the map all together]
     #[arg(long = "order", value_name = "M[,N]", allow_hyphen_values = true)]

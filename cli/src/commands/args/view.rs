@@ -13,6 +13,9 @@ pub struct PageArgs {
     /// The page (.html): one file that needs no network
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
+    /// Tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
+    #[arg(long, value_name = "NM")]
+    pub thickness: Option<f64>,
     /// Diffraction orders: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,

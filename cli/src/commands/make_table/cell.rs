@@ -34,6 +34,9 @@ pub(super) fn scatter_table(
     if args.angles.is_some() {
         return Err(refuse("--angles", "name its directions by --incident"));
     }
+    if args.vary.is_some() {
+        return Err(refuse("--vary", "it is for the layers of a [stack]"));
+    }
     if args.computing.model != ModelArg::Physical {
         return Err(refuse("--model", "they are traced by exact physics alone"));
     }

@@ -2,6 +2,7 @@
 
 use crate::commands::args::{EstimateArgs, spelled};
 use crate::scene::{Periods, Scene};
+use crate::solve::backing::Backing;
 use crate::solve::precision::Precision;
 use crate::solve::scatter::{Coherence, Tracing};
 use crate::solve::spectra::{Method, Spectra};
@@ -69,12 +70,17 @@ pub(super) fn wave_metadata(
 }
 
 /// Metadata of a planar scene's table.
-pub(super) fn planar_metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spectra) -> Metadata {
+pub(super) fn planar_metadata(args: &EstimateArgs, scene: &Scene, spectra: &Spectra, backing: Backing) -> Metadata {
     let mut metadata = common_metadata(args, scene, spectra.worst(|sample| sample.imbalance));
     metadata.insert(MetadataKey::Method, spelled(args.computing.method));
     metadata.insert(MetadataKey::TruncatedMax, format!("{:e}", spectra.worst(|sample| sample.truncated)));
     if let Some(kept) = &scene.finish {
         finish::keep(kept, &mut metadata);
+    }
+    match backing {
+        Backing::Opaque => {}
+        Backing::Ambient => metadata.insert(MetadataKey::Backing, "ambient"),
+        Backing::Body => metadata.insert(MetadataKey::Backing, "body"),
     }
     metadata.insert(MetadataKey::Recomputed, spectra.recomputed.to_string());
     if args.computing.method == Method::Hits {

@@ -127,6 +127,7 @@ fn refuse_options(args: &EstimateArgs, scene: &Scene, periods: Periods) -> Resul
     let cell = &args.cell;
     let unused = [
         ("--angles", args.angles.is_some(), "name its directions by --incident"),
+        ("--vary", args.vary.is_some(), "it is for the layers of a [stack]"),
         ("--model", args.computing.model != ModelArg::Physical, "waves are exact physics alone"),
         ("--method", args.computing.method != Method::Trace, "coherence cell is computed by waves"),
         ("--rays", cell.rays.is_some(), "coherence cell is computed by waves, not by rays"),

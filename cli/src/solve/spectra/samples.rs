@@ -22,6 +22,12 @@ impl Sample {
     pub fn mean_reflectance(&self) -> f64 {
         0.5 * (self.reflectance.s + self.reflectance.p)
     }
+
+    /// Unpolarised transmittance.
+    #[must_use]
+    pub fn mean_transmittance(&self) -> f64 {
+        0.5 * (self.transmittance.s + self.transmittance.p)
+    }
 }
 
 /// Samples over a grid of angles and wavelengths.
@@ -31,7 +37,8 @@ pub struct Spectra {
     pub theta_deg: Vec<f64>,
     /// Vacuum wavelengths.
     pub wavelength_nm: Vec<f64>,
-    /// One sample for each pair: `samples[angle * wavelengths + wavelength]`.
+    /// One sample for each pair: `samples[row * wavelengths + wavelength]`. Rows are the angles, once or, after
+    /// [`Spectra::append`], once for each surface.
     pub samples: Vec<Sample>,
     /// Samples that [`Hits`](crate::solve::spectra::Method::Hits) could not sum, so that their loops were closed
     /// instead.
@@ -42,11 +49,24 @@ pub struct Spectra {
 }
 
 impl Spectra {
-    /// The samples at one angle.
+    /// The samples of one row: at one angle.
     #[must_use]
-    pub fn row(&self, angle: usize) -> &[Sample] {
+    pub fn row(&self, row: usize) -> &[Sample] {
         let width = self.wavelength_nm.len();
-        &self.samples[angle * width..(angle + 1) * width]
+        &self.samples[row * width..(row + 1) * width]
+    }
+
+    /// The number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.samples.len() / self.wavelength_nm.len()
+    }
+
+    /// Adds the rows of another surface, at the same angles and wavelengths.
+    pub fn append(&mut self, other: Self) {
+        self.samples.extend(other.samples);
+        self.fell_back += other.fell_back;
+        self.recomputed += other.recomputed;
     }
 
     /// The largest of a quantity over all samples.

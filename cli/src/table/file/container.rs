@@ -192,6 +192,11 @@ pub(super) struct PixelChannels {
 }
 
 impl PixelChannels {
+    /// Whether there is a channel.
+    pub fn has(&self, name: &str) -> bool {
+        self.channels.contains_key(name)
+    }
+
     /// Removes and returns a channel.
     pub fn take(&mut self, name: &str) -> Result<Vec<f32>> {
         match self.channels.remove(name) {

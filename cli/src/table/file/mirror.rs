@@ -1,26 +1,34 @@
-//! Files of mirror-like tables: one pixel per angle.
+//! Files of mirror-like tables: one pixel per angle, and one line per thickness where a layer has several.
 //!
 //! | channel | holds |
 //! |---|---|
 //! | `R`, `G`, `B` | linear RGB; left out where no wavelength is visible |
 //! | `T.550,000000nm` | unpolarised reflectance at a wavelength |
 //! | `s.T.550,000000nm`, `p.T.550,000000nm` | its polarised parts |
+//! | `transmitted.R`, `transmitted.s.T.550,000000nm`, … | the transmittance; left out where the medium behind absorbs |
 //!
 //! `goniochrome.theta_deg` holds the angles in degrees at full precision, `goniochrome.wavelength_nm` the wavelengths:
-//! decimal numbers separated by spaces. `tests/python/read_table.py` reads them in NumPy. Lines are ZIP-compressed one
-//! by one.
+//! decimal numbers separated by spaces. `goniochrome.thickness_nm` holds the thicknesses of the lines, from the top, and
+//! `goniochrome.varied_layer` says whose they are. `tests/python/read_table.py` reads them in NumPy. Lines are
+//! ZIP-compressed one by one.
+
+use std::collections::BTreeMap;
 
 use exr::prelude::Compression;
 
-use super::container::{Contents, KIND, Opened, WAVELENGTH, channel_names, format_numbers};
+use super::container::{Contents, KIND, Opened, PixelChannels, WAVELENGTH, channel_names, format_numbers};
 use super::lazy_channel::LazyChannel;
 use crate::colour::visible;
-use crate::support::error::Result;
-use crate::table::mirror::{MirrorTable, check_size};
+use crate::support::error::{Error, Result};
+use crate::table::mirror::{MirrorTable, ThicknessAxis, check_size};
 
 /// Value of the attribute `kind`.
 pub(super) const MIRROR: &str = "mirror";
 const THETA: &str = "theta_deg";
+const THICKNESS: &str = "thickness_nm";
+const LAYER: &str = "varied_layer";
+/// Prefix of the channels of transmitted light.
+const TRANSMITTED: &str = "transmitted.";
 
 /// Encodes a table as an EXR file.
 ///
@@ -30,60 +38,113 @@ const THETA: &str = "theta_deg";
 pub fn encode(table: &MirrorTable) -> Result<Vec<u8>> {
     table.check()?;
     let names = channel_names(&table.wavelength_nm)?;
-    let count = table.wavelength_nm.len();
-    let column = |f: &dyn Fn(usize) -> f32| -> Vec<f32> { (0..table.theta_deg.len()).map(f).collect() };
-
-    let mut channels: Vec<(String, Vec<f32>)> = Vec::with_capacity(3 * count + 3);
-    for (i, name) in ["R", "G", "B"].into_iter().enumerate().filter(|_| !table.rgb.is_empty()) {
-        channels.push((name.to_owned(), column(&|x| table.rgb[x][i])));
+    let mut channels = power_channels("", &names, &table.rgb, &table.reflectance_s, &table.reflectance_p);
+    if table.is_transparent() {
+        let (s, p) = (&table.transmittance_s, &table.transmittance_p);
+        channels.extend(power_channels(TRANSMITTED, &names, &table.rgb_transmitted, s, p));
     }
-    for (w, name) in names.iter().enumerate() {
-        let s = column(&|x| table.reflectance_s[x * count + w]);
-        let p = column(&|x| table.reflectance_p[x * count + w]);
-        let mean = s.iter().zip(&p).map(|(s, p)| 0.5 * s + 0.5 * p).collect();
-        channels.extend([(name.clone(), mean), (format!("s.{name}"), s), (format!("p.{name}"), p)]);
-    }
-    let attributes = [
+    let mut attributes: BTreeMap<String, String> = [
         (KIND, MIRROR.to_owned()),
         (THETA, format_numbers(&table.theta_deg)),
         (WAVELENGTH, format_numbers(&table.wavelength_nm)),
-    ];
-    let attributes = attributes.map(|(key, value)| (key.to_owned(), value)).into();
-    let size = (table.theta_deg.len(), 1);
-    let channels = channels.into_iter().map(|(name, values)| (name, LazyChannel::new(move |x| values[x]))).collect();
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into();
+    if let Some(ThicknessAxis { layer, nm }) = &table.thickness {
+        attributes.extend([(THICKNESS.to_owned(), format_numbers(nm)), (LAYER.to_owned(), layer.to_string())]);
+    }
+    let size = (table.theta_deg.len(), table.thicknesses());
     let mut contents = Contents { size, compression: Compression::ZIP1, channels, attributes };
     contents.add_metadata(&table.metadata)?;
     contents.encode(1)
+}
+
+/// Channels of the reflectance or the transmittance.
+fn power_channels<'t>(
+    prefix: &str,
+    names: &[String],
+    rgb: &'t [[f32; 3]],
+    s: &'t [f32],
+    p: &'t [f32],
+) -> Vec<(String, LazyChannel<'t>)> {
+    let count = names.len();
+    let mut channels = Vec::with_capacity(3 * count + 3);
+    for (c, name) in ["R", "G", "B"].into_iter().enumerate().filter(|_| !rgb.is_empty()) {
+        channels.push((format!("{prefix}{name}"), LazyChannel::new(move |row| rgb[row][c])));
+    }
+    for (w, name) in names.iter().enumerate() {
+        let mean = move |row| 0.5 * s[row * count + w] + 0.5 * p[row * count + w];
+        channels.extend([
+            (format!("{prefix}{name}"), LazyChannel::new(mean)),
+            (format!("{prefix}s.{name}"), LazyChannel::new(move |row| s[row * count + w])),
+            (format!("{prefix}p.{name}"), LazyChannel::new(move |row| p[row * count + w])),
+        ]);
+    }
+    channels
 }
 
 /// Decodes the table in a file of this kind.
 pub(super) fn decode(mut file: Opened<'_>) -> Result<MirrorTable> {
     let theta_deg: Vec<f64> = file.take_numbers(THETA)?;
     let wavelength_nm: Vec<f64> = file.take_numbers(WAVELENGTH)?;
-    check_size(theta_deg.len(), wavelength_nm.len())?;
+    let thickness = match file.attributes.contains_key(THICKNESS) {
+        true => Some(ThicknessAxis { nm: file.take_numbers(THICKNESS)?, layer: layer(&file.take(LAYER)?)? }),
+        false => None,
+    };
+    let thicknesses = thickness.as_ref().map_or(1, |axis| axis.nm.len());
+    check_size(thicknesses, theta_deg.len(), wavelength_nm.len())?;
     let names = channel_names(&wavelength_nm)?;
-    file.expect((theta_deg.len(), 1), 3 * names.len() + 3)?;
+    file.expect((theta_deg.len(), thicknesses), 6 * names.len() + 6)?;
 
     let mut pixels = file.pixels()?;
-    let mut rgb = Vec::new();
-    if visible(&wavelength_nm) {
-        let [r, g, b] = [pixels.take("R")?, pixels.take("G")?, pixels.take("B")?];
-        rgb.extend(r.into_iter().zip(g).zip(b).map(|((r, g), b)| [r, g, b]));
-    }
-    let mut reflectance_s = vec![0.0; theta_deg.len() * names.len()];
-    let mut reflectance_p = reflectance_s.clone();
-    for (w, name) in names.iter().enumerate() {
-        pixels.take(name)?;
-        let (s, p) = (pixels.take(&format!("s.{name}"))?, pixels.take(&format!("p.{name}"))?);
-        for x in 0..theta_deg.len() {
-            reflectance_s[x * names.len() + w] = s[x];
-            reflectance_p[x * names.len() + w] = p[x];
-        }
-    }
-    let metadata = file.attributes.into();
-    let table = MirrorTable { theta_deg, wavelength_nm, reflectance_s, reflectance_p, rgb, metadata };
+    let is_visible = visible(&wavelength_nm);
+    let (rgb, reflectance_s, reflectance_p) = take_power("", &names, is_visible, &mut pixels)?;
+    let (rgb_transmitted, transmittance_s, transmittance_p) = match pixels.has(&format!("{TRANSMITTED}{}", names[0])) {
+        true => take_power(TRANSMITTED, &names, is_visible, &mut pixels)?,
+        false => Power::default(),
+    };
+    let table = MirrorTable {
+        theta_deg,
+        wavelength_nm,
+        thickness,
+        reflectance_s,
+        reflectance_p,
+        rgb,
+        transmittance_s,
+        transmittance_p,
+        rgb_transmitted,
+        metadata: file.attributes.into(),
+    };
     table.check()?;
     Ok(table)
+}
+
+/// The number of a layer.
+fn layer(text: &str) -> Result<usize> {
+    text.parse().map_err(|_| Error::failed(format_args!("\"{text}\" in goniochrome.{LAYER} is no number of a layer")))
+}
+
+/// Colours, and the values of s and p, `[row][wavelength]`.
+type Power = (Vec<[f32; 3]>, Vec<f32>, Vec<f32>);
+
+/// Takes what [`power_channels`] makes.
+fn take_power(prefix: &str, names: &[String], is_visible: bool, pixels: &mut PixelChannels) -> Result<Power> {
+    let mut rgb = Vec::new();
+    if is_visible {
+        let [r, g, b] = ["R", "G", "B"].map(|name| pixels.take(&format!("{prefix}{name}")));
+        rgb.extend(r?.into_iter().zip(g?).zip(b?).map(|((r, g), b)| [r, g, b]));
+    }
+    let mut polarised = [Vec::new(), Vec::new()];
+    for (w, name) in names.iter().enumerate() {
+        pixels.take(&format!("{prefix}{name}"))?;
+        for (values, letter) in polarised.iter_mut().zip(["s", "p"]) {
+            let channel = pixels.take(&format!("{prefix}{letter}.{name}"))?;
+            values.resize(channel.len() * names.len(), 0.0);
+            values.iter_mut().skip(w).step_by(names.len()).zip(channel).for_each(|(to, from)| *to = from);
+        }
+    }
+    let [s, p] = polarised;
+    Ok((rgb, s, p))
 }
 
 #[cfg(test)]
@@ -98,19 +159,30 @@ mod tests {
     use super::*;
     use crate::table::Table;
     use crate::table::file::{decode, read, write};
-    use crate::table::mirror::tests::sample;
+    use crate::table::mirror::tests::{family, sample};
 
     #[test]
     fn a_table_round_trips_exactly() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.exr");
-        write(&path, &sample().into(), 1).unwrap();
-        assert_eq!(read(&path).unwrap(), Table::Mirror(sample()));
+        let mut opaque = sample();
+        opaque.transmittance_s.clear();
+        opaque.transmittance_p.clear();
+        opaque.rgb_transmitted.clear();
+        for table in [sample(), family(), opaque] {
+            write(&path, &table.clone().into(), 1).unwrap();
+            assert_eq!(read(&path).unwrap(), Table::Mirror(table));
+        }
     }
 
     #[test]
     fn invisible_tables_have_no_colour() {
-        let table = MirrorTable { wavelength_nm: vec![800.0, 1000.0], rgb: Vec::new(), ..sample() };
+        let table = MirrorTable {
+            wavelength_nm: vec![800.0, 1000.0],
+            rgb: Vec::new(),
+            rgb_transmitted: Vec::new(),
+            ..sample()
+        };
         let bytes = encode(&table).unwrap();
         assert_eq!(decode(&bytes).unwrap(), Table::Mirror(table.clone()));
         assert!(table.colours().unwrap_err().to_string().contains("no colour"));
