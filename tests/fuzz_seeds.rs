@@ -18,6 +18,11 @@ fn seeds_of_exr_table_hold() {
 }
 
 #[test]
+fn seeds_of_grey_map_hold() {
+    replay("grey_map", checks::grey_map::check);
+}
+
+#[test]
 fn seeds_of_nk_yaml_hold() {
     replay("nk_yaml", checks::nk_yaml::check);
 }

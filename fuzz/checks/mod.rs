@@ -3,6 +3,7 @@
 
 pub mod environment;
 pub mod exr_table;
+pub mod grey_map;
 #[path = "../../tests/cells/height_field.rs"]
 mod height_field;
 pub mod nk_yaml;

@@ -78,6 +78,7 @@ impl HeightField {
             finish: None,
             periods: None,
             front: None,
+            notes: Vec::new(),
             files: Vec::new(),
         }
     }

@@ -19,8 +19,9 @@ pub(super) fn note_fall_backs(fell_back: usize, samples: usize, quiet: bool) {
     }
 }
 
-/// Notes what was guessed or rounded in the data of media at these wavelengths.
-pub(super) fn note_on_media(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
+/// Notes what a scene says of its surface, and what was guessed or rounded in the data of media at these wavelengths.
+pub(super) fn note_on_scene(scene: &Scene, wavelength_nm: &[f64], quiet: bool) {
+    scene.notes.iter().for_each(|said| note(quiet, format_args!("{}: {said}", scene.name)));
     for NamedMedium { name, medium } in &scene.media {
         if let Some(said) = medium.note(wavelength_nm) {
             note(quiet, format_args!("{}: material {name}: {said}", scene.name));

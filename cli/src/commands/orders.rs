@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::commands::args::OrdersArgs;
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
 use crate::commands::csv_file::write_csv;
-use crate::commands::notes::{note_on_front, note_on_media, note_on_waves};
+use crate::commands::notes::{note_on_front, note_on_scene, note_on_waves};
 use crate::commands::wave_choice::{RAYS, first_given, wave_cell};
 use crate::scene::{Scene, load};
 use crate::solve::batches::BATCHES;
@@ -26,7 +26,7 @@ pub fn run(args: &OrdersArgs) -> Result<()> {
     let wi = light_direction(args.theta, args.phi)?;
     let accuracy = args.diffracting.accuracy(args.target_error);
     let cell = wave_cell(&scene, args.diffracting.method, ray_option(args), wavelengths, accuracy, args.running.quiet)?;
-    note_on_media(&scene, wavelengths, args.running.quiet);
+    note_on_scene(&scene, wavelengths, args.running.quiet);
     match cell {
         Some(cell) => by_waves(args, &cell, wi, wavelengths),
         None => by_rays(args, &scene, wi, wavelengths),

@@ -3,7 +3,7 @@
 use goniochrome::colour::Illuminant;
 
 use crate::commands::args::Computing;
-use crate::commands::notes::{note_fall_backs, note_on_media};
+use crate::commands::notes::{note_fall_backs, note_on_scene};
 use crate::solve::fidelity;
 use crate::solve::grid::Wavelengths;
 use crate::solve::planar_scene::PlanarScene;
@@ -24,7 +24,7 @@ pub(super) fn compute_spectra(
     let request = computing.request();
     let quiet = computing.running.quiet;
     let Choice { wavelength_nm, xyz } = wavelengths.resolve(planar, theta_deg, illuminant, &request)?;
-    note_on_media(planar.scene(), &wavelength_nm, quiet);
+    note_on_scene(planar.scene(), &wavelength_nm, quiet);
     let progress = bar(&planar.scene().name, theta_deg.len(), quiet);
     let spectra = spectra(planar, theta_deg, &wavelength_nm, &request, &|| progress.inc(1))?;
     progress.finish_and_clear();

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::commands::args::{Diffracting, ScatterArgs, spelled};
 use crate::commands::cell_options::{light_direction, listed_wavelengths};
-use crate::commands::notes::{note_on_front, note_on_media, note_on_waves};
+use crate::commands::notes::{note_on_front, note_on_scene, note_on_waves};
 use crate::commands::wave_choice::{RAYS, first_given, wave_cell};
 use crate::scene::{Scene, load};
 use crate::solve::cell_warnings::{not_converged, unbalanced};
@@ -37,7 +37,7 @@ pub fn run(args: &ScatterArgs) -> Result<()> {
         }
         _ => None,
     };
-    note_on_media(&scene, wavelengths, args.running.quiet);
+    note_on_scene(&scene, wavelengths, args.running.quiet);
     let reports = match cell {
         Some(cell) => by_waves(args, &cell, wi, wavelengths)?,
         None => by_rays(args, &scene, wi, wavelengths)?,

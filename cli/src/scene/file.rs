@@ -22,7 +22,8 @@
 //! mesh = "bumps.obj"                  # nanometres, z up; paths start at the scene file
 //! axes = "y-up"                       # optional, for a mesh with y up: x, y, z of the file are x, −z, y of the cell
 //! unit_nm = 1000.0                    # optional, the unit of the mesh; here micrometres
-//! # surface = { kind = "pits", … }    # instead of a mesh: made here, see `surface/mod.rs`
+//! # surface = { kind = "pits", … }    # instead of a mesh: made here, see `surface/mod.rs`; a height map may give the
+//!                                     # period
 //! period_nm = [20000.0, 20000.0]      # what the mesh spans in x and y, wherever it starts; it repeats
 //! periods = "coherent"                # optional: periods are exact copies, whose light leaves in diffraction orders;
 //!                                     # "random": they differ in height at random, and their light does not interfere
@@ -59,8 +60,9 @@ use super::mesh::Mesh;
 use super::mesh_frame::MeshFrame;
 use super::model::{Periods, Scene, Shape};
 use super::parts::{Layer, MAX_LENGTH_NM, NamedInterface, ThicknessSpread};
+use super::surface::{self, Generated};
 use super::toml_value::{TomlItem, TomlTable};
-use super::{finish, placement, refractive_index_info, surface};
+use super::{finish, placement, refractive_index_info};
 use crate::support::error::Result;
 use crate::support::text::{one_line, toml_key};
 
@@ -97,6 +99,7 @@ enum Geometry {
 struct CellExtras {
     periods: Option<Periods>,
     front: Option<MediumIndex>,
+    notes: Vec<String>,
 }
 
 /// Source of a cell's facets.
@@ -141,7 +144,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     let finish = root.get("finish").map(|item| finish::finish(&item.table("[finish]")?)).transpose()?;
     let SceneReader { media, files, .. } = reader;
     let media = media.finish();
-    let (shape, CellExtras { periods, front }) = match described {
+    let (shape, CellExtras { periods, front, notes }) = match described {
         Geometry::Stack(shape) => (shape, CellExtras::default()),
         Geometry::Cell { mesh, period_nm, interfaces, extras } => {
             (Shape::of_mesh(mesh, period_nm, interfaces, &media)?, extras)
@@ -150,7 +153,7 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
     if let (Shape::Mesh(_), Some(item)) = (&shape, root.get("finish")) {
         return Err(item.refuse("a cell of tilted facets has its own roughness; remove [finish]"));
     }
-    Ok(Scene { name, toml: text.to_owned(), media, shape, finish, periods, front, files })
+    Ok(Scene { name, toml: text.to_owned(), media, shape, finish, periods, front, notes, files })
 }
 
 fn extrapolate(table: &TomlTable<'_>, default: Extrapolate) -> Result<Extrapolate> {
@@ -316,17 +319,14 @@ impl SceneReader<'_> {
         {
             return Err(item.refuse("only a mesh has it; remove it"));
         }
-        let period = table.require("period_nm", "period_nm = [x, y]")?;
-        let period_nm = match period.array()?.as_slice() {
-            [x, y] => [length(x)?, length(y)?],
-            _ => return Err(period.refuse(format_args!("expected two lengths [x, y], found {}", period.found()))),
+        // A height map that says what it spans gives the period.
+        let spans = |surface: &TomlItem<'_>| Ok(surface.table("surface")?.get("size_nm").is_some());
+        let period_nm = match (table.get("period_nm"), &facets) {
+            (None, Facets::Surface(surface)) if spans(surface)? => [0.0; 2],
+            _ => period(&table.require("period_nm", "period_nm = [x, y]")?)?,
         };
-        if period_nm.contains(&0.0) {
-            return Err(period.refuse("a period must be more than 0 nm"));
-        }
         let periods = table.get("periods").map(|item| periods(&item)).transpose()?;
         let front = table.get("front").map(|item| self.media.resolve_ambient(&item)).transpose()?;
-        let extras = CellExtras { periods, front };
         let missing = "a [cell] needs one [interface.NAME] for each usemtl name of its mesh; add them";
         let entries = interfaces.ok_or_else(|| table.refuse(missing))?.table("[interface]")?.entries();
         let interfaces = entries.map(|item| self.interface(&item)).collect::<Result<Vec<_>>>()?;
@@ -335,8 +335,11 @@ impl SceneReader<'_> {
         }
         let names: Vec<&str> = interfaces.iter().map(|interface| interface.name.as_str()).collect();
         let frame = MeshFrame::read(table)?;
-        let mut mesh = match facets {
-            Facets::Mesh(item) => Mesh::read(&self.path(&item)?, &names, frame)?,
+        let Generated { mut mesh, period_nm, notes } = match facets {
+            Facets::Mesh(item) => {
+                let mesh = Mesh::read(&self.path(&item)?, &names, frame)?;
+                Generated { mesh, period_nm, notes: Vec::new() }
+            }
             Facets::Surface(item) => {
                 let label = self.label;
                 surface::build(&item, label, period_nm, &names, &mut |item| self.path(item))?
@@ -344,7 +347,7 @@ impl SceneReader<'_> {
         };
         mesh.drop_unused();
         placement::fit(&mut mesh, period_nm, frame)?;
-        Ok(Geometry::Cell { mesh, period_nm, interfaces, extras })
+        Ok(Geometry::Cell { mesh, period_nm, interfaces, extras: CellExtras { periods, front, notes } })
     }
 
     fn interface(&mut self, item: &TomlItem<'_>) -> Result<NamedInterface> {
@@ -360,6 +363,18 @@ impl SceneReader<'_> {
         }
         Ok(NamedInterface { name: item.key().to_owned(), interface: Interface { above, below }, coating })
     }
+}
+
+/// Periods in x and y, each more than 0.
+fn period(item: &TomlItem<'_>) -> Result<[f64; 2]> {
+    let period_nm = match item.array()?.as_slice() {
+        [x, y] => [length(x)?, length(y)?],
+        _ => return Err(item.refuse(format_args!("expected two lengths [x, y], found {}", item.found()))),
+    };
+    if period_nm.contains(&0.0) {
+        return Err(item.refuse("a period must be more than 0 nm"));
+    }
+    Ok(period_nm)
 }
 
 /// Table of a layer, or of a repeated group of layers.

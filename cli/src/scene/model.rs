@@ -30,6 +30,8 @@ pub struct Scene {
     /// Medium in front of a thick plate, if the cell's uppermost medium is one: light arrives in it, through the
     /// plate's plane front face.
     pub front: Option<MediumIndex>,
+    /// What commands say about the surface on standard error.
+    pub notes: Vec<String>,
     /// Every file that was read, canonical, so that writing over an input can be refused.
     pub files: Vec<PathBuf>,
 }

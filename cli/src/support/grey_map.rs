@@ -8,8 +8,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
-use tiff::ColorType;
 use tiff::decoder::DecodingResult;
+use tiff::{ColorType, TiffError};
 
 use crate::support::error::{Error, Result};
 use crate::support::input::read_bytes;
@@ -22,7 +22,7 @@ const MAX_SIDE: usize = 4096;
 
 /// Map of one number a pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct GreyMap {
+pub struct GreyMap {
     /// Number of pixels along x and y, each at least 1.
     pub size: [usize; 2],
     /// Values, row by row from the top; finite. Integers are divided by the largest that their type holds.
@@ -39,7 +39,7 @@ type Decoded = std::result::Result<GreyMap, String>;
 /// # Errors
 /// One line that names the file: one that cannot be read, has another format or several channels, is damaged or too
 /// large, or holds a value that is not finite.
-pub(crate) fn read(path: &Path) -> Result<GreyMap> {
+pub fn read(path: &Path) -> Result<GreyMap> {
     let label = path.display().to_string();
     let failed = |error| Error::failed(format_args!("{label}: cannot read: {error}"));
     decode(&label, &read_bytes(path, MAX_BYTES, "a map", failed)?)
@@ -49,7 +49,7 @@ pub(crate) fn read(path: &Path) -> Result<GreyMap> {
 ///
 /// # Errors
 /// As [`read`].
-pub(crate) fn decode(label: &str, bytes: &[u8]) -> Result<GreyMap> {
+pub fn decode(label: &str, bytes: &[u8]) -> Result<GreyMap> {
     let decoded = match bytes {
         [0x89, b'P', b'N', b'G', ..] => png(bytes),
         [0x76, 0x2f, 0x31, 0x01, ..] => openexr(bytes),
@@ -77,7 +77,8 @@ pub(crate) fn decode(label: &str, bytes: &[u8]) -> Result<GreyMap> {
 fn checked(width: usize, height: usize) -> std::result::Result<[usize; 2], String> {
     match (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
         true => Ok([width, height]),
-        false => Err(format!("{width} × {height} pixels; 1 to {MAX_SIDE} a side; scale the map down")),
+        false if width == 0 || height == 0 => Err("the map is empty; export it anew".to_owned()),
+        false => Err(format!("{width} × {height} pixels; at most {MAX_SIDE} a side; scale the map down")),
     }
 }
 
@@ -133,7 +134,10 @@ fn part(value: i128, max: i128) -> f32 {
 }
 
 fn tiff(bytes: &[u8]) -> Decoded {
-    let broken = |error| damaged("TIFF", error);
+    let broken = |error| match error {
+        TiffError::UnsupportedError(what) => format!("{what}; export it in grey, with LZW, deflate or no compression"),
+        other => damaged("TIFF", other),
+    };
     let mut decoder = ::tiff::decoder::Decoder::new(Cursor::new(bytes)).map_err(broken)?;
     let (width, height) = decoder.dimensions().map_err(broken)?;
     let size = checked(width as usize, height as usize)?;
@@ -174,7 +178,8 @@ fn npy(bytes: &[u8]) -> Decoded {
     let entry = |key: &str| {
         header.split_once(key).and_then(|(_, rest)| rest.split_once(':')).map(|(_, rest)| rest.trim()).ok_or_else(short)
     };
-    let kind = entry("'descr'")?.strip_prefix('\'').and_then(|rest| rest.split('\'').next()).ok_or_else(short)?;
+    let kind = entry("'descr'")?.strip_prefix('\'').and_then(|rest| rest.split('\'').next());
+    let kind = kind.ok_or("its array holds records; save one of their fields")?;
     let columns_first = entry("'fortran_order'")?.starts_with("True");
     let shape = entry("'shape'")?.strip_prefix('(').and_then(|rest| rest.split(')').next()).ok_or_else(short)?;
     let sides: Vec<usize> = shape
@@ -217,3 +222,7 @@ fn npy(bytes: &[u8]) -> Decoded {
     };
     Ok(GreyMap { size, values, integer: letter != "f" })
 }
+
+#[cfg(test)]
+#[path = "grey_map_tests.rs"]
+mod tests;

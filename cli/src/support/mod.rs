@@ -6,6 +6,6 @@ pub mod error;
 pub(crate) mod memory;
 pub(crate) mod parallel;
 pub(crate) mod input;
-pub(crate) mod grey_map;
+pub mod grey_map;
 pub(crate) mod output;
 pub(crate) mod progress;

@@ -9,7 +9,7 @@ use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
 use crate::commands::make_table::metadata::scatter_metadata;
 use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
-use crate::commands::notes::{note_on_front, note_on_media};
+use crate::commands::notes::{note_on_front, note_on_scene};
 use crate::scene::Scene;
 use crate::solve::cell_table::{TableRequest, default_rays, default_sides, estimate};
 use crate::solve::cell_warnings::{not_converged, too_few, unbalanced};
@@ -63,7 +63,7 @@ pub(super) fn scatter_table(
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let (incident, half_vectors) = (layout.incident_sides(), layout.square_sides());
     let request = TableRequest { incident, half_vectors, tracing, target_error, weights: &weights, space, reciprocal };
-    note_on_media(scene, wavelength_nm, args.computing.running.quiet);
+    note_on_scene(scene, wavelength_nm, args.computing.running.quiet);
     note_on_front(scene, args.computing.running.quiet);
     let checkpoint = match output {
         Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), cell.restart)?,

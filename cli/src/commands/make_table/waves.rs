@@ -10,7 +10,7 @@ use crate::commands::args::{Bins, EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
 use crate::commands::make_table::metadata::wave_metadata;
 use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
-use crate::commands::notes::note_on_media;
+use crate::commands::notes::note_on_scene;
 use crate::scene::{Periods, Scene};
 use crate::solve::cell_table::Sides;
 use crate::solve::checkpoint::Checkpoint;
@@ -69,7 +69,7 @@ pub(super) fn wave_table(
             ))
         }
     };
-    note_on_media(scene, wavelength_nm, quiet);
+    note_on_scene(scene, wavelength_nm, quiet);
     let request = OrderTableRequest { layout, accuracy, threads: args.computing.running.threads() };
     let checkpoint = match output {
         Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), args.cell.restart)?,

@@ -19,8 +19,10 @@ pub(super) struct Builder<'a> {
     pub numbers: Vec<u16>,
     /// Line of the surface in the scene file.
     pub line: u32,
-    /// Period in x and y.
+    /// Period in x and y; zeros until a surface that knows its own writes it.
     pub period_nm: [f64; 2],
+    /// What to say about the surface.
+    pub notes: Vec<String>,
     /// Path of a file that the scene names.
     pub find: &'a mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
 }

@@ -26,15 +26,24 @@ const KINDS: &[(&str, Interfaces, Generator)] = &[
 type Interfaces = fn(&TomlTable<'_>) -> &'static [&'static str];
 type Generator = fn(&TomlTable<'_>, &mut Builder<'_>) -> Result<()>;
 
-/// Makes the mesh of `surface = { … }`; `names` are the scene's interfaces, and `find` gives the path of a file that
-/// the scene names.
+/// Generated surface.
+pub(in crate::scene) struct Generated {
+    pub mesh: Mesh,
+    /// Period in x and y.
+    pub period_nm: [f64; 2],
+    /// What to say about the surface.
+    pub notes: Vec<String>,
+}
+
+/// Makes the surface of `surface = { … }`; `period_nm` is the scene's, zeros if it has none, `names` are its
+/// interfaces, and `find` gives the path of a file that it names.
 pub(in crate::scene) fn build(
     item: &TomlItem<'_>,
     label: &str,
     period_nm: [f64; 2],
     names: &[&str],
     find: &mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
-) -> Result<Mesh> {
+) -> Result<Generated> {
     let table = item.table("surface")?;
     let kinds = KINDS.iter().map(|(kind, ..)| *kind);
     let list = kinds.clone().collect::<Vec<_>>().join(", ");
@@ -60,7 +69,8 @@ pub(in crate::scene) fn build(
         )));
     }
     let mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: Path::new(label).to_owned() };
-    let mut builder = Builder { mesh, numbers, line: item.line(), period_nm, find };
+    let mut builder = Builder { mesh, numbers, line: item.line(), period_nm, notes: Vec::new(), find };
     generate(&table, &mut builder)?;
-    Ok(builder.mesh)
+    let Builder { mesh, period_nm, notes, .. } = builder;
+    Ok(Generated { mesh, period_nm, notes })
 }

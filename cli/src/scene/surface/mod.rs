@@ -30,8 +30,9 @@
 //! - `scratches`: `segments` (2 to 100 000), `rms_slope`; optional `seed`
 //! - `particles`: `shape = "ellipsoid" | "flake"`, `radii_nm = [x, y, z]`, `count = [nx, ny, nz]`, `depth_nm`; optional
 //!   `film_nm` (none), `tilt_deg` (0), `subdivisions` (2), `seed`
-//! - `height_map`: `file`; `height_nm` (required for integers); optional `edges = "mirror" | "wrap"` (mirror),
-//!   `level` (true; with wrap false), `grid = [nx, ny]` (at most 128 a side)
+//! - `height_map`: `file`; `height_nm` (required for integers); optional `size_nm` (with it `[cell]` needs no
+//!   `period_nm`), `edges = "mirror" | "blend" | "wrap"` (mirror), `level` (true; with wrap false), `smooth_nm` (none),
+//!   `grid = [nx, ny]` (at most 128 a side)
 
 mod builder;
 mod keys;
@@ -47,7 +48,7 @@ mod scratches;
 mod sines;
 mod kinds;
 
-pub(super) use kinds::build;
+pub(super) use kinds::{Generated, build};
 
 #[cfg(test)]
 #[path = "tests.rs"]
