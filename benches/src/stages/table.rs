@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use glam::Vec3;
+use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::table::{
     HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler,
     ScatterTable,
@@ -27,8 +28,8 @@ const ORDERS: [[f32; 2]; 9] =
 const WAVELENGTHS: usize = 41;
 const PERIOD_NM: [f32; 2] = [1600.0; 2];
 
-/// Table look-ups: RGB of 2D and 4D tables in random directions, and glTF's formula for a film, which they replace; all
-/// orders and wavelengths of a table of orders from random directions.
+/// Table look-ups: RGB of 2D and 4D tables in random directions, RGB and density of 2D ones with a finish, and glTF's
+/// formula for a film, which they replace; all orders and wavelengths of a table of orders from random directions.
 ///
 /// # Panics
 /// If a result is wrong.
@@ -86,7 +87,27 @@ pub fn table(visit: Visit<'_>) {
             black_box(sampler.pdf(wi, wo));
         }
     });
+    for (name, distribution) in [("finish, GGX", Distribution::Ggx), ("finish, Beckmann", Distribution::Beckmann)] {
+        let finish = Finish::new(distribution, Masking::Correlated, [0.2, 0.3]).expect("a good roughness");
+        finished(name, finish, &pairs, visit);
+    }
     orders(&pairs, visit);
+}
+
+/// RGB and density of a 2D table with a finish.
+fn finished(name: &'static str, finish: Finish, pairs: &[(Vec3, Vec3)], visit: Visit<'_>) {
+    let values: Vec<f32> = (0..3 * ROWS).map(|i| i as f32 / (3 * ROWS) as f32).collect();
+    let table = MirrorTable::new(&values, 3, 1.55).expect("a good table");
+    let eval = |wi, wo| {
+        let lobe = finish.lobe(wi, wo)?;
+        Some((table.rgb(lobe.cos_d.acos()).map(|rho| rho * lobe.value), lobe.pdf))
+    };
+    assert!(eval(Vec3::Z, Vec3::Z).is_some_and(|(rgb, pdf)| rgb[2] > rgb[1] && pdf > 0.0));
+    visit(&work(name), &mut || {
+        for &(wi, wo) in black_box(pairs) {
+            black_box(eval(wi, wo));
+        }
+    });
 }
 
 fn orders(pairs: &[(Vec3, Vec3)], visit: Visit<'_>) {

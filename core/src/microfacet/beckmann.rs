@@ -4,8 +4,9 @@
 //! exp(−x² − y²), with x in the plane of the direction (Heitz & d'Eon 2014, section 3). y is drawn by the inverse of
 //! erf, x by bisection and Newton steps on its cumulative distribution.
 
-use core::f32::consts::PI;
-use libm::{erff, expf, logf, sqrtf};
+use super::exponential::decay;
+use libm::{erff, logf, sqrtf};
+use wide::f32x4;
 
 /// 1/√π.
 const INV_SQRT_PI: f32 = 0.564_189_6;
@@ -18,7 +19,7 @@ pub(super) fn visible_slope(cot_theta: f32, u: [f32; 2]) -> [f32; 2] {
 
 /// Integral of (a − x) exp(−x²)/√π over x from −∞ to `to`, for the cotangent a.
 fn cumulative(a: f32, to: f32) -> f32 {
-    0.5 * a * (1.0 + erff(to)) + 0.5 * INV_SQRT_PI * expf(-to * to)
+    0.5 * a * (1.0 + erff(to)) + 0.5 * INV_SQRT_PI * decay(to * to)
 }
 
 /// Inverse of the cumulative distribution of the slope x ≤ a in the plane of the direction.
@@ -36,7 +37,7 @@ fn slope_towards(a: f32, u: f32) -> f32 {
         } else {
             low = x;
         }
-        let slope = (a - x) * INV_SQRT_PI * expf(-x * x);
+        let slope = (a - x) * INV_SQRT_PI * decay(x * x);
         let newton = x - excess / slope;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         let done = (next - x).abs() <= 1e-6 * (1.0 + x.abs());
@@ -88,25 +89,30 @@ fn erf_inverse(x: f32) -> f32 {
     ratio * x
 }
 
-/// cos θ (1 + Λ) of Smith's Λ, the area of the visible facets, for the root s = sin θ α(φ).
+/// cos θ (1 + Λ) of Smith's Λ, the areas of the facets that up to four directions see, by cos θ and (sin θ α(φ))².
 ///
-/// erf is the polynomial of Abramowitz & Stegun (1964), 7.1.26, in 1/(1 + 0.3275911 a), times an exponential that the
-/// area needs anyway; it errs by at most 1.5e-7.
+/// With s = sin θ α(φ) and a = cos θ/s, the area is cos θ + s (exp(−a²)/√π − a erfc a)/2. Of the bracket, in units of
+/// its value at a = 0, the power −1/16 is nearly a polynomial. Fitted by least squares, with weights that make the
+/// largest error smallest, degree 5 leaves a relative error of the area of 5e-7.
 #[inline]
-pub(super) fn visible_area(cos: f32, root: f32) -> f32 {
-    const COEFFICIENTS: [f32; 5] = [1.061_405_4, -1.453_152, 1.421_413_7, -0.284_496_74, 0.254_829_6];
-    let a = cos / root.max(f32::MIN_POSITIVE);
-    let tail = expf(-a * a);
-    let t = 1.0 / (1.0 + 0.327_591_1 * a);
-    let erf = 1.0 - tail * COEFFICIENTS.into_iter().fold(0.0, |sum, c| (sum + c) * t);
-    0.5 * (cos * (1.0 + erf) + root * INV_SQRT_PI * tail)
+pub(super) fn visible_areas(cos: f32x4, square: f32x4) -> f32x4 {
+    const COEFFICIENTS: [f32; 6] = [3.710_458e-4, 6.573_206e-4, 9.582_191e-3, 4.177_057_2e-2, 0.110_781_36, 1.0];
+    /// Beyond this a, the bracket is below 1e-29.
+    const END: f32 = 8.0;
+    let root = square.max(f32x4::splat(f32::MIN_POSITIVE)).sqrt();
+    let a = (cos / root).min(f32x4::splat(END));
+    let base = COEFFICIENTS.into_iter().fold(f32x4::ZERO, |sum, c| sum * a + f32x4::splat(c));
+    let square = base * base;
+    let fourth = square * square;
+    let eighth = fourth * fourth;
+    cos + f32x4::splat(0.5 * INV_SQRT_PI) * root / (eighth * eighth)
 }
 
-/// The density of normals with a squared slope in units of the roughness, tan²θ_m of a surface of roughness 1, over
-/// cos⁴θ_m.
+/// The density of normals over that along z, by cos²θ_m tan²θ_m, in units of the roughness, and cos²θ_m.
 #[inline]
-pub(super) fn density(slope_square: f32) -> f32 {
-    expf(-slope_square) / PI
+pub(super) fn density(stretched: f32, cos_square: f32) -> f32 {
+    let inverse = 1.0 / cos_square;
+    decay(stretched * inverse) * (inverse * inverse)
 }
 
 #[cfg(test)]
@@ -122,6 +128,30 @@ mod tests {
             assert!((erff(erf_inverse(x)) - x).abs() <= ROUNDING, "{x}");
         }
         assert!(erf_inverse(1.0).is_finite() && erf_inverse(-1.0).is_finite());
+    }
+
+    #[test]
+    fn the_visible_area_is_that_of_beckmanns_facets() {
+        /// The polynomial's error, 5e-7; its rounding, half a unit and a quarter, to the power of 16, 1.4e-6; rounding of
+        /// the powers, 15 halves, 9e-7; of the argument, its square and the sum, 2e-7.
+        const BOUND: f64 = 3e-6;
+        let mut worst = 0.0f64;
+        for i in 0..20_000 {
+            let theta = f64::from(i) / 20_000.0 * core::f64::consts::FRAC_PI_2;
+            for alpha in [0.001, 0.03, 0.2, 1.0] {
+                let (cos, root) = (libm::cos(theta) as f32, (libm::sin(theta) * alpha) as f32);
+                let (z, s) = (f64::from(cos), f64::from(root));
+                let a = z / s;
+                let exact = if s > 0.0 {
+                    0.5 * (z * (1.0 + libm::erf(a)) + s * libm::exp(-a * a) / libm::sqrt(core::f64::consts::PI))
+                } else {
+                    z
+                };
+                let [area, ..] = visible_areas(f32x4::splat(cos), f32x4::splat(root * root)).to_array();
+                worst = worst.max((f64::from(area) / exact - 1.0).abs());
+            }
+        }
+        assert!(worst <= BOUND, "{worst:e}");
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use super::beckmann;
 use super::roughness::Roughness;
-use core::f32::consts::{PI, TAU};
+use core::f32::consts::TAU;
 use glam::Vec3;
 use libm::{cosf, sinf, sqrtf};
+use wide::f32x4;
 
 /// Distribution of the normals of microfacets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -103,20 +104,25 @@ impl Finish {
     #[must_use]
     #[inline]
     pub fn density(&self, m: Vec3) -> f32 {
-        let square = m.z * m.z;
+        self.density_along(m, 1.0)
+    }
+
+    /// [`Finish::density`] along a vector whose squared length is known.
+    #[inline]
+    fn density_along(&self, m: Vec3, length_square: f32) -> f32 {
         let above = m.z > 0.0;
         if !above {
             return 0.0;
         }
-        let stretched = self.roughness.stretched_slope(m);
+        let (stretched, square) = (self.roughness.stretched_slope(m), m.z * m.z);
         let shape = match self.distribution {
             Distribution::Ggx => {
-                let base = stretched + square;
-                1.0 / (PI * base * base)
+                let over = length_square / (stretched + square);
+                over * over
             }
-            Distribution::Beckmann => beckmann::density(stretched / square) / (square * square),
+            Distribution::Beckmann => beckmann::density(stretched, square) * (length_square * length_square),
         };
-        shape / self.roughness.area()
+        shape * self.roughness.peak()
     }
 
     /// Area of the facets that the direction `w` above the horizon sees, per area of the surface and projected along
@@ -124,10 +130,20 @@ impl Finish {
     #[must_use]
     #[inline]
     pub fn visible_area(&self, w: Vec3) -> f32 {
-        let square = self.roughness.projected_square(w);
+        self.visible_areas([w, w])[0]
+    }
+
+    /// [`Finish::visible_area`] of two directions.
+    #[inline]
+    fn visible_areas(&self, w: [Vec3; 2]) -> [f32; 2] {
+        let squares = w.map(|w| self.roughness.projected_square(w));
         match self.distribution {
-            Distribution::Ggx => 0.5 * (w.z + sqrtf(w.z * w.z + square)),
-            Distribution::Beckmann => beckmann::visible_area(w.z, sqrtf(square)),
+            Distribution::Ggx => core::array::from_fn(|i| 0.5 * (w[i].z + sqrtf(w[i].z * w[i].z + squares[i]))),
+            Distribution::Beckmann => {
+                let lanes = |of: [f32; 2]| f32x4::new([of[0], of[1], of[0], of[1]]);
+                let [first, second, ..] = beckmann::visible_areas(lanes(w.map(|w| w.z)), lanes(squares)).to_array();
+                [first, second]
+            }
         }
     }
 
@@ -135,7 +151,12 @@ impl Finish {
     #[must_use]
     #[inline]
     pub fn shadowing(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let [area_i, area_o] = [self.visible_area(wi), self.visible_area(wo)];
+        self.shadowing_of(wi, wo, self.visible_areas([wi, wo]))
+    }
+
+    /// [`Finish::shadowing`] of two directions whose visible areas are known.
+    #[inline]
+    fn shadowing_of(&self, wi: Vec3, wo: Vec3, [area_i, area_o]: [f32; 2]) -> f32 {
         0.25 / match self.masking {
             // cos_i cos_o (1 + Λ_i + Λ_o).
             Masking::Correlated => area_i * wo.z + area_o * wi.z - wi.z * wo.z,
@@ -152,13 +173,14 @@ impl Finish {
             return None;
         }
         let sum = wi + wo;
-        let length = sqrtf(sum.length_squared());
-        let density = self.density(sum / length);
+        let square = sum.length_squared();
+        let density = self.density_along(sum, square);
+        let areas = self.visible_areas([wi, wo]);
         // |wi + wo| = 2 cos θ_d for unit vectors, without the cancellation of wi·wo near grazing.
         Some(Lobe {
-            cos_d: (0.5 * length).min(1.0),
-            value: density * self.shadowing(wi, wo),
-            pdf: 0.25 * density / self.visible_area(wi),
+            cos_d: (0.5 * sqrtf(square)).min(1.0),
+            value: density * self.shadowing_of(wi, wo, areas),
+            pdf: 0.25 * density / areas[0],
         })
     }
 

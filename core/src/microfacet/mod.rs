@@ -12,6 +12,7 @@
 //! Directions are unit vectors in the surface's frame. All functions are in single precision; the caller owns no
 //! memory.
 
+mod exponential;
 mod roughness;
 mod beckmann;
 mod finish;

@@ -1,5 +1,6 @@
 //! The roughness of a finish, and how facets of one stretched distribution are those of another.
 
+use core::f32::consts::PI;
 use glam::Vec3;
 
 /// Smallest roughness: lobes of a tenth of a degree, below which single precision loses the half vector.
@@ -9,12 +10,21 @@ pub const MIN_ROUGHNESS: f32 = 1e-3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Roughness {
     alpha: [f32; 2],
+    /// 1/α along x and y.
+    inverse: [f32; 2],
+    /// 1/(π α_x α_y), the density of normals along z.
+    peak: f32,
 }
 
 impl Roughness {
     /// Roughness α along x and y, each from [`MIN_ROUGHNESS`] to 1; `None` beyond.
     pub fn new(alpha: [f32; 2]) -> Option<Self> {
-        alpha.iter().all(|alpha| (MIN_ROUGHNESS..=1.0).contains(alpha)).then_some(Self { alpha })
+        let [x, y] = alpha;
+        alpha.iter().all(|alpha| (MIN_ROUGHNESS..=1.0).contains(alpha)).then(|| Self {
+            alpha,
+            inverse: [1.0 / x, 1.0 / y],
+            peak: 1.0 / (PI * x * y),
+        })
     }
 
     /// α along x and y.
@@ -25,14 +35,14 @@ impl Roughness {
     /// Slopes of a facet in units of the roughness, squared and added, times cos²θ_m.
     #[inline]
     pub fn stretched_slope(self, m: Vec3) -> f32 {
-        let [x, y] = [m.x / self.alpha[0], m.y / self.alpha[1]];
+        let [x, y] = [m.x * self.inverse[0], m.y * self.inverse[1]];
         x * x + y * y
     }
 
-    /// Product of α along x and y.
+    /// Density of normals along z, 1/(π α_x α_y).
     #[inline]
-    pub fn area(self) -> f32 {
-        self.alpha[0] * self.alpha[1]
+    pub fn peak(self) -> f32 {
+        self.peak
     }
 
     /// Square of sin θ α(φ), the roughness in the plane of a direction.
