@@ -21,6 +21,7 @@ mod thickness_option;
 mod lookup;
 mod plot;
 mod spread_option;
+mod film_option;
 mod render;
 mod view;
 mod figures;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use goniochrome::microfacet::Finish;
 
 use crate::commands::args::{RenderArgs, finish_choice};
+use crate::commands::film_option::{is_sheet, map_file, thickness};
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
 use crate::obj;
@@ -17,7 +18,7 @@ use crate::render::lamp::Lamp;
 use crate::render::mesh::{Axes, DEFAULT_LEVEL, TriangleMesh};
 use crate::render::noise::{Display, NoiseReached};
 use crate::render::spread::spread_environment;
-use crate::render::surface::Surface;
+use crate::render::surface::{MirrorChoice, Surface};
 use crate::render::tone::ToneMap;
 use crate::render::{Progress, Quality, Sampling, Stage, render};
 use crate::support::error::{Error, Result};
@@ -29,6 +30,9 @@ use crate::table::Table;
 /// The size of the largest file that is read as an environment: 1 GiB.
 const MAX_BYTES: u64 = 1 << 30;
 
+/// Reflections on a way through a sheet: a bubble's inner wall is seen through its outer one.
+const SHEET_REFLECTIONS: u32 = 3;
+
 /// Noise that a picture has by default, in steps of 1/255: nobody sees it.
 const DEFAULT_TARGET: f64 = 1.4;
 /// Smallest and largest target of noise: less than the rounding to 8 bits, and a tenth of the range.
@@ -38,7 +42,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let format = RenderFormat::of(&args.output)?;
     let source = TableSource::find(&args.table)?;
     let mut inputs = source.files();
-    inputs.extend([file_of(&args.env), file_of(&args.mesh)].into_iter().flatten());
+    inputs.extend([file_of(&args.env), file_of(&args.mesh), map_file(args.thickness.as_deref())].into_iter().flatten());
     output::check_destination(&args.output, &inputs)?;
     for (option, value) in [("--env-turn", args.env_turn), ("--exposure", args.exposure)] {
         if !value.is_finite() || value.abs() > 1e4 {
@@ -66,13 +70,19 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
     let table = source.table(args.running.quiet)?;
     let spread = spread(args.spread, &table)?;
-    if args.reflections > 1 && matches!(table, Table::Orders(_)) {
+    if args.reflections.is_some_and(|reflections| reflections > 1) && matches!(table, Table::Orders(_)) {
         let what = "--reflections: each reflection by diffraction orders branches into all of them; leave it out";
         return Err(Error::usage(what));
     }
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
     let finish = finish(args, &table)?;
-    let surface = Surface::new(&table, args.spectral, finish).map_err(name)?;
+    let mut is_sheet = is_sheet(args.body, &table)?;
+    if is_sheet && finish.is_some() {
+        is_sheet = false;
+        note(args.running.quiet, "a sheet with a finish is shown by the light that it reflects alone");
+    }
+    let thickness = thickness(args.thickness.as_deref(), &table)?;
+    let surface = Surface::new(&table, args.spectral, MirrorChoice { finish, is_sheet, thickness }).map_err(name)?;
     surface.check_not_black().map_err(name)?;
     let light = lamp.map_or_else(|| light(&args.env, args.running.quiet), |lamp| Ok(EnvironmentLight::Lamp(lamp)))?;
     let environment = Environment::new(light, args.env_turn);
@@ -92,7 +102,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         background: args.background.0,
     };
     let display = Display { stops: args.exposure, tone: args.tonemap };
-    let quality = Quality { sampling, reflections: args.reflections, display, threads: args.running.threads() };
+    let reflections = args.reflections.unwrap_or(if is_sheet { SHEET_REFLECTIONS } else { 1 });
+    let quality = Quality { sampling, reflections, display, threads: args.running.threads() };
     let bar = bar(table.name(), 0, args.running.quiet);
     let report = |progress: Progress| {
         bar.set_length(progress.expected);
@@ -144,7 +155,7 @@ fn sampling(args: &RenderArgs) -> Result<Sampling> {
         )),
         (Some(_), None, true) => Err(Error::usage("--preview: has samples of its own; leave --samples out")),
         (None, Some(_), true) => Err(Error::usage("--preview: has no noise; leave --target-noise out")),
-        (None, None, true) if args.reflections > 1 => {
+        (None, None, true) if args.reflections.is_some_and(|reflections| reflections > 1) => {
             Err(Error::usage("--preview: shows one reflection; leave either --preview or --reflections out"))
         }
         (None, None, true) => Ok(Sampling::Preview),

@@ -116,7 +116,7 @@ pub(crate) enum Statement<'r> {
     /// Normal as written; NaN for what is not a number.
     Normal([f64; 3]),
     /// First texture coordinate; NaN for what is not a number.
-    Texture(f64),
+    Texture([f64; 2]),
     /// Name in `usemtl`, which may contain spaces.
     Material(Cow<'r, str>),
     /// Corners of a polygon, at least one. Neighbours differ in their vertices.
@@ -176,7 +176,7 @@ impl<'a> Reader<'a> {
                 }
                 "vt" if self.detail == Detail::Full => {
                     self.textures += 1;
-                    return Ok(Some(Statement::Texture(number(words.next()))));
+                    return Ok(Some(Statement::Texture([(); 2].map(|()| number(words.next())))));
                 }
                 "vn" | "vt" => {}
                 _ if SKIPPED.contains(&keyword) => {}

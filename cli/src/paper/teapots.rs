@@ -10,7 +10,7 @@ use crate::render::camera::{Camera, View};
 use crate::render::environment::{Environment, EnvironmentLight};
 use crate::render::mesh::{DEFAULT_LEVEL, TriangleMesh};
 use crate::render::noise::Display;
-use crate::render::surface::Surface;
+use crate::render::surface::{MirrorChoice, Surface};
 use crate::render::tone::ToneMap;
 use crate::render::{Background, Quality, Sampling, Stage, render};
 use crate::solve::colours::Colour;
@@ -46,7 +46,7 @@ pub(super) fn draw(
     lights: Vec<(&str, EnvironmentLight)>,
     threads: usize,
 ) -> Result<Vec<String>> {
-    let surface = Surface::new(&table.into(), false, None)?;
+    let surface = Surface::new(&table.into(), false, MirrorChoice::default())?;
     let shape = BodyShape::Mesh(TriangleMesh::teapot(DEFAULT_LEVEL));
     let mut memory = BvhMemory::default();
     let body = Body::new(&shape, &mut memory)?;

@@ -1,5 +1,7 @@
 //! Ray intersection with the body: a mesh by the core's bounding volume hierarchy, or the exact sphere or disc.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec3;
 use goniochrome::geometry::bvh::{Bvh, Node, Ray};
 
@@ -39,6 +41,8 @@ pub struct Body<'a> {
     intersector: Intersector<'a>,
     /// Centre and radius of a sphere that holds the shape.
     bounds: (DVec3, f64),
+    /// Lowest and highest z.
+    heights: [f64; 2],
 }
 
 #[derive(Debug)]
@@ -53,6 +57,8 @@ enum Intersector<'a> {
 pub struct SurfaceHit {
     /// Place of the hit in the world.
     pub point: DVec3,
+    /// The triangle of a mesh that is hit.
+    triangle: u32,
     /// The frame of the surface at the hit, not yet turned to the viewer.
     pub frame: ShadingFrame,
 }
@@ -63,10 +69,10 @@ impl<'a> Body<'a> {
     /// # Errors
     /// A mesh without triangles, with too many of them or more than fit into memory, or one that is a single point.
     pub fn new(shape: &'a BodyShape, memory: &'a mut BvhMemory) -> Result<Self> {
-        let unit = |intersector| Ok(Self { intersector, bounds: (DVec3::ZERO, 1.0) });
+        let unit = |intersector, heights| Ok(Self { intersector, bounds: (DVec3::ZERO, 1.0), heights });
         let mesh = match shape {
-            BodyShape::Sphere => return unit(Intersector::Sphere),
-            BodyShape::Disc => return unit(Intersector::Disc),
+            BodyShape::Sphere => return unit(Intersector::Sphere, [-1.0, 1.0]),
+            BodyShape::Disc => return unit(Intersector::Disc, [0.0; 2]),
             BodyShape::Mesh(mesh) => mesh,
         };
         let count = mesh.triangles.len();
@@ -78,7 +84,9 @@ impl<'a> Body<'a> {
             .map_err(|error| Error::failed(format_args!("the mesh cannot be shown: {error}")))?;
         let bounds = mesh.bounding_sphere();
         if bounds.1 > 0.0 {
-            Ok(Self { intersector: Intersector::Mesh(mesh, bvh), bounds })
+            let heights = || mesh.positions.iter().map(|position| position.z);
+            let heights = [heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max)];
+            Ok(Self { intersector: Intersector::Mesh(mesh, bvh), bounds, heights })
         } else {
             Err(Error::failed("the mesh cannot be shown: it is a single point"))
         }
@@ -88,6 +96,29 @@ impl<'a> Body<'a> {
     #[must_use]
     pub fn bounds(&self) -> (DVec3, f64) {
         self.bounds
+    }
+
+    /// The lowest and the highest z of the body.
+    #[must_use]
+    pub fn heights(&self) -> [f64; 2] {
+        self.heights
+    }
+
+    /// The texture coordinates u, to the right, and v, upwards, of a hit: those of the mesh; for a disc those of a
+    /// picture that lies on it; for other bodies azimuth and height over the horizon of the direction from the middle,
+    /// as on a map of the earth, with −x at its edges.
+    #[must_use]
+    pub fn texture_place(&self, hit: &SurfaceHit) -> [f64; 2] {
+        match &self.intersector {
+            Intersector::Disc => [hit.point.x, hit.point.y].map(|x| 0.5 + 0.5 * x),
+            Intersector::Mesh(mesh, _) if !mesh.textures.is_empty() => mesh.texture_place(hit.triangle, hit.point),
+            Intersector::Sphere | Intersector::Mesh(..) => {
+                let from_middle = hit.point - self.bounds.0;
+                let azimuth = from_middle.y.atan2(from_middle.x);
+                let elevation = from_middle.z.atan2(from_middle.x.hypot(from_middle.y));
+                [0.5 + azimuth / TAU, 0.5 + elevation / PI]
+            }
+        }
     }
 
     /// The nearest hit of the ray from `origin` along a unit `direction`.
@@ -100,7 +131,7 @@ impl<'a> Body<'a> {
                 let hit =
                     bvh.intersect_nearest(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }, |_| true)?;
                 let point = origin + hit.t * direction;
-                Some(SurfaceHit { point, frame: mesh.frame(hit.triangle, point) })
+                Some(SurfaceHit { point, triangle: hit.triangle, frame: mesh.frame(hit.triangle, point) })
             }
         }
     }
@@ -120,7 +151,7 @@ fn intersect_sphere(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
     let t = [closest - half, closest + half].into_iter().find(|&t| t >= 0.0)?;
     let normal = (origin + t * direction).normalize();
     let tangent = DVec3::new(-normal.y, normal.x, 0.0).try_normalize().unwrap_or(DVec3::X);
-    Some(SurfaceHit { point: normal, frame: ShadingFrame { tangent, normal, face: normal } })
+    Some(SurfaceHit { point: normal, triangle: 0, frame: ShadingFrame { tangent, normal, face: normal } })
 }
 
 fn intersect_disc(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
@@ -130,7 +161,7 @@ fn intersect_disc(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
     let radius = point.length();
     (reached && (DISC_HOLE..=1.0).contains(&radius)).then(|| {
         let frame = ShadingFrame { tangent: point / radius, normal: DVec3::Z, face: DVec3::Z };
-        SurfaceHit { point, frame }
+        SurfaceHit { point, triangle: 0, frame }
     })
 }
 
@@ -163,7 +194,7 @@ mod tests {
                 let origin = DVec3::new(3.0, 1.0, side);
                 let found = body.intersect(origin, (DVec3::new(x, y, 0.0) - origin).normalize());
                 assert_eq!(found.is_some(), hit > 0.0, "{x} {y}");
-                let Some(SurfaceHit { point, frame }) = found else { continue };
+                let Some(SurfaceHit { point, frame, .. }) = found else { continue };
                 assert!(point.distance(DVec3::new(x, y, 0.0)) < 1e-12 && frame.normal == DVec3::Z);
                 assert!(frame.tangent.distance(point.normalize()) < 1e-12 && frame.binormal().dot(point).abs() < 1e-12);
             }

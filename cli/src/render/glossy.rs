@@ -6,8 +6,9 @@
 use glam::{DVec3, Vec3};
 use goniochrome::microfacet::{Finish, Lobe};
 
+use super::body::{Body, SurfaceHit};
+use super::mirror_like::{Between, MirrorLike};
 use super::viewed::{SampledTable, TableTowards, ViewedTable};
-use crate::table::mirror::neighbours;
 
 /// A surface that reflects into many directions.
 #[derive(Debug)]
@@ -20,10 +21,8 @@ pub(super) enum Glossy<'a> {
 #[derive(Debug)]
 pub(super) struct FinishedMirror<'a> {
     pub finish: Finish,
-    /// Angles of the table in degrees.
-    pub theta_deg: &'a [f64],
-    /// ρ(θ_d), `[theta][channel]`.
-    pub values: &'a [f32],
+    /// ρ(θ_d).
+    pub mirror: &'a MirrorLike,
 }
 
 /// Memory for a [`Glossy`] surface as one viewer sees it.
@@ -31,6 +30,8 @@ pub(super) struct FinishedMirror<'a> {
 pub(super) struct Viewed {
     viewer: Vec3,
     table: ViewedTable,
+    /// Thickness of a film.
+    between: Between,
 }
 
 /// A direction towards the light.
@@ -75,11 +76,12 @@ impl Glossy<'_> {
         }
     }
 
-    /// Prepares the surface for a viewer above the horizon.
-    pub fn look(&self, viewer: Vec3, viewed: &mut Viewed) {
+    /// Prepares the surface at a hit for a viewer above the horizon.
+    pub fn look(&self, body: &Body<'_>, hit: &SurfaceHit, viewer: Vec3, viewed: &mut Viewed) {
         viewed.viewer = viewer;
-        if let Self::Table(table) = self {
-            viewed.table.look(table, viewer);
+        match self {
+            Self::Table(table) => viewed.table.look(table, viewer),
+            Self::Finish(finished) => viewed.between = finished.mirror.at(body, hit),
         }
     }
 
@@ -87,8 +89,8 @@ impl Glossy<'_> {
     pub fn towards(&self, viewed: &Viewed, direction: Vec3) -> Option<Towards> {
         match self {
             Self::Table(table) => Some(Towards::Table(viewed.table.towards(table, direction))),
-            Self::Finish(mirror) => {
-                mirror.finish.lobe(viewed.viewer, direction).map(|lobe| Towards::Finish(direction, lobe))
+            Self::Finish(finished) => {
+                finished.finish.lobe(viewed.viewer, direction).map(|lobe| Towards::Finish(direction, lobe))
             }
         }
     }
@@ -97,9 +99,9 @@ impl Glossy<'_> {
     pub fn sample(&self, viewed: &Viewed, u: [f32; 2]) -> Option<Towards> {
         match self {
             Self::Table(table) => viewed.table.sample(table, u).map(Towards::Table),
-            Self::Finish(mirror) => {
-                let direction = mirror.finish.sample(viewed.viewer, u)?;
-                let lobe = mirror.finish.lobe(viewed.viewer, direction).filter(|lobe| lobe.pdf > 0.0)?;
+            Self::Finish(finished) => {
+                let direction = finished.finish.sample(viewed.viewer, u)?;
+                let lobe = finished.finish.lobe(viewed.viewer, direction).filter(|lobe| lobe.pdf > 0.0)?;
                 Some(Towards::Finish(direction, lobe))
             }
         }
@@ -109,22 +111,11 @@ impl Glossy<'_> {
     pub fn reflect(&self, viewed: &Viewed, towards: &Towards, out: &mut [f32]) {
         match (self, towards) {
             (Self::Table(_), Towards::Table(towards)) => viewed.table.reflect(towards, out),
-            (Self::Finish(mirror), Towards::Finish(direction, lobe)) => {
+            (Self::Finish(finished), Towards::Finish(direction, lobe)) => {
                 out.fill(lobe.value * direction.z);
-                reflect(mirror.theta_deg, mirror.values, f64::from(lobe.cos_d).acos().to_degrees(), out);
+                finished.mirror.reflect(viewed.between, f64::from(lobe.cos_d).acos().to_degrees(), out);
             }
             _ => out.fill(0.0),
         }
-    }
-}
-
-/// Multiplies each channel by ρ(θ), linear between the table's angles and constant beyond them.
-pub(super) fn reflect(theta_deg: &[f64], values: &[f32], at_deg: f64, throughput: &mut [f32]) {
-    let channels = throughput.len();
-    let (below, above, weight) = neighbours(theta_deg, at_deg);
-    let weight = weight as f32;
-    let (low, high) = (&values[below * channels..][..channels], &values[above * channels..][..channels]);
-    for ((through, low), high) in throughput.iter_mut().zip(low).zip(high) {
-        *through *= low + weight * (high - low);
     }
 }

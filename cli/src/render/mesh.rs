@@ -23,6 +23,8 @@ pub struct TriangleMesh {
     pub normals: Vec<DVec3>,
     /// Tangent t of each vertex, of unit length and perpendicular to n; the binormal is b = n × t.
     pub tangents: Vec<DVec3>,
+    /// Texture coordinates u and v of each vertex, or empty: the mesh has none.
+    pub textures: Vec<[f64; 2]>,
     /// Indices of the three vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -53,6 +55,7 @@ impl TriangleMesh {
         let mut mesh = Self::default();
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
             mesh.push(DVec3::new(x, y, 0.0), DVec3::Z, DVec3::X);
+            mesh.textures.push([0.5 + 0.5 * x, 0.5 + 0.5 * y]);
         }
         mesh.grid(0, 1, 1, true);
         mesh
@@ -98,18 +101,41 @@ impl TriangleMesh {
     /// The shading frame at a point of a triangle: normal and tangent interpolated linearly between its vertices.
     #[must_use]
     pub fn frame(&self, triangle: u32, point: DVec3) -> ShadingFrame {
-        let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
-        let [a, b, c] = corners.map(|corner| self.positions[corner]);
-        let across = (b - a).cross(c - a);
-        // Barycentric coordinates: the areas opposite to the vertices.
-        let share = |p: DVec3, q: DVec3| ((p - point).cross(q - point).dot(across) / across.length_squared()).max(0.0);
-        let shares = [share(b, c), share(c, a), share(a, b)];
+        let Barycentric { corners, shares, across } = self.barycentric(triangle, point);
         let mean = |of: &[DVec3]| corners.iter().zip(shares).map(|(&corner, w)| w * of[corner]).sum::<DVec3>();
         let face = across.normalize();
         // Normals of three corners may cancel on a badly modelled mesh.
         let normal = mean(&self.normals).try_normalize().unwrap_or(face);
         ShadingFrame { tangent: tangent_across(normal, mean(&self.tangents)), normal, face }
     }
+
+    /// Texture coordinates at a point of a triangle.
+    ///
+    /// # Panics
+    /// A mesh without texture coordinates.
+    #[must_use]
+    pub fn texture_place(&self, triangle: u32, point: DVec3) -> [f64; 2] {
+        let Barycentric { corners, shares, .. } = self.barycentric(triangle, point);
+        [0, 1].map(|axis| corners.iter().zip(shares).map(|(&corner, w)| w * self.textures[corner][axis]).sum())
+    }
+
+    fn barycentric(&self, triangle: u32, point: DVec3) -> Barycentric {
+        let corners = self.triangles[triangle as usize].map(|corner| corner as usize);
+        let [a, b, c] = corners.map(|corner| self.positions[corner]);
+        let across = (b - a).cross(c - a);
+        let share = |p: DVec3, q: DVec3| ((p - point).cross(q - point).dot(across) / across.length_squared()).max(0.0);
+        Barycentric { corners, shares: [share(b, c), share(c, a), share(a, b)], across }
+    }
+}
+
+/// A point of a triangle.
+struct Barycentric {
+    /// Vertices of the triangle.
+    corners: [usize; 3],
+    /// Barycentric coordinates: the areas opposite to the vertices.
+    shares: [f64; 3],
+    /// Normal of the triangle, of twice its area in length.
+    across: DVec3,
 }
 
 /// The frame of a surface at a point: its tangent, its normal and that of the flat triangle.

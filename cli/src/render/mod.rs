@@ -25,6 +25,8 @@ pub mod environment;
 pub mod spread;
 mod pyramid;
 mod orders;
+pub mod thickness;
+mod mirror_like;
 mod viewed;
 mod glossy;
 pub mod surface;
@@ -33,6 +35,7 @@ pub mod noise;
 pub mod framebuffer;
 mod tracer;
 mod scattering;
+mod sheet;
 mod film;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -80,7 +83,8 @@ pub enum Sampling {
 pub struct Quality {
     /// Rays through each pixel.
     pub sampling: Sampling,
-    /// Largest number of reflections by the body on a light path, at least 1; a preview has 1.
+    /// Largest number of reflections by the body on a light path, at least 1; a preview has 1. Passages through a sheet
+    /// do not count.
     pub reflections: u32,
     /// How the picture is shown, in which its noise is measured.
     pub display: Display,
@@ -130,6 +134,7 @@ pub fn render(stage: &Stage<'_>, quality: &Quality, report: &(dyn Fn(Progress) +
         widened: stage.widened,
         pyramid: is_preview.then(|| Pyramid::new(stage.environment)).transpose()?,
         reflections: quality.reflections.max(1),
+        behind: if let Background::Colour(rgb) = stage.background { Some(rgb) } else { None },
     };
     let size = stage.camera.size;
     let is_transparent = stage.background == Background::Transparent;

@@ -59,7 +59,8 @@ impl TriangleMesh {
     /// The mesh in the text of an OBJ file, turned so that z is up, with what had to be repaired in it. `label` names
     /// the file in messages.
     ///
-    /// t follows the first texture coordinate where there is one, and is horizontal elsewhere.
+    /// t follows the first texture coordinate where there is one, and is horizontal elsewhere. The mesh has texture
+    /// coordinates if all of its corners have two.
     ///
     /// # Errors
     /// Text that is not OBJ, polygons that cross themselves, coordinates above 10³⁰, too many triangles, no triangle
@@ -70,12 +71,12 @@ impl TriangleMesh {
     }
 }
 
-/// A corner of a polygon or a triangle, with the normal and the first texture coordinate that the file gives it.
+/// A corner of a polygon or a triangle, with the normal and the texture coordinates that the file gives it.
 #[derive(Clone, Copy)]
 struct MeshCorner {
     position: DVec3,
     normal: Option<DVec3>,
-    texture: Option<f64>,
+    texture: Option<[f64; 2]>,
 }
 
 fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh, MeshRepairs)> {
@@ -100,8 +101,12 @@ fn read(label: &str, text: &str, axes: Axes) -> Result<(TriangleMesh, MeshRepair
             let computed = || smooth.as_ref().map_or(face, |smooth| smooth.at(corner.position, face));
             let normal = corner.normal.unwrap_or_else(computed);
             mesh.push(corner.position, normal, along.unwrap_or(DVec3::Z.cross(normal)));
+            mesh.textures.extend(corner.texture.filter(|uv| uv[1].is_finite()));
         }
         mesh.triangles.push([first, first + 1, first + 2]);
+    }
+    if mesh.textures.len() < mesh.positions.len() {
+        mesh.textures.clear();
     }
     Ok((mesh, repairs))
 }
@@ -130,7 +135,10 @@ fn facets(label: &str, text: &str, axes: Axes, repairs: &mut MeshRepairs) -> Res
                 let corner = |corner: &obj::FaceCorner| MeshCorner {
                     position: positions[corner.vertex as usize],
                     normal: corner.normal.and_then(|normal| normals[normal as usize]),
-                    texture: corner.texture.map(|texture| textures[texture as usize]).filter(|t: &f64| t.is_finite()),
+                    texture: corner
+                        .texture
+                        .map(|texture| textures[texture as usize])
+                        .filter(|uv: &[f64; 2]| uv[0].is_finite()),
                 };
                 corners.clear();
                 corners.extend(face.iter().map(corner));
@@ -186,7 +194,7 @@ fn double_area(facet: &[MeshCorner; 3]) -> f64 {
 /// The direction in a facet along which the first texture coordinate rises; `None` without texture coordinates.
 fn texture_direction(facet: &[MeshCorner; 3]) -> Option<DVec3> {
     let [a, b, c] = facet.map(|corner| corner.position);
-    let [ua, ub, uc] = facet.map(|corner| corner.texture);
+    let [ua, ub, uc] = facet.map(|corner| corner.texture.map(|[u, _]| u));
     // The gradient of the linear function of these values over the facet.
     let (ub, uc) = (ub? - ua?, uc? - ua?);
     area_normal(facet).cross((b - a) * uc - (c - a) * ub).try_normalize()

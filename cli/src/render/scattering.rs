@@ -91,7 +91,7 @@ impl Tracer<'_> {
         let (mut hit, mut wo) = (first, wo);
         for left in (0..self.reflections).rev() {
             let last = left == 0;
-            let (frame, viewer) = look(surface, &hit, wo, scratch);
+            let (frame, viewer) = self.look(surface, &hit, wo, scratch);
             let next_hit = |wi: DVec3| if last { None } else { self.next_hit(&hit, &frame, wi) };
             let mut onward = Onward::new(if last { 0.0 } else { stream.next()[0] });
             for lobe in 0..surface.lobes() {
@@ -137,7 +137,7 @@ impl Tracer<'_> {
         ray: u32,
         scratch: &mut Scratch,
     ) {
-        let (frame, viewer) = look(surface, hit, wo, scratch);
+        let (frame, viewer) = self.look(surface, hit, wo, scratch);
         for lobe in 0..surface.lobes() {
             if let Some(wi) = reflect_lobe(surface, lobe, &frame, viewer, scratch) {
                 self.add_light(self.widened.radiance(wi), 1.0, scratch);
@@ -155,18 +155,18 @@ impl Tracer<'_> {
         }
     }
 
+    /// Looks at a hit from `wo`; returns the frame there, and the direction to the viewer in it.
+    fn look(&self, surface: &Glossy<'_>, hit: &SurfaceHit, wo: DVec3, scratch: &mut Scratch) -> (ShadingFrame, Vec3) {
+        let frame = hit.frame.facing(wo);
+        let viewer = above(frame.to_local(wo)).as_vec3();
+        surface.look(self.body, hit, viewer, &mut scratch.viewed);
+        (frame, viewer)
+    }
+
     /// Adds light, times the scratch's product and `scale`, to what reaches the viewer.
     fn add_light(&self, rgb: [f32; 3], scale: f64, scratch: &mut Scratch) {
         self.channels.add_light(&mut scratch.radiance, &scratch.product, rgb, scale as f32);
     }
-}
-
-/// Looks at a hit from `wo`; returns the frame there, and the direction to the viewer in it.
-fn look(surface: &Glossy<'_>, hit: &SurfaceHit, wo: DVec3, scratch: &mut Scratch) -> (ShadingFrame, Vec3) {
-    let frame = hit.frame.facing(wo);
-    let viewer = above(frame.to_local(wo)).as_vec3();
-    surface.look(viewer, &mut scratch.viewed);
-    (frame, viewer)
 }
 
 /// Sets the product of throughput and f cos θ for light from a direction.

@@ -4,23 +4,26 @@ use goniochrome::microfacet::Finish;
 
 use super::channels::Channels;
 use super::glossy::{FinishedMirror, Glossy};
+use super::mirror_like::MirrorLike;
 use super::orders::{OrderShading, OrderSurface};
+use super::thickness::ThicknessMap;
 use super::viewed::SampledTable;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
+use crate::table::mirror::MirrorTable;
 use crate::table::scatter::ScatterLookup;
 
 /// The reflection of a surface, for each channel in which light is traced.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Surface {
     channels: Channels,
     reflectance: Reflectance,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 enum Reflectance {
-    /// ρ(θ), `[theta][channel]`, of the surface or, with a finish, of its facets.
-    Mirror { theta_deg: Vec<f64>, values: Vec<f32>, finish: Option<Finish> },
+    /// ρ(θ) of the surface or, with a finish, of its facets.
+    Mirror(MirrorLike, Option<Finish>),
     /// s and lobes.
     Scatter(ScatterLookup),
     /// Diffraction orders.
@@ -29,13 +32,24 @@ enum Reflectance {
 
 /// A [`Surface`] that is ready to be looked up and sampled.
 pub(super) enum Prepared<'a> {
-    Mirror { theta_deg: &'a [f64], values: &'a [f32] },
+    Mirror(&'a MirrorLike),
     Glossy(Glossy<'a>),
     Orders(OrderShading<'a>),
 }
 
+/// What a mirror-like table leaves open.
+#[derive(Clone, Debug, Default)]
+pub struct MirrorChoice {
+    /// The finish of the surface; without one it is smooth.
+    pub finish: Option<Finish>,
+    /// Whether light goes straight through the surface, in a table that holds transmitted light.
+    pub is_sheet: bool,
+    /// Where the film is how thick, for a table over a thickness.
+    pub thickness: Option<ThicknessMap>,
+}
+
 impl Surface {
-    /// The surface of a table: by its RGB, converted to linear sRGB, or by its wavelengths with `spectral`. A finish is
+    /// The surface of a table: by its RGB, converted to linear sRGB, or by its wavelengths with `spectral`. `choice` is
     /// for mirror-like tables.
     ///
     /// Colours by the paper's matrix, which is a display of its own, are not converted. Diffraction orders are traced
@@ -43,13 +57,20 @@ impl Surface {
     ///
     /// # Errors
     /// A damaged table, a table without colours, or wavelengths that cannot tell colours apart.
-    pub fn new(table: &Table, spectral: bool, finish: Option<Finish>) -> Result<Self> {
+    pub fn new(table: &Table, spectral: bool, choice: MirrorChoice) -> Result<Self> {
         table.check()?;
         match table {
             Table::Mirror(mirror) => {
                 let (channels, values) = channels_and_values(table, spectral)?;
-                let theta_deg = mirror.theta_deg.clone();
-                Ok(Self { channels, reflectance: Reflectance::Mirror { theta_deg, values, finish } })
+                let transmitted = if choice.is_sheet { transmitted(mirror, spectral) } else { Vec::new() };
+                let axis = mirror.thickness.as_ref();
+                let mirror_like = MirrorLike {
+                    theta_deg: mirror.theta_deg.clone(),
+                    reflected: values,
+                    transmitted,
+                    thickness: axis.map(|axis| axis.nm.clone()).zip(choice.thickness),
+                };
+                Ok(Self { channels, reflectance: Reflectance::Mirror(mirror_like, choice.finish) })
             }
             Table::Scatter(scatter) => {
                 let (channels, values) = channels_and_values(table, spectral)?;
@@ -75,7 +96,7 @@ impl Surface {
     /// A surface that is black in every channel.
     pub fn check_not_black(&self) -> Result<()> {
         let black = match &self.reflectance {
-            Reflectance::Mirror { values, .. } => values.iter().all(|&x| x == 0.0),
+            Reflectance::Mirror(mirror, _) => !mirror.is_sheet() && mirror.reflected.iter().all(|&x| x == 0.0),
             Reflectance::Scatter(lookup) => lookup.values().iter().all(|&x| x == 0.0),
             Reflectance::Orders(orders) => orders.is_black(),
         };
@@ -88,9 +109,9 @@ impl Surface {
     /// Prepares look-up and sampling.
     pub(super) fn prepare(&self) -> Result<Prepared<'_>> {
         match &self.reflectance {
-            Reflectance::Mirror { theta_deg, values, finish: None } => Ok(Prepared::Mirror { theta_deg, values }),
-            &Reflectance::Mirror { ref theta_deg, ref values, finish: Some(finish) } => {
-                Ok(Prepared::Glossy(Glossy::Finish(FinishedMirror { finish, theta_deg, values })))
+            Reflectance::Mirror(mirror, None) => Ok(Prepared::Mirror(mirror)),
+            &Reflectance::Mirror(ref mirror, Some(finish)) => {
+                Ok(Prepared::Glossy(Glossy::Finish(FinishedMirror { finish, mirror })))
             }
             Reflectance::Scatter(lookup) => {
                 Ok(Prepared::Glossy(Glossy::Table(SampledTable::new(lookup.table()?, lookup.values())?)))
@@ -111,24 +132,12 @@ fn channels_and_values(table: &Table, spectral: bool) -> Result<(Channels, Vec<f
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::glossy::reflect;
-    use crate::table::mirror::MirrorTable;
-
-    #[test]
-    fn reflectance_is_that_of_the_table() {
-        let table = MirrorTable {
-            theta_deg: vec![0.0, 10.0, 45.0, 80.0],
-            rgb: vec![[1.0, 0.5, -0.25], [0.0, 1.0, 0.5], [0.5, 0.5, 0.5], [0.9, 0.1, 0.3]],
-            ..MirrorTable::default()
-        };
-        let values: Vec<f32> = table.rgb.iter().flatten().copied().collect();
-        for at in [0.0, 2.5, 10.0, 33.0, 79.0, 80.0, 90.0] {
-            let mut found = [2.0; 3];
-            reflect(&table.theta_deg, &values, at, &mut found);
-            let expected = table.rgb_at(at);
-            assert!((0..3).all(|c| (found[c] - 2.0 * expected[c]).abs() < 1e-6), "{at}: {found:?} {expected:?}");
-        }
+/// The transmittance of a table in the channels of its reflectance.
+fn transmitted(table: &MirrorTable, spectral: bool) -> Vec<f32> {
+    if spectral {
+        let polarised = table.transmittance_s.iter().zip(&table.transmittance_p);
+        polarised.map(|(s, p)| 0.5 * (s + p)).collect()
+    } else {
+        table.metadata.screen_rgb(&table.rgb_transmitted).into_flattened()
     }
 }

@@ -1,9 +1,9 @@
 //! Path tracing of light along a ray from the camera.
 //!
 //! At each hit the surface frame is turned to the viewer: both sides of a sheet carry the same structure. A mirror-like
-//! table reflects the ray once, L = ρ(θ) E(mirror direction). Diffraction orders come from directions of their own,
-//! which are all looked up. Tables of scattered light and rough
-//! surfaces are followed in [`super::scattering`].
+//! table reflects the ray once, L = ρ(θ) E(mirror direction); what a sheet lets through is followed in
+//! [`super::sheet`]. Diffraction orders come from directions of their own, which are all looked up. Tables of scattered
+//! light and rough surfaces are followed in [`super::scattering`].
 //!
 //! A reflected ray that hits the body again is reflected again, up to a number of reflections. From the last of them
 //! the environment is seen as if the body did not block it: with one reflection, the body does not see itself at all.
@@ -14,8 +14,9 @@ use goniochrome::trace::sobol::sobol;
 use super::body::{Body, SurfaceHit};
 use super::channels::Channels;
 use super::environment::Environment;
-use super::glossy::{Viewed, reflect};
+use super::glossy::Viewed;
 use super::mesh::ShadingFrame;
+use super::mirror_like::MirrorLike;
 use super::pyramid::Pyramid;
 use super::surface::Prepared;
 
@@ -39,6 +40,21 @@ pub(super) struct Tracer<'a> {
     /// The light of a preview.
     pub pyramid: Option<Pyramid<'a>>,
     pub reflections: u32,
+    /// The colour that is seen straight through a sheet, instead of the environment.
+    pub behind: Option<[f32; 3]>,
+}
+
+/// A way of light that is still to be followed from a hit.
+pub(super) struct Way {
+    pub hit: SurfaceHit,
+    pub wo: DVec3,
+    pub throughput: Vec<f32>,
+    /// Reflections that may still follow.
+    pub reflections: u32,
+    /// Passages that may still follow.
+    pub passages: u32,
+    /// Whether the way leads straight on from the camera.
+    pub is_straight: bool,
 }
 
 /// The working memory of one thread: numbers for each channel.
@@ -49,6 +65,8 @@ pub(super) struct Scratch {
     pub(super) product: Vec<f32>,
     pub(super) onward: Vec<f32>,
     pub(super) viewed: Viewed,
+    /// Ways through a sheet that are still to be followed.
+    pub(super) ways: Vec<Way>,
 }
 
 impl Scratch {
@@ -61,6 +79,7 @@ impl Scratch {
             product: empty(),
             onward: empty(),
             viewed: Viewed::default(),
+            ways: Vec::new(),
         }
     }
 
@@ -114,7 +133,8 @@ impl Tracer<'_> {
         let Some(hit) = self.body.intersect(eye, direction) else { return false };
         scratch.throughput.fill(1.0);
         match &self.surface {
-            Prepared::Mirror { theta_deg, values } => self.trace_mirror(theta_deg, values, hit, direction, scratch),
+            Prepared::Mirror(mirror) if mirror.is_sheet() => self.trace_sheet(mirror, hit, direction, scratch),
+            Prepared::Mirror(mirror) => self.trace_mirror(mirror, hit, direction, scratch),
             Prepared::Glossy(glossy) => match &self.pyramid {
                 Some(pyramid) => self.preview_scattered(glossy, pyramid, &hit, -direction, stream.ray(), scratch),
                 None => self.trace_scattered(glossy, hit, -direction, stream, scratch),
@@ -129,22 +149,12 @@ impl Tracer<'_> {
     }
 
     /// Follows mirror reflections from the first hit of a ray.
-    fn trace_mirror(
-        &self,
-        theta_deg: &[f64],
-        values: &[f32],
-        first: SurfaceHit,
-        direction: DVec3,
-        scratch: &mut Scratch,
-    ) {
+    fn trace_mirror(&self, mirror: &MirrorLike, first: SurfaceHit, direction: DVec3, scratch: &mut Scratch) {
         let (mut hit, mut wo) = (first, -direction);
         for left in (0..self.reflections).rev() {
             let frame = hit.frame.facing(wo);
-            let cos = wo.dot(frame.normal).clamp(0.0, 1.0);
-            // acos would lose half the digits near the normal.
-            let sin = wo.cross(frame.normal).length();
-            reflect(theta_deg, values, sin.atan2(cos).to_degrees(), &mut scratch.throughput);
-            let wi = (2.0 * cos * frame.normal - wo).normalize();
+            let (theta_deg, wi) = mirrored(&frame, wo);
+            mirror.reflect(mirror.at(self.body, &hit), theta_deg, &mut scratch.throughput);
             match (left > 0).then(|| self.next_hit(&hit, &frame, wi)).flatten() {
                 Some(next) => (hit, wo) = (next, -wi),
                 None => {
@@ -155,6 +165,12 @@ impl Tracer<'_> {
         }
     }
 
+    /// The nearest hit of the ray that goes on behind a hit.
+    pub(super) fn next_hit_behind(&self, hit: &SurfaceHit, frame: &ShadingFrame, onward: DVec3) -> Option<SurfaceHit> {
+        let behind = ShadingFrame { face: -frame.face, ..*frame };
+        self.body.intersect(self.body.offset_origin(hit.point, &behind), onward)
+    }
+
     /// The nearest hit of the ray that leaves a hit in the direction `wi`.
     pub(super) fn next_hit(&self, hit: &SurfaceHit, frame: &ShadingFrame, wi: DVec3) -> Option<SurfaceHit> {
         // An interpolated normal may reflect into the triangle itself; the ray is then mirrored at the triangle's
@@ -162,6 +178,14 @@ impl Tracer<'_> {
         let below = wi.dot(frame.face).min(0.0);
         self.body.intersect(self.body.offset_origin(hit.point, frame), wi - 2.0 * below * frame.face)
     }
+}
+
+/// The angle of incidence in degrees at a frame that faces `wo`, and the mirrored direction.
+pub(super) fn mirrored(frame: &ShadingFrame, wo: DVec3) -> (f64, DVec3) {
+    let cos = wo.dot(frame.normal).clamp(0.0, 1.0);
+    // acos would lose half the digits near the normal.
+    let sin = wo.cross(frame.normal).length();
+    (sin.atan2(cos).to_degrees(), (2.0 * cos * frame.normal - wo).normalize())
 }
 
 /// The direction, lifted above the horizon, where tables end, if it lies below.

@@ -34,7 +34,9 @@ pub use sampling::SamplingArgs;
 pub use scatter::ScatterArgs;
 pub use shared::{Colouring, Computing, Diffracting, Running};
 pub use spectrum::SpectrumArgs;
-pub use values::{Bins, DirectionArg, IlluminantArg, ModelArg, RoughnessArg, SpaceArg, finish_choice, spelled};
+pub use values::{
+    Bins, BodyArg, DirectionArg, IlluminantArg, ModelArg, RoughnessArg, SpaceArg, finish_choice, spelled,
+};
 pub use view::PageArgs;
 
 /// Compute how layered and micro-structured surfaces reflect light: spectra, colours, BRDF tables, pictures.

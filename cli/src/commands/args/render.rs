@@ -7,7 +7,7 @@ use clap::Args;
 use goniochrome::microfacet::Distribution;
 
 use crate::commands::args::shared::Running;
-use crate::commands::args::values::{RoughnessArg, distribution, roughness_or_mirror};
+use crate::commands::args::values::{BodyArg, RoughnessArg, distribution, roughness_or_mirror};
 use crate::render::Background;
 use crate::render::camera::View;
 use crate::render::mesh::{Axes, DEFAULT_LEVEL};
@@ -54,8 +54,17 @@ pub struct RenderArgs {
     pub preview: bool,
     /// Number of reflections to trace where the body reflects itself. With 1 it does not see itself. With more, light
     /// is traced from part to part; the last part sees the environment as if nothing stood in between
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub reflections: u32,
+    /// [default: 1, for sheets 3]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub reflections: Option<u32>,
+    /// Mirror-like tables: whether light goes through [default: sheet for films in one clear medium, such as soap films]
+    #[arg(long, value_enum)]
+    pub body: Option<BodyArg>,
+    /// Tables over the thickness of a layer, by `estimate --vary`: one thickness in nm; drain (a film that drains, thin at
+    /// the top); noise (swirls); or a greyscale picture over the texture coordinates, from the first thickness (0) to the
+    /// last (1)
+    #[arg(long, value_name = "NM|drain|noise|FILE")]
+    pub thickness: Option<String>,
     /// Diffraction orders and facet lobes: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,

@@ -39,6 +39,15 @@ impl From<ModelArg> for Model {
     }
 }
 
+/// The values of `--body`.
+#[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
+pub enum BodyArg {
+    /// A film in one clear medium: the light that it does not reflect goes on straight
+    Sheet,
+    /// The surface of a body: reflected light alone is seen
+    Solid,
+}
+
 /// The values of `--illuminant`.
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 pub enum IlluminantArg {
