@@ -26,6 +26,7 @@ mod render;
 mod render_orders;
 mod render_scatter;
 mod scenes;
+mod sheets;
 mod spreads;
 mod tables;
 mod tilted;

@@ -148,7 +148,7 @@ fn a_sphere_in_white_light_has_the_tables_colours_also_by_wavelengths() {
         let (eye, rays) = rays(-60.0, 24.0, 200);
         for more in ["", "--spectral"] {
             user.ok(&format!(
-                "render t.exr -o a.exr --env white --mesh sphere --size 200 --samples 1 --background transparent {more}"
+                "render t.exr -o a.exr --env white --mesh sphere --size 200 --samples 1 --background transparent --body solid {more}"
             ));
             let mut worst = 0f32;
             for (ray, pixel) in rays.iter().zip(picture(&user, "a.exr").rgba) {

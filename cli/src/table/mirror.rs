@@ -206,7 +206,7 @@ pub fn neighbours(axis: &[f64], at: f64) -> (usize, usize, f64) {
 fn between(values: &[f32], blocks: usize, below: usize, above: usize, weight: f64) -> Vec<f32> {
     let (length, weight) = (values.len() / blocks, weight as f32);
     let block = |at: usize| &values[at * length..][..length];
-    block(below).iter().zip(block(above)).map(|(low, high)| low + weight * (high - low)).collect()
+    block(below).iter().zip(block(above)).map(|(low, high)| (1.0 - weight) * low + weight * high).collect()
 }
 
 fn colours_between(colours: &[[f32; 3]], blocks: usize, below: usize, above: usize, weight: f64) -> Vec<[f32; 3]> {
