@@ -15,3 +15,4 @@ mod reference;
 mod scalar;
 mod scatter_table;
 mod table_blob;
+mod film_blob;

@@ -2,16 +2,17 @@
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
+use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{
-    FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout,
-    ScatterSampler, ScatterTable, TableError,
+    FacetLobe, FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
+    ScatterLayout, ScatterSampler, ScatterTable, TableError,
 };
 
 /// Relative rounding of binary16.
-const HALF_RELATIVE: f32 = 1.0 / 2048.0;
+pub const HALF_RELATIVE: f32 = 1.0 / 2048.0;
 /// Half of the smallest step of binary16.
-const HALF_ABSOLUTE: f32 = 1.0 / 33_554_432.0;
+pub const HALF_ABSOLUTE: f32 = 1.0 / 33_554_432.0;
 
 /// Densities of the warp, of 3 and of 2 knots.
 const WARP: [&[f32]; 2] = [&[1.0, 2.0, 0.5], &[1.0, 1.0]];
@@ -44,7 +45,7 @@ fn mirror_values() -> Vec<f32> {
     (0..9).map(|i| 1.0 / (i as f32 + 1.0) - 0.2).collect()
 }
 
-fn written(contents: Contents<'_>, precision: Precision) -> Vec<u8> {
+pub fn written(contents: Contents<'_>, precision: Precision) -> Vec<u8> {
     let blob = Blob { space: Some(RgbSpace::Rec2020), contents };
     let mut bytes = vec![0xa5; blob.required_len(precision).unwrap()];
     blob.write(precision, &mut bytes).unwrap();
@@ -57,6 +58,20 @@ fn scatter(precision: Precision) -> Vec<u8> {
 
 fn mirror(precision: Precision) -> Vec<u8> {
     written(Contents::Mirror(MirrorTable::new(&mirror_values(), 3, 1.5).unwrap()), precision)
+}
+
+/// Two thicknesses of four angles; with a finish or without, with transmittance or without.
+pub fn with_film<T>(finished: bool, transparent: bool, use_table: impl FnOnce(FilmTable<'_>) -> T) -> T {
+    let reflectance: Vec<f32> = (0..24).map(|i| (i * 37 % 101) as f32 / 97.0).collect();
+    let transmittance: Vec<f32> = reflectance.iter().map(|rho| 1.5 - rho).collect();
+    let transmittance = if transparent { &transmittance[..] } else { &[] };
+    let finish = Finish::new(Distribution::Beckmann, Masking::Separable, [0.25, 0.5]).unwrap();
+    let arrays = FilmArrays { reflectance: &reflectance, transmittance, thickness_nm: &[100.0, 250.0] };
+    use_table(FilmTable::new(&arrays, 3, 1.5, finished.then_some(finish)).unwrap())
+}
+
+pub fn film(precision: Precision) -> Vec<u8> {
+    with_film(true, true, |table| written(Contents::Film(table), precision))
 }
 
 const ORDERS: [[f32; 2]; 5] = [[-1.0, 0.0], [0.0, -1.0], [0.0, 0.0], [0.0, 1.0], [1.0, 0.0]];
@@ -79,7 +94,7 @@ fn orders(precision: Precision) -> Vec<u8> {
 }
 
 /// The bytes with a right checksum, so that only the other checks can refuse them.
-fn resealed(mut bytes: Vec<u8>) -> Vec<u8> {
+pub fn resealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let mut crc = crc32fast::Hasher::new();
     crc.update(&bytes[..60]);
     crc.update(&bytes[64..]);
@@ -87,7 +102,7 @@ fn resealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-fn directions() -> impl Iterator<Item = Vec3> {
+pub fn directions() -> impl Iterator<Item = Vec3> {
     (0..40).map(|i| {
         let (cos, phi) = (0.02 + 0.024 * i as f32, 2.4 * i as f32);
         let sin = (1.0 - cos * cos).sqrt();
@@ -285,7 +300,9 @@ fn every_rule_of_orders_is_checked_behind_a_right_checksum() {
 #[test]
 fn every_length_but_the_right_one_is_refused() {
     let scattering = [scatter(Precision::Single), scatter(Precision::Half)];
-    for bytes in scattering.into_iter().chain([mirror(Precision::Half), orders(Precision::Single)]) {
+    for bytes in
+        scattering.into_iter().chain([mirror(Precision::Half), orders(Precision::Single), film(Precision::Half)])
+    {
         for length in 0..bytes.len() {
             assert!(matches!(Blob::read(&bytes[..length]), Err(BlobError::Length { .. })), "{length}");
         }
@@ -297,7 +314,7 @@ fn every_length_but_the_right_one_is_refused() {
 
 #[test]
 fn every_changed_byte_is_found() {
-    for bytes in [scatter(Precision::Single), mirror(Precision::Half), orders(Precision::Half)] {
+    for bytes in [scatter(Precision::Single), mirror(Precision::Half), orders(Precision::Half), film(Precision::Half)] {
         for at in 0..bytes.len() {
             for flip in [0x01, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
@@ -312,7 +329,9 @@ fn every_changed_byte_is_found() {
 fn absurd_headers_are_refused_or_harmless() {
     let wild = [0, 1, 2, 3, 5, 1024, 1025, 65_536, u32::MAX / 2, u32::MAX];
     let scattering = [scatter(Precision::Single), scatter(Precision::Half)];
-    for bytes in scattering.into_iter().chain([mirror(Precision::Single), orders(Precision::Single)]) {
+    for bytes in
+        scattering.into_iter().chain([mirror(Precision::Single), orders(Precision::Single), film(Precision::Single)])
+    {
         for at in (12..44).step_by(4) {
             for (word, other) in wild.iter().flat_map(|a| wild.map(|b| (*a, b))) {
                 let mut damaged = bytes.clone();
@@ -321,6 +340,16 @@ fn absurd_headers_are_refused_or_harmless() {
                 // Some headers describe another table of equal size, and looking that up must be safe.
                 match Blob::read(&resealed(damaged)).map(|blob| blob.contents) {
                     Ok(Contents::Mirror(table)) => assert!(table.rgb(0.3).iter().all(|x| x.is_finite())),
+                    Ok(Contents::Film(table)) => {
+                        let wi = Vec3::new(0.6, 0.0, 0.8);
+                        let all = [
+                            table.reflectance(0.3, 120.0),
+                            table.transmittance(0.3, 1e9),
+                            table.eval(wi, Vec3::Z, 0.0),
+                        ];
+                        assert!(all.as_flattened().iter().all(|x| x.is_finite()));
+                        assert!(table.sample(wi, [0.3, 0.9], 120.0).is_none_or(|drawn| drawn.pdf != Some(0.0)));
+                    }
                     Ok(Contents::Scatter(table, sampler)) => {
                         let (wi, mut albedo) = (Vec3::new(0.6, 0.0, 0.8), [0.0; 3]);
                         assert!(sampler.sample(wi, [0.3, 0.9]).is_none_or(|(_, pdf)| pdf > 0.0));
@@ -350,7 +379,7 @@ fn absurd_headers_are_refused_or_harmless() {
     assert_eq!(set(8, 2), BlobError::Version { found: 2 });
     assert_eq!(set(12, 2), BlobError::Retired);
     assert_eq!(set(12, 0), BlobError::Field { offset: 12 });
-    assert_eq!(set(12, 5), BlobError::Field { offset: 12 });
+    assert_eq!(set(12, 6), BlobError::Field { offset: 12 });
     assert_eq!(set(16, 8), BlobError::Field { offset: 16 });
     assert_eq!(set(24, u32::MAX), BlobError::Dimensions);
     // As many lobes as no memory holds; and a warp of other knots, of the same number in all.

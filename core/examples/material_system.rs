@@ -43,6 +43,7 @@ impl Material for StructuralColour<'_> {
         match &self.table {
             // Mirrors, gratings and flat facets reflect no light of a point lamp. `bounce` serves reflection probes.
             Contents::Mirror(_) | Contents::Orders(_) => Vec3::ZERO,
+            Contents::Film(table) => Vec3::from(table.eval(eye, light, table.range_nm()[0])) * light.z.max(0.0),
             Contents::Scatter(table, _) => Vec3::from(table.rgb(eye, light)) * light.z.max(0.0),
         }
     }
@@ -53,6 +54,10 @@ impl Material for StructuralColour<'_> {
                 direction: Vec3::new(-eye.x, -eye.y, eye.z),
                 throughput: Vec3::from(table.rgb(eye.z.min(1.0).acos())),
             }),
+            Contents::Film(table) => {
+                let drawn = table.sample(eye, random.to_array(), table.range_nm()[0])?;
+                Some(Bounce { direction: drawn.wo, throughput: Vec3::from(drawn.weight) })
+            }
             Contents::Scatter(table, sampler) => scattered(table, sampler, eye, random),
             Contents::Orders(table) => {
                 // One of the wavelengths, then one of its orders.

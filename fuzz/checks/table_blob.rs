@@ -3,10 +3,11 @@
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
+use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
-    FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout,
-    ScatterSampler, ScatterTable,
+    FacetLobe, FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
+    ScatterLayout, ScatterSampler, ScatterTable,
 };
 use goniochrome::trace::random::Random;
 
@@ -16,6 +17,8 @@ const CHECKSUM: usize = 60;
 const ORDERS: usize = 3;
 /// Number of the kind of a scatter table.
 const SCATTER: usize = 4;
+/// Number of a film table's kind.
+const FILM: usize = 5;
 /// Largest number of bytes of a blob that is mended or made.
 const MAX: usize = 1 << 16;
 
@@ -40,7 +43,7 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
     let [rows, columns, third, fourth] = [word(24)?, word(28)?, word(32)?, word(36)?];
     let (lobes, knots) = (word(40)?, (word(44)? & 0xffff) + (word(44)? >> 16));
     let incident = rows.checked_mul(columns)?;
-    let nodes = third.checked_mul(if kind == ORDERS { 1 } else { fourth })?;
+    let nodes = third.checked_mul(if kind == ORDERS || kind == FILM { 1 } else { fourth })?;
     let places = if kind == SCATTER { nodes.checked_add(lobes)? } else { nodes };
     let values =
         incident.checked_mul(places)?.checked_mul(channels)?.checked_mul(value)?.checked_next_multiple_of(4)?;
@@ -49,6 +52,7 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
             let sampler = incident.checked_mul(nodes.checked_add(fourth)?.checked_add(1)?)?;
             sampler.checked_add(2 * knots)?.checked_add(lobes.checked_mul(FacetLobe::LEN)?)?
         }
+        FILM => columns.checked_add(if fourth == 0 { 0 } else { 2 })?,
         ORDERS => channels.checked_mul(2)?.checked_add(third.checked_mul(5)?)?,
         _ => 0,
     };
@@ -105,6 +109,21 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
     }
     if kind & 1 == 0 {
         let theta_max = f64::from(sides.max(1)) / 255.0 * std::f64::consts::FRAC_PI_2;
+        if kind & 0x20 != 0 {
+            let increasing = |nm: &mut f32, x: &u8| {
+                *nm += 1.0 + f32::from(*x);
+                Some(*nm)
+            };
+            let thickness_nm: Vec<f32> =
+                numbers.iter().take(1 + usize::from(shape & 7)).scan(0.0, increasing).collect();
+            let distribution = if shape & 8 == 0 { Distribution::Ggx } else { Distribution::Beckmann };
+            let masking = if shape & 0x10 == 0 { Masking::Correlated } else { Masking::Separable };
+            let alpha = [shape >> 5, sides & 7].map(|x| f32::from(x) / 7.0);
+            let finish = Finish::new(distribution, masking, alpha).ok();
+            let transmittance = if kind & 0x40 == 0 { &[][..] } else { &values };
+            let arrays = FilmArrays { reflectance: &values, transmittance, thickness_nm: &thickness_nm };
+            return write(Contents::Film(FilmTable::new(&arrays, channels, theta_max, finish).ok()?));
+        }
         return write(Contents::Mirror(MirrorTable::new(&values, channels, theta_max).ok()?));
     }
     let incident = [2 + u32::from(sides & 7), 1 + u32::from(sides >> 3 & 3)];
@@ -142,6 +161,7 @@ fn holds(bytes: &[u8]) {
     let mut numbers = Numbers(Random::new(0, checksum));
     match &blob.contents {
         Contents::Mirror(table) => mirror(table, &mut numbers),
+        Contents::Film(table) => film(table, &mut numbers),
         Contents::Scatter(table, sampler) => {
             if table.layout().count() * table.channels() <= MAX {
                 scatter(table, sampler, &mut numbers);
@@ -198,6 +218,36 @@ fn mirror(table: &MirrorTable<'_>, numbers: &mut Numbers) {
                 within(x, [from.min(to), from.max(to)]);
             }
         }
+    }
+}
+
+fn film(table: &FilmTable<'_>, numbers: &mut Numbers) {
+    let [first, last] = table.range_nm();
+    for _ in 0..4 {
+        let nm =
+            [first, last, f32::NAN, 1e30, first + numbers.next() * (last - first)][(5.0 * numbers.next()) as usize];
+        let cos = [numbers.next(), 2.0, -1.0, f32::NAN][(4.0 * numbers.next()) as usize];
+        let (rho, tau) = (table.reflectance(cos, nm), table.transmittance(cos, nm));
+        assert!(rho.iter().chain(&tau).all(|x| x.is_finite()), "{rho:?} {tau:?} at {cos} and {nm} nm");
+        assert!(table.is_transparent() || tau == [0.0; 3]);
+        if table.angles() == 2 && table.thicknesses() == 1 {
+            let [a, b] = [0.0, 1.0].map(|cos| table.reflectance(cos, nm));
+            (0..3).for_each(|c| within(rho[c], [a[c].min(b[c]), a[c].max(b[c])]));
+        }
+        let (wi, wo) = (numbers.direction(), numbers.direction());
+        let (f, pdf) = (table.eval(wi, wo, nm), table.pdf(wi, wo));
+        assert!(f.iter().all(|f| f.is_finite()), "{f:?} at {wi} {wo}");
+        assert!(pdf >= 0.0 && pdf.is_finite(), "density {pdf} at {wi} {wo}");
+        assert!(table.finish().is_some() || (f, pdf) == ([0.0; 3], 0.0));
+        for below in [-wi, Vec3::new(wi.x, wi.y, 0.0)] {
+            assert!(table.sample(below, [0.5; 2], nm).is_none());
+            assert_eq!((table.eval(below, wo, nm), table.pdf(wi, -wo)), ([0.0; 3], 0.0));
+        }
+        let Some(drawn) = table.sample(wi, [numbers.next(), numbers.next()], nm) else { continue };
+        assert!((drawn.wo.length() - 1.0).abs() < ROUNDINGS && drawn.wo.z > 0.0, "{drawn:?}");
+        assert_eq!(drawn.pdf.is_some(), table.finish().is_some());
+        assert!(drawn.pdf.is_none_or(|pdf| pdf > 0.0 && pdf.is_finite()), "{drawn:?}");
+        assert!(drawn.weight.iter().all(|weight| weight.is_finite()), "{drawn:?}");
     }
 }
 

@@ -16,7 +16,6 @@ use crate::scene::{Scene, load, parse};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
-use crate::table::finish::is_finished;
 use crate::table::metadata::MetadataKey;
 use crate::table::{Table, file};
 
@@ -41,10 +40,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         return order_lut(args, &inputs);
     }
     let table = one_surface(read_table(args)?, args.thickness)?;
-    let named = |error: Error| {
-        let line = format!("{}: {error}", args.source);
-        if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
-    };
+    let named = |error| named(args, error);
     let width = LobeWidth { finish: finish_choice(args.roughness, args.distribution), spread_deg: args.spread };
     let (bytes, residual) = match args.to {
         ExportKind::Merl => merl::encode(&table, width).map_err(named)?,
@@ -64,21 +60,24 @@ fn write_blob(args: &ExportArgs) -> Result<()> {
     let source = Path::new(&args.source);
     output::check_destination(&args.output, slice::from_ref(&source.to_owned()))?;
     let table = read_table(args)?;
-    note_on_finish(args, is_finished(table.metadata()));
+    let finish = finish_choice(args.roughness, args.distribution);
+    if finish.is_given() && !matches!(table, Table::Mirror(_)) {
+        return Err(Error::usage(format_args!(
+            "--roughness, --distribution: are for mirror-like tables, and {} is none; leave them out",
+            args.source
+        )));
+    }
     let precision = if args.half { Precision::Half } else { Precision::Single };
-    let bytes =
-        blob::encode(&table, precision).map_err(|error| Error::failed(format_args!("{}: {error}", args.source)))?;
+    let bytes = blob::encode(&table, finish, precision).map_err(|error| named(args, error))?;
     output::write_file(&args.output, &bytes)?;
     note(args.quiet, format_args!("{}: {} bytes", args.output.display(), bytes.len()));
     Ok(())
 }
 
-/// Says that a format holds the reflectance of a table or scene without its finish.
-fn note_on_finish(args: &ExportArgs, finished: bool) {
-    if finished {
-        let name = spelled(args.to);
-        note(args.quiet, format_args!("{}: {name} holds the reflectance without the finish", args.output.display()));
-    }
+/// The error of a source, with its name.
+fn named(args: &ExportArgs, error: Error) -> Error {
+    let line = format!("{}: {error}", args.source);
+    if error.exit_code() == 2 { Error::usage(line) } else { Error::failed(line) }
 }
 
 /// Reads the table, for formats that take nothing else.
@@ -107,18 +106,8 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
 fn check_options(args: &ExportArgs) -> Result<()> {
     let lut = args.to == ExportKind::Lut;
     for (given, name, fits, of) in [
-        (
-            args.roughness.is_some(),
-            "roughness",
-            matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
-            "merl and bsdf",
-        ),
-        (
-            args.distribution.is_some(),
-            "distribution",
-            matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
-            "merl and bsdf",
-        ),
+        (args.roughness.is_some(), "roughness", args.to != ExportKind::OrderLut, "other formats"),
+        (args.distribution.is_some(), "distribution", args.to != ExportKind::OrderLut, "other formats"),
         (
             args.thickness.is_some(),
             "thickness",
@@ -164,26 +153,30 @@ fn check_name(args: &ExportArgs) -> Result<()> {
 
 /// Writes a lut, with its shader function if one is asked for.
 fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
-    let shader = args.shader.as_deref().map(language).transpose()?.map(Lut::shader);
+    let shader = args.shader.as_deref().map(language).transpose()?;
     if let Some(path) = &args.shader {
         output::check_destination(path, inputs)?;
         output::refuse_same_output(&args.output, path)?;
     }
-    if args.origin.is_some() && args.vary.is_none() {
-        return Err(Error::usage("--origin is for the rows of --vary; this lut has one row: leave it out"));
-    }
     let width = usize::from(args.width.unwrap_or(WIDTH));
+    let finish = finish_choice(args.roughness, args.distribution);
     let path = Path::new(&args.source);
     let to_png = has_extension(&args.output, "png");
     let lut = if is_table(path) {
         if args.vary.is_some() {
-            return Err(Error::usage("--vary needs a scene; a table holds one thickness alone"));
+            return Err(Error::usage(
+                "--vary needs a scene; a table has the thicknesses that `estimate --vary` has given it",
+            ));
         }
         match file::read(path)? {
             Table::Mirror(table) => {
-                note_on_finish(args, is_finished(&table.metadata));
-                let named = |error: Error| Error::failed(format_args!("{}: {error}", args.source));
+                let named = |error| named(args, error);
                 let mut lut = Lut::of_table(&table, width).map_err(named)?;
+                lut.finish = finish.of(&table.metadata).map_err(named)?;
+                if table.is_transparent() {
+                    let output = args.output.display();
+                    note(args.quiet, format_args!("{output}: a lut holds the reflectance, and not what goes through"));
+                }
                 if to_png {
                     // Its chunks say sRGB, whatever the table's space.
                     lut.texels = table.metadata.screen_rgb(&lut.texels);
@@ -206,14 +199,29 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         }
     } else {
         let scene = load(&args.source)?;
-        note_on_finish(args, scene.finish.is_some());
         output::check_destination(&args.output, &scene.files)?;
-        Lut::of_scene(&scene, width, args.vary)?
+        let finish = finish.instead_of(scene.finish).map_err(|error| named(args, error))?;
+        let mut lut = Lut::of_scene(&scene, width, args.vary)?;
+        lut.finish = finish;
+        lut
     };
+    if args.origin.is_some() && lut.rows_nm.is_none() {
+        return Err(Error::usage("--origin is for the rows of --vary; this lut has one row: leave it out"));
+    }
+    if lut.finish.is_some() && shader.is_none() {
+        note(
+            args.quiet,
+            format_args!(
+                "{}: the texture holds the reflectance of the facets; --shader writes functions for the finish",
+                args.output.display()
+            ),
+        );
+    }
     let lut = if args.origin == Some(Origin::Bottom) { lut.turned_over() } else { lut };
     let bytes = if to_png { png::encode(&lut)? } else { lut.exr()? };
     match (&args.shader, shader) {
-        (Some(path), Some(text)) => {
+        (Some(path), Some(language)) => {
+            let text = lut.shader(language);
             output::write_file_and(&args.output, &bytes, || output::write_file(path, text.as_bytes()))?;
         }
         _ => output::write_file(&args.output, &bytes)?,
@@ -236,9 +244,10 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
 /// Writes a glTF material and notes how well it fits.
 fn gltf(args: &ExportArgs) -> Result<()> {
     let path = Path::new(&args.source);
-    let scene = if is_table(path) { scene_of_table(path)? } else { load(&args.source)? };
+    let mut scene = if is_table(path) { scene_of_table(path)? } else { load(&args.source)? };
     output::check_destination(&args.output, &scene.files)?;
-    note_on_finish(args, scene.finish.is_some());
+    let finish = finish_choice(args.roughness, args.distribution);
+    scene.finish = finish.instead_of(scene.finish).map_err(|error| named(args, error))?;
     let fitted = Fitted::new(&scene)?;
     output::write_text(&args.output, &fitted.json())?;
     for line in fitted.report() {

@@ -3,26 +3,23 @@
 
 use goniochrome::colour::{Quadrature, RgbSpace};
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
-use goniochrome::table::{MirrorTable as Mirror, ScatterSampler};
+use goniochrome::table::{FilmArrays, FilmTable, MirrorTable as Mirror, ScatterSampler};
 
 use crate::colour::{visible, visible_weights};
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
+use crate::table::finish::FinishChoice;
 use crate::table::mirror::MirrorTable;
 
-/// The bytes of the blob of a table.
+/// The bytes of the blob of a table, with the finish of a mirror-like one.
 ///
 /// # Errors
-/// Angles that are not uniform from 0, a table without colours, values that half precision cannot hold, or too little
-/// memory.
-pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
+/// Angles that are not uniform from 0, a table without colours, values that half precision cannot hold, a finish that
+/// cannot be, or too little memory.
+pub fn encode(table: &Table, finish: FinishChoice, precision: Precision) -> Result<Vec<u8>> {
     match table {
-        Table::Mirror(mirror) => {
-            let largest = largest_angle(mirror)?;
-            let table = Mirror::new(mirror.colours()?.as_flattened(), 3, largest).map_err(Error::failed)?;
-            write(mirror.metadata.named_space(), Contents::Mirror(table), precision)
-        }
+        Table::Mirror(mirror) => of_mirror(mirror, finish, precision),
         Table::Scatter(scatter) => {
             let prepared = scatter.rgb_lookup()?;
             let table = prepared.table()?;
@@ -41,6 +38,25 @@ pub fn encode(table: &Table, precision: Precision) -> Result<Vec<u8>> {
             write(Some(space), Contents::Orders(arrays.table()?), precision)
         }
     }
+}
+
+/// The blob of a mirror-like table: of the kind `film` if it has more than a reflectance for each angle.
+fn of_mirror(mirror: &MirrorTable, finish: FinishChoice, precision: Precision) -> Result<Vec<u8>> {
+    let largest = largest_angle(mirror)?;
+    let finish = finish.of(&mirror.metadata)?;
+    let (reflectance, space) = (mirror.colours()?.as_flattened(), mirror.metadata.named_space());
+    if finish.is_none() && mirror.thickness.is_none() && !mirror.is_transparent() {
+        let table = Mirror::new(reflectance, 3, largest).map_err(Error::failed)?;
+        return write(space, Contents::Mirror(table), precision);
+    }
+    let thickness_nm: Vec<f32> = match &mirror.thickness {
+        Some(axis) => axis.nm.iter().map(|nm| *nm as f32).collect(),
+        None => vec![0.0],
+    };
+    let transmittance = mirror.rgb_transmitted.as_flattened();
+    let arrays = FilmArrays { reflectance, transmittance, thickness_nm: &thickness_nm };
+    let table = FilmTable::new(&arrays, 3, largest, finish).map_err(Error::failed)?;
+    write(space, Contents::Film(table), precision)
 }
 
 fn write(space: Option<RgbSpace>, contents: Contents<'_>, precision: Precision) -> Result<Vec<u8>> {
@@ -74,10 +90,13 @@ fn largest_angle(table: &MirrorTable) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use goniochrome::colour::Illuminant;
+    use goniochrome::microfacet::{Distribution, Finish, Masking};
     use goniochrome::table::match_factor;
 
     use super::*;
+    use crate::table::finish::keep;
     use crate::table::metadata::MetadataKey;
+    use crate::table::mirror::ThicknessAxis;
     use crate::table::orders::tests::sample;
 
     #[test]
@@ -85,7 +104,7 @@ mod tests {
         let mut table = sample();
         table.metadata.insert(MetadataKey::ColourSpace, "rec2020");
         table.metadata.insert(MetadataKey::Illuminant, "E");
-        let bytes = encode(&table.clone().into(), Precision::Single).unwrap();
+        let bytes = encode(&table.clone().into(), FinishChoice::default(), Precision::Single).unwrap();
         let blob = Blob::read(&bytes).unwrap();
         assert_eq!(blob.space, Some(RgbSpace::Rec2020));
         let Contents::Orders(read) = blob.contents else { panic!("a table of orders") };
@@ -105,7 +124,45 @@ mod tests {
             }
         }
         table.wavelength_nm = vec![1200.0, 1300.0];
-        assert!(encode(&table.into(), Precision::Single).unwrap_err().to_string().contains("invisible"));
+        assert!(
+            encode(&table.into(), FinishChoice::default(), Precision::Single)
+                .unwrap_err()
+                .to_string()
+                .contains("invisible")
+        );
+    }
+
+    #[test]
+    fn films_keep_their_thicknesses_their_transmittance_and_their_finish() {
+        let rgb = |shift: f32| (0..6).map(|i| [0.1 * i as f32 + shift, 0.5, 0.25]).collect::<Vec<_>>();
+        let mut table = MirrorTable {
+            theta_deg: vec![0.0, 40.0, 80.0],
+            rgb: rgb(0.0),
+            rgb_transmitted: rgb(0.3),
+            transmittance_s: vec![0.5; 6],
+            thickness: Some(ThicknessAxis { layer: 1, nm: vec![100.0, 300.0] }),
+            ..MirrorTable::default()
+        };
+        let own = Finish::new(Distribution::Beckmann, Masking::Separable, [0.1, 0.4]).unwrap();
+        keep(&own, &mut table.metadata);
+        let other = FinishChoice { roughness: Some([0.5, 0.5]), distribution: None };
+        let mirror = FinishChoice { roughness: Some([0.0, 0.0]), distribution: None };
+        for (choice, roughness) in
+            [(FinishChoice::default(), Some([0.1, 0.4])), (other, Some([0.5; 2])), (mirror, None)]
+        {
+            let bytes = encode(&table.clone().into(), choice, Precision::Single).unwrap();
+            let Contents::Film(film) = Blob::read(&bytes).unwrap().contents else { panic!("a film table") };
+            assert_eq!(film.finish().map(|finish| finish.alpha()), roughness);
+            assert!(film.finish().is_none_or(|finish| finish.masking() == Masking::Separable));
+            assert_eq!((film.range_nm(), film.angles()), ([100.0, 300.0], 3));
+            for (t, nm) in [100.0, 300.0].into_iter().enumerate() {
+                assert_eq!(film.reflectance(1.0, nm), table.rgb[3 * t]);
+                assert_eq!(film.transmittance(0.0, nm), table.rgb_transmitted[3 * t + 2]);
+            }
+        }
+        let plain = MirrorTable { theta_deg: vec![0.0, 80.0], rgb: vec![[0.5; 3]; 2], ..MirrorTable::default() };
+        let bytes = encode(&plain.into(), mirror, Precision::Single).unwrap();
+        assert!(matches!(Blob::read(&bytes).unwrap().contents, Contents::Mirror(_)));
     }
 
     #[test]
@@ -113,7 +170,9 @@ mod tests {
         let refusal = |theta_deg: &[f64], value: f32| {
             let rgb = vec![[value; 3]; theta_deg.len()];
             let table = MirrorTable { theta_deg: theta_deg.to_vec(), rgb, ..MirrorTable::default() };
-            encode(&table.into(), Precision::Half).map(|bytes| bytes.len()).map_err(|error| error.to_string())
+            encode(&table.into(), FinishChoice::default(), Precision::Half)
+                .map(|bytes| bytes.len())
+                .map_err(|error| error.to_string())
         };
         assert_eq!(refusal(&[0.0, 1.0 / 3.0, 2.0 / 3.0], 0.5), Ok(64 + 20));
         for angles in [&[0.0][..], &[], &[0.0, 1.0, 3.0], &[1.0, 2.0]] {

@@ -2,7 +2,7 @@
 //!
 //! The first and the last texel centre lie at the ends of an axis: column x of N is cos θ = x/(N − 1), from grazing to
 //! normal incidence. Row y of M, from the top of the image, is parameter y/(M − 1); [`Lut::turned_over`] counts rows
-//! from the bottom. OpenEXR keeps values as half floats, negative ones (out of gamut) too; [`super::png`] brings them
+//! from the bottom. A finish is no matter of the texture, but of the shader functions beside it. OpenEXR keeps values as half floats, negative ones (out of gamut) too; [`super::png`] brings them
 //! into the gamut. The header describes the texels: see [`Lut::about`].
 
 use std::collections::BTreeMap;
@@ -10,13 +10,14 @@ use std::collections::BTreeMap;
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{Vec2, f16};
 use goniochrome::colour::{Illuminant, RgbSpace, VISIBLE_NM};
+use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::optics::interface::Model;
 
 use super::half_exr;
 use super::shader::ShaderLanguage;
 use crate::colour::space_name;
-use crate::scene::Scene;
 use crate::scene::vary::Vary;
+use crate::scene::{DISTRIBUTIONS, MASKINGS, Scene};
 use crate::solve::integral::Integral;
 use crate::solve::planar_scene::PlanarScene;
 use crate::solve::precision::Precision;
@@ -25,7 +26,8 @@ use crate::support::error::Result;
 use crate::support::parallel;
 use crate::support::text;
 use crate::table::file::PREFIX;
-use crate::table::mirror::MirrorTable;
+use crate::table::finish::name_of;
+use crate::table::mirror::{MirrorTable, ThicknessAxis, neighbours};
 
 /// A look-up texture.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -40,6 +42,8 @@ pub struct Lut {
     pub(super) facts: BTreeMap<&'static str, String>,
     /// Thickness of the varied layer in the first and the last row, in nm.
     pub rows_nm: Option<[f64; 2]>,
+    /// The finish of the surface, which the shader functions hold.
+    pub finish: Option<Finish>,
 }
 
 /// The angle θ of each column, in degrees.
@@ -48,18 +52,38 @@ fn angles(width: usize) -> impl Iterator<Item = f64> {
 }
 
 impl Lut {
-    /// A texture of one row from a table, in the table's colour space, constant beyond its last angle.
+    /// A texture of a table, in the table's colour space, constant beyond its last angle: one row, or as many rows at
+    /// even steps of the thickness as the table has thicknesses.
     ///
     /// # Errors
     /// A table without colours.
     pub fn of_table(table: &MirrorTable, width: usize) -> Result<Self> {
         table.colours()?;
+        let mut facts = facts(table.metadata.scene_name(), table.metadata.illuminant());
+        let last = table.thicknesses() - 1;
+        let row = |step: usize| {
+            let (below, above, weight) = match &table.thickness {
+                None => (0, 0, 0.0),
+                Some(axis) => {
+                    let [from, to] = axis.range_nm();
+                    neighbours(&axis.nm, from + (to - from) * step as f64 / last as f64)
+                }
+            };
+            angles(width).map(move |theta| {
+                let [low, high] = [below, above].map(|thickness| table.rgb_of(thickness, theta));
+                std::array::from_fn(|c| low[c] + weight as f32 * (high[c] - low[c]))
+            })
+        };
+        if let Some(axis) = &table.thickness {
+            facts.insert("varied_layer", axis.layer.to_string());
+        }
         Ok(Self {
             width,
-            texels: angles(width).map(|theta| table.rgb_at(theta)).collect(),
+            texels: (0..=last).flat_map(row).collect(),
             space: table.metadata.space(),
-            facts: facts(table.metadata.scene_name(), table.metadata.illuminant()),
-            rows_nm: None,
+            facts,
+            rows_nm: table.thickness.as_ref().map(ThicknessAxis::range_nm),
+            finish: None,
         })
     }
 
@@ -102,6 +126,12 @@ impl Lut {
             about.insert("first_row_thickness_nm", first.to_string());
             about.insert("last_row_thickness_nm", last.to_string());
         }
+        if let Some(finish) = &self.finish {
+            let [x, y] = finish.alpha();
+            about.insert("finish_roughness", format!("{x} {y}"));
+            about.insert("finish_distribution", name_of(&DISTRIBUTIONS, finish.distribution()).into());
+            about.insert("finish_masking", name_of(&MASKINGS, finish.masking()).into());
+        }
         about.into_iter().map(|(key, value)| (format!("{PREFIX}{key}"), value)).collect()
     }
 
@@ -117,14 +147,45 @@ impl Lut {
         half_exr::encode(size, channels, chromaticities(self.space), self.about())
     }
 
-    /// The function that samples the texture, in a shading language.
+    /// The function that samples the texture, in a shading language; with a finish, those that evaluate and sample its
+    /// facets too.
     #[must_use]
-    pub fn shader(language: ShaderLanguage) -> &'static str {
-        match language {
-            ShaderLanguage::Glsl => include_str!("../../data/shaders/lut.glsl"),
-            ShaderLanguage::Hlsl => include_str!("../../data/shaders/lut.hlsl"),
-            ShaderLanguage::Wgsl => include_str!("../../data/shaders/lut.wgsl"),
-        }
+    pub fn shader(&self, language: ShaderLanguage) -> String {
+        let (look_up, facets) = match language {
+            ShaderLanguage::Glsl => {
+                (include_str!("../../data/shaders/lut.glsl"), include_str!("../../data/shaders/finish.glsl"))
+            }
+            ShaderLanguage::Hlsl => {
+                (include_str!("../../data/shaders/lut.hlsl"), include_str!("../../data/shaders/finish.hlsl"))
+            }
+            ShaderLanguage::Wgsl => {
+                (include_str!("../../data/shaders/lut.wgsl"), include_str!("../../data/shaders/finish.wgsl"))
+            }
+        };
+        let Some(finish) = &self.finish else { return look_up.into() };
+        let [x, y] = finish.alpha();
+        let constant = |kind: [&str; 3], name: &str, value: String| {
+            let [glsl, hlsl, wgsl] = kind;
+            match language {
+                ShaderLanguage::Glsl => format!("const {glsl} GONIOCHROME_{name} = {value};\n"),
+                ShaderLanguage::Hlsl => format!("static const {hlsl} GONIOCHROME_{name} = {value};\n"),
+                ShaderLanguage::Wgsl => format!("const GONIOCHROME_{name}: {wgsl} = {value};\n"),
+            }
+        };
+        let pair = ["vec2", "float2", "vec2<f32>"];
+        let [beckmann, separable] =
+            [finish.distribution() == Distribution::Beckmann, finish.masking() == Masking::Separable];
+        let of_pair = pair[language as usize];
+        let constants = [
+            constant(pair, "ROUGHNESS", format!("{of_pair}({x:?}, {y:?})")),
+            constant(["bool"; 3], "BECKMANN", beckmann.to_string()),
+            constant(["bool"; 3], "SEPARABLE", separable.to_string()),
+        ];
+        format!(
+            "{look_up}\n// Roughness along x and y; Beckmann's facets in place of GGX; separable masking in place of \
+                 correlated.\n{}\n{facets}",
+            constants.concat()
+        )
     }
 
     /// The look-up of the shaders: bilinear, constant beyond the edges.
@@ -205,6 +266,37 @@ mod tests {
     }
 
     #[test]
+    fn a_table_over_a_thickness_has_a_row_for_each_and_a_finish_is_in_its_shader() {
+        let table = MirrorTable {
+            theta_deg: vec![0.0, 90.0],
+            rgb: [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|x| [x, 0.5, -1.0]).to_vec(),
+            thickness: Some(ThicknessAxis { layer: 2, nm: vec![100.0, 200.0, 300.0] }),
+            ..MirrorTable::default()
+        };
+        let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, [0.125, 1.0]).unwrap();
+        let lut = Lut { finish: Some(finish), ..Lut::of_table(&table, 2).unwrap() };
+        // Grazing first.
+        assert_eq!(lut.texels.iter().map(|rgb| rgb[0]).collect::<Vec<_>>(), [1.0, 0.0, 3.0, 2.0, 5.0, 4.0]);
+        assert_eq!((lut.rows_nm, lut.sample(1.0, 0.25)), (Some([100.0, 300.0]), [1.0, 0.5, -1.0]));
+        let about = lut.about();
+        let said = |key: &str| about[&format!("{PREFIX}{key}")].clone();
+        assert_eq!((said("varied_layer"), said("finish_roughness")), ("2".into(), "0.125 1".into()));
+        assert_eq!((said("finish_distribution"), said("finish_masking")), ("beckmann".into(), "correlated".into()));
+        for (language, line) in [
+            (ShaderLanguage::Glsl, "const vec2 GONIOCHROME_ROUGHNESS = vec2(0.125, 1.0);"),
+            (ShaderLanguage::Hlsl, "static const bool GONIOCHROME_BECKMANN = true;"),
+            (ShaderLanguage::Wgsl, "const GONIOCHROME_ROUGHNESS: vec2<f32> = vec2<f32>(0.125, 1.0);"),
+        ] {
+            let shader = lut.shader(language);
+            assert!(shader.contains(line) && shader.contains("goniochrome_pdf"), "{shader}");
+        }
+        // A film that is uneven is resampled.
+        let uneven = ThicknessAxis { layer: 2, nm: vec![100.0, 250.0, 300.0] };
+        let lut = Lut::of_table(&MirrorTable { thickness: Some(uneven), ..table }, 2).unwrap();
+        assert!((lut.texels[3][0] - 4.0 / 3.0).abs() < 1e-6, "{:?}", lut.texels);
+    }
+
+    #[test]
     fn the_header_says_what_the_texels_are() {
         let toml = "[stack]\nambient = 1\nlayers = [{ material = 1.33, thickness_nm = 250 }]\nsubstrate = 1\n";
         let scene = crate::scene::parse("film\u{1b}[2J", toml).unwrap();
@@ -219,6 +311,7 @@ mod tests {
             let Some(AttributeValue::Text(text)) = value else { panic!("{key} is not said") };
             String::from_utf8(text.bytes().to_vec()).unwrap()
         };
+        assert_eq!(lut.shader(ShaderLanguage::Wgsl), include_str!("../../data/shaders/lut.wgsl"));
         for (key, value) in [
             ("kind", "lut"),
             ("scene", "film\\u{1b}[2J"),

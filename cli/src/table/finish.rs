@@ -7,7 +7,7 @@ use crate::support::error::{Error, Result};
 use crate::table::metadata::{Metadata, MetadataKey};
 
 /// The name of a value in one of the lists above.
-fn name_of<T: Copy + PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
+pub(crate) fn name_of<T: Copy + PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
     names.iter().find(|(_, known)| *known == value).map_or("", |(name, _)| name)
 }
 
@@ -74,7 +74,14 @@ impl FinishChoice {
     /// # Errors
     /// Damaged metadata, or a distribution without a roughness.
     pub fn of(&self, metadata: &Metadata) -> Result<Option<Finish>> {
-        let own = kept(metadata)?;
+        self.instead_of(kept(metadata)?)
+    }
+
+    /// The finish of a surface with a finish of its own, or none; `None` for a mirror.
+    ///
+    /// # Errors
+    /// A distribution without a roughness.
+    pub fn instead_of(&self, own: Option<Finish>) -> Result<Option<Finish>> {
         let distribution = self.distribution.or(own.map(|own| own.distribution())).unwrap_or_default();
         let masking = own.map_or(Masking::default(), |own| own.masking());
         let own_roughness = own.map(|own| own.alpha().map(f64::from));

@@ -180,8 +180,19 @@ impl MirrorTable {
     /// If the table has no colours.
     #[must_use]
     pub fn rgb_at(&self, theta_deg: f64) -> [f32; 3] {
+        self.rgb_of(0, theta_deg)
+    }
+
+    /// Linear RGB of one of the table's thicknesses at any angle, interpolated between its neighbours and constant
+    /// beyond the ends.
+    ///
+    /// # Panics
+    /// If the table has no colours, or no such thickness.
+    #[must_use]
+    pub fn rgb_of(&self, thickness: usize, theta_deg: f64) -> [f32; 3] {
         let (below, above, weight) = neighbours(&self.theta_deg, theta_deg);
-        let (low, high, weight) = (self.rgb[below], self.rgb[above], weight as f32);
+        let [low, high] = [below, above].map(|angle| self.rgb[thickness * self.theta_deg.len() + angle]);
+        let weight = weight as f32;
         std::array::from_fn(|c| low[c] + weight * (high[c] - low[c]))
     }
 }

@@ -10,6 +10,7 @@ use goniochrome::geometry::facet::Facet;
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
+use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::optics::incidence::Incidence;
 use goniochrome::optics::interface::{Below, Interface, Model};
 use goniochrome::optics::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
@@ -18,8 +19,8 @@ use goniochrome::simd::complex::ComplexLanes;
 use goniochrome::simd::lanes::{F32, F64, Lanes, simd_level};
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
-    DiffractedLight, FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
-    ScatterLayout, ScatterSampler, ScatterTable,
+    DiffractedLight, FacetLobe, FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout,
+    OrderTable, Periodicity, ScatterLayout, ScatterSampler, ScatterTable,
 };
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
@@ -204,18 +205,43 @@ fn orders(table: &OrderTable<'_>) {
     }
 }
 
+fn film(table: &FilmTable<'_>) {
+    print("thicknesses", table.thicknesses() as f64);
+    table.range_nm().into_iter().for_each(|nm| print("nm", f64::from(nm)));
+    print("transparent", f64::from(u8::from(table.is_transparent())));
+    print("finish", if table.finish().is_some() { 3.0 } else { 0.0 });
+    table.finish().map_or([0.0; 2], |finish| finish.alpha()).into_iter().for_each(|alpha| print("alpha", alpha.into()));
+    for i in 0..64u8 {
+        let (x, y, nm) = (f32::from(i % 8) - 3.5, f32::from(i / 8) - 3.5, 10.0 * f32::from(i));
+        let (wi, wo) = (Vec3::new(x, y, 2.0).normalize(), Vec3::new(-y, 0.5 * x, 1.0).normalize());
+        let (cos, u) = (f32::from(i) / 64.0, [f32::from(i) / 64.0, f32::from(i % 8) / 8.0]);
+        table.reflectance(cos, nm).into_iter().for_each(|c| print("reflectance", f64::from(c)));
+        table.transmittance(cos, nm).into_iter().for_each(|c| print("transmittance", f64::from(c)));
+        table.eval(wi, wo, nm).into_iter().for_each(|c| print("rgb", f64::from(c)));
+        let drawn = table.sample(wi, u, nm);
+        let wo = drawn.map_or(Vec3::new(-wi.x, -wi.y, wi.z), |drawn| drawn.wo);
+        wo.to_array().into_iter().for_each(|x| print("wo", f64::from(x)));
+        print("pdf", drawn.map_or(0.0, |drawn| f64::from(drawn.pdf.unwrap_or(1.0))));
+        drawn.map_or([0.0; 3], |drawn| drawn.weight).into_iter().for_each(|c| print("weight", f64::from(c)));
+    }
+}
+
 fn table(bytes: &[u8]) {
     let Blob { contents, .. } = Blob::read(bytes).unwrap();
     let kind = match contents {
         Contents::Mirror(_) => 1.0,
         Contents::Scatter(..) => 2.0,
         Contents::Orders(_) => 3.0,
+        Contents::Film(_) => 4.0,
     };
     print("kind", kind);
     print("channels", 3.0);
     print("space", 2.0);
-    if let Contents::Orders(table) = contents {
-        return orders(&table);
+    match contents {
+        Contents::Orders(table) => return orders(&table),
+        Contents::Film(table) => film(&table),
+        Contents::Mirror(table) => film(&table.into()),
+        Contents::Scatter(..) => {}
     }
     for i in 0..64u8 {
         let (x, y) = (f32::from(i % 8) / 8.0 - 0.4375, f32::from(i / 8) / 8.0 - 0.4375);
@@ -225,6 +251,13 @@ fn table(bytes: &[u8]) {
             Contents::Mirror(table) => {
                 let out = (Vec3::new(-wi.x, -wi.y, wi.z), 1.0);
                 (table.rgb(libm::acosf(u[0])), out, table.rgb(libm::acosf(wi.z)))
+            }
+            Contents::Film(table) => {
+                let (wi, wo, first) = (wi.normalize(), wo.normalize(), table.range_nm()[0]);
+                print("pdf", f64::from(table.pdf(wi, wo)));
+                let drawn = table.sample(wi, u, first);
+                let out = drawn.map_or((Vec3::new(-wi.x, -wi.y, wi.z), 0.0), |d| (d.wo, d.pdf.unwrap_or(1.0)));
+                (table.eval(wi, wo, first), out, drawn.map_or([0.0; 3], |drawn| drawn.weight))
             }
             Contents::Scatter(table, sampler) => {
                 print("pdf", f64::from(sampler.pdf(wi, wo)));
@@ -273,6 +306,12 @@ fn main() {
     table(&written(Contents::Mirror(mirror), Precision::Single, &folder.join("mirror.gonio")));
     table(&written(Contents::Scatter(scatter, sampler), Precision::Single, &folder.join("scatter.gonio")));
     table(&written(Contents::Scatter(scatter, sampler), Precision::Half, &folder.join("half.gonio")));
+    let through = ramp.iter().map(|rho| 1.0 - rho).collect::<Vec<_>>();
+    let arrays =
+        FilmArrays { reflectance: &ramp, transmittance: &through, thickness_nm: &[50.0, 100.0, 200.0, 400.0, 450.0] };
+    let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, [0.1, 0.4]).unwrap();
+    let film = FilmTable::new(&arrays, 3, 1.5, Some(finish)).unwrap();
+    table(&written(Contents::Film(film), Precision::Single, &folder.join("film.gonio")));
     let layout = OrderLayout::new([5, 3], Periodicity::X, [1600.0, 1.0]).unwrap();
     let strength: Vec<f32> = (0..3 * layout.count() * 7).map(|i| (i * 31 % 97) as f32 / 970.0).collect();
     let arrays = OrderArrays {

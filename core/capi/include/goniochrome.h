@@ -108,6 +108,37 @@
 #define GONIO_KIND_ORDERS 3
 
 /*
+ Kind of a table: a mirror-like surface with a transmittance, a thickness that varies, or a finish, by which it
+ reflects into every direction. The functions gonio_film_… take it. Functions without a thickness take the first.
+ */
+#define GONIO_KIND_FILM 4
+
+/*
+ Finish of a mirror-like surface: none, the surface is smooth.
+ */
+#define GONIO_FINISH_NONE 0
+
+/*
+ Finish: GGX facets with correlated masking and shadowing.
+ */
+#define GONIO_FINISH_GGX 1
+
+/*
+ Finish: GGX facets with separable masking and shadowing.
+ */
+#define GONIO_FINISH_GGX_SEPARABLE 2
+
+/*
+ Finish: Beckmann facets with correlated masking and shadowing.
+ */
+#define GONIO_FINISH_BECKMANN 3
+
+/*
+ Finish: Beckmann facets with separable masking and shadowing.
+ */
+#define GONIO_FINISH_BECKMANN_SEPARABLE 4
+
+/*
  Size of a gonio_order_view in bytes.
  */
 #define GONIO_ORDER_VIEW_SIZE (8 * 32)
@@ -440,7 +471,7 @@ typedef struct {
  */
 typedef struct {
     /*
-     GONIO_KIND_MIRROR, GONIO_KIND_SCATTER or GONIO_KIND_ORDERS.
+     GONIO_KIND_MIRROR, GONIO_KIND_SCATTER, GONIO_KIND_ORDERS or GONIO_KIND_FILM.
      */
     uint32_t kind;
     /*
@@ -476,15 +507,42 @@ typedef struct {
      */
     float wo[3];
     /*
-     Density per solid angle. It is 1 for a mirror-like surface, which has no density. 0 for a draw without light,
+     Density per solid angle. It is 1 for a mirror-like surface without a finish, which has no density. 0 for a draw without light,
      which has weight 0 and counts as a sample.
      */
     float pdf;
     /*
-     RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface.
+     RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface without a
+     finish.
      */
     float weight[3];
 } gonio_sample;
+
+/*
+ Transmittance, thicknesses and finish of a mirror-like surface.
+ */
+typedef struct {
+    /*
+     Number of thicknesses; 1 where none varies.
+     */
+    uint32_t thicknesses;
+    /*
+     First and last thickness in nm of the layer that varies. Equal where none does.
+     */
+    float range_nm[2];
+    /*
+     1 if the table holds a transmittance, else 0.
+     */
+    uint32_t transparent;
+    /*
+     Finish: GONIO_FINISH_…
+     */
+    uint32_t finish;
+    /*
+     Roughness alpha along x and y; 0 without a finish.
+     */
+    float roughness[2];
+} gonio_film_description;
 
 /*
  Numbers of orders and of wavelengths of a table.
@@ -700,7 +758,8 @@ gonio_status gonio_table_reflectance(const gonio_table *table, float cos_theta, 
 /*
  Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are
  unit vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is
- below it. The lobes of flat facets are not part of it: gonio_table_lobe gives each.
+ below it. The lobes of flat facets are not part of it: gonio_table_lobe gives each. It takes tables of
+ GONIO_KIND_SCATTER and GONIO_KIND_FILM; without a finish, the latter give 0.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.
@@ -735,8 +794,9 @@ gonio_status gonio_table_lobe_count(const gonio_table *table, uint32_t *count);
 gonio_status gonio_table_lobe(const gonio_table *table, const float *wi, uint32_t lobe, gonio_facet_lobe *result);
 
 /*
- Looks up the density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 if either is below the
- surface.
+ Looks up the density per solid angle with which gonio_table_sample and gonio_film_sample draw `wo` for `wi`; 0 if
+ either is below the surface. It takes tables of GONIO_KIND_SCATTER and GONIO_KIND_FILM; without a finish, the latter
+ give 0.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi` and `wo` to three floats.
@@ -745,13 +805,64 @@ gonio_status gonio_table_pdf(const gonio_table *table, const float *wi, const fl
 
 /*
  Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes
- mirror-like and scattering tables; the lobes of flat facets are not drawn. Some draws are without light: their
- weight and density are 0, and their direction is the mirror image of `wi`.
+ all tables but those of orders; the lobes of flat facets are not drawn. Some draws are without light: their weight
+ and density are 0, and their direction is the mirror image of `wi`.
 
  # Safety
  Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
  */
 gonio_status gonio_table_sample(const gonio_table *table, const float *wi, const float *u, gonio_sample *sample);
+
+/*
+ Describes a mirror-like surface, of GONIO_KIND_MIRROR or GONIO_KIND_FILM.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types.
+ */
+gonio_status gonio_film_describe(const gonio_table *table, gonio_film_description *description);
+
+/*
+ Looks up the RGB reflectance of a mirror-like surface at `cos_theta`, for a thickness in nm from 0 to 1e9 of the
+ layer that varies. It is constant beyond the table's angles and thicknesses. With a finish, it is that of each
+ facet. NaN and cosines outside [0, 1] give GONIO_STATUS_ANGLE.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
+ */
+gonio_status gonio_film_reflectance(const gonio_table *table, float cos_theta, float thickness_nm, float *rgb);
+
+/*
+ Looks up the RGB transmittance of a mirror-like surface, as gonio_film_reflectance does the reflectance; 0 if the
+ table holds none. It is that of the smooth surface: a finish is one of reflected light.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `rgb` to three floats.
+ */
+gonio_status gonio_film_transmittance(const gonio_table *table, float cos_theta, float thickness_nm, float *rgb);
+
+/*
+ Looks up the RGB BRDF in 1/sr, without the cosine, of a mirror-like surface with a finish, for a thickness in nm from
+ 0 to 1e9. Directions are in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if
+ either is below it, and without a finish. gonio_table_pdf gives the density of gonio_film_sample.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.
+ */
+gonio_status gonio_film_rgb(const gonio_table *table, const float *wi, const float *wo, float thickness_nm, float *rgb);
+
+/*
+ Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1), for a thickness in
+ nm from 0 to 1e9. Without a finish it is the mirror direction, with density 1. Some draws are without light: their
+ weight and density are 0, and their direction is the mirror image of `wi`.
+
+ # Safety
+ Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
+ */
+gonio_status gonio_film_sample(const gonio_table *table,
+                               const float *wi,
+                               const float *u,
+                               float thickness_nm,
+                               gonio_sample *sample);
 
 /*
  Reads the numbers of orders and of wavelengths of a table of orders.

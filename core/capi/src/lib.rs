@@ -14,6 +14,7 @@ pub mod colour;
 pub mod stack;
 pub mod cell;
 pub mod table;
+pub mod film;
 pub mod orders;
 
 use core::ffi::{CStr, c_char};

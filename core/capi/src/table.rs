@@ -5,6 +5,7 @@ use crate::status::{Status, status_of};
 use core::f32::consts::FRAC_PI_2;
 use glam::Vec3;
 use goniochrome::table::blob::{Blob, Contents, space_number};
+use goniochrome::table::{FilmSample, FilmTable};
 
 /// Size of a gonio_table in bytes.
 pub const GONIO_TABLE_SIZE: usize = 8 * 40;
@@ -28,11 +29,15 @@ pub const GONIO_KIND_SCATTER: u32 = 2;
 /// Kind of a table: a periodic surface, which reflects into diffraction orders. The functions gonio_orders_… take it.
 pub const GONIO_KIND_ORDERS: u32 = 3;
 
+/// Kind of a table: a mirror-like surface with a transmittance, a thickness that varies, or a finish, by which it
+/// reflects into every direction. The functions gonio_film_… take it. Functions without a thickness take the first.
+pub const GONIO_KIND_FILM: u32 = 4;
+
 /// Kind, channels and colour space of a table.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TableDescription {
-    /// GONIO_KIND_MIRROR, GONIO_KIND_SCATTER or GONIO_KIND_ORDERS.
+    /// GONIO_KIND_MIRROR, GONIO_KIND_SCATTER, GONIO_KIND_ORDERS or GONIO_KIND_FILM.
     pub kind: u32,
     /// Number of channels. The first three are red, green and blue. 3 for orders, the RGB weights of their wavelengths.
     pub channels: u32,
@@ -56,10 +61,11 @@ pub struct FacetLobe {
 pub struct Sample {
     /// Direction, a unit vector.
     pub wo: [f32; 3],
-    /// Density per solid angle. It is 1 for a mirror-like surface, which has no density. 0 for a draw without light,
+    /// Density per solid angle. It is 1 for a mirror-like surface without a finish, which has no density. 0 for a draw without light,
     /// which has weight 0 and counts as a sample.
     pub pdf: f32,
-    /// RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface.
+    /// RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface without a
+    /// finish.
     pub weight: [f32; 3],
 }
 
@@ -92,6 +98,7 @@ pub unsafe extern "C" fn gonio_table_describe(table: *const Table, description: 
         let (blob, description) = unsafe { (view(table)?, Results::new(description, 1)?) };
         let (kind, channels) = match &blob.contents {
             Contents::Mirror(table) => (GONIO_KIND_MIRROR, table.channels()),
+            Contents::Film(table) => (GONIO_KIND_FILM, table.channels()),
             Contents::Scatter(table, _) => (GONIO_KIND_SCATTER, table.channels()),
             Contents::Orders(_) => (GONIO_KIND_ORDERS, 3),
         };
@@ -114,15 +121,19 @@ pub unsafe extern "C" fn gonio_table_reflectance(table: *const Table, cos_theta:
         if !(0.0..=1.0).contains(&cos_theta) {
             return Err(Status::Angle);
         }
-        let Contents::Mirror(table) = &blob.contents else { return Err(Status::WrongKind) };
-        rgb.write(table.rgb(angle(cos_theta)));
+        rgb.write(match &blob.contents {
+            Contents::Mirror(table) => table.rgb(angle(cos_theta)),
+            Contents::Film(table) => table.reflectance(cos_theta, table.range_nm()[0]),
+            _ => return Err(Status::WrongKind),
+        });
         Ok(())
     })
 }
 
 /// Looks up the RGB BRDF in 1/sr, without the cosine, of a surface that reflects into every direction. Directions are
 /// unit vectors in the surface's frame, whose z is the normal; both leave the surface. The result is 0 if either is
-/// below it. The lobes of flat facets are not part of it: gonio_table_lobe gives each.
+/// below it. The lobes of flat facets are not part of it: gonio_table_lobe gives each. It takes tables of
+/// GONIO_KIND_SCATTER and GONIO_KIND_FILM; without a finish, the latter give 0.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.
@@ -131,8 +142,11 @@ pub unsafe extern "C" fn gonio_table_rgb(table: *const Table, wi: *const f32, wo
     status_of(|| {
         // SAFETY: the caller's promises.
         let (blob, wi, wo, rgb) = unsafe { (view(table)?, direction(wi)?, direction(wo)?, Results::new(rgb, 3)?) };
-        let Contents::Scatter(table, _) = &blob.contents else { return Err(Status::WrongKind) };
-        rgb.write(table.rgb(wi, wo));
+        rgb.write(match &blob.contents {
+            Contents::Scatter(table, _) => table.rgb(wi, wo),
+            Contents::Film(table) => table.eval(unit(wi)?, unit(wo)?, table.range_nm()[0]),
+            _ => return Err(Status::WrongKind),
+        });
         Ok(())
     })
 }
@@ -198,8 +212,9 @@ pub unsafe extern "C" fn gonio_table_lobe(
     })
 }
 
-/// Looks up the density per solid angle with which gonio_table_sample draws `wo` for `wi`; 0 if either is below the
-/// surface.
+/// Looks up the density per solid angle with which gonio_table_sample and gonio_film_sample draw `wo` for `wi`; 0 if
+/// either is below the surface. It takes tables of GONIO_KIND_SCATTER and GONIO_KIND_FILM; without a finish, the latter
+/// give 0.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` and `wo` to three floats.
@@ -208,15 +223,18 @@ pub unsafe extern "C" fn gonio_table_pdf(table: *const Table, wi: *const f32, wo
     status_of(|| {
         // SAFETY: the caller's promises.
         let (blob, wi, wo, pdf) = unsafe { (view(table)?, direction(wi)?, direction(wo)?, Results::new(pdf, 1)?) };
-        let Contents::Scatter(_, sampler) = &blob.contents else { return Err(Status::WrongKind) };
-        pdf.write([sampler.pdf(wi, wo)]);
+        pdf.write([match &blob.contents {
+            Contents::Scatter(_, sampler) => sampler.pdf(wi, wo),
+            Contents::Film(table) => table.pdf(unit(wi)?, unit(wo)?),
+            _ => return Err(Status::WrongKind),
+        }]);
         Ok(())
     })
 }
 
 /// Draws an outgoing direction for `wi`, which must lie above the surface, by two numbers in [0, 1). It takes
-/// mirror-like and scattering tables; the lobes of flat facets are not drawn. Some draws are without light: their
-/// weight and density are 0, and their direction is the mirror image of `wi`.
+/// all tables but those of orders; the lobes of flat facets are not drawn. Some draws are without light: their weight
+/// and density are 0, and their direction is the mirror image of `wi`.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi` to three floats, `u` to two.
@@ -231,12 +249,7 @@ pub unsafe extern "C" fn gonio_table_sample(
         // SAFETY: the caller's promises.
         let (blob, wi, u, sample) =
             unsafe { (view(table)?, direction(wi)?, *shared(u.cast::<[f32; 2]>())?, Results::new(sample, 1)?) };
-        if !u.iter().all(|u| (0.0..1.0).contains(u)) {
-            return Err(Status::Argument);
-        }
-        if wi.z <= 0.0 {
-            return Err(Status::Direction);
-        }
+        check_draw(wi, u)?;
         let (wo, pdf, weight) = match &blob.contents {
             Contents::Mirror(table) => (mirrored(wi), 1.0, table.rgb(angle(wi.z.min(1.0)))),
             Contents::Scatter(table, sampler) => {
@@ -245,10 +258,35 @@ pub unsafe extern "C" fn gonio_table_sample(
                 let weight = |f: f32| if pdf > 0.0 { f * wo.z / pdf } else { 0.0 };
                 (wo, pdf, table.rgb(wi, wo).map(weight))
             }
+            Contents::Film(table) => {
+                sample.write([sampled(table, wi, u, table.range_nm()[0])?]);
+                return Ok(());
+            }
             Contents::Orders(_) => return Err(Status::WrongKind),
         };
         sample.write([Sample { wo: wo.to_array(), pdf, weight }]);
         Ok(())
+    })
+}
+
+/// Refuses numbers outside [0, 1), and a direction that is not above the surface.
+fn check_draw(wi: Vec3, u: [f32; 2]) -> Result<(), Status> {
+    if !u.iter().all(|u| (0.0..1.0).contains(u)) {
+        return Err(Status::Argument);
+    }
+    if wi.z <= 0.0 {
+        return Err(Status::Direction);
+    }
+    Ok(())
+}
+
+/// Draw of a mirror-like surface.
+pub(crate) fn sampled(film: &FilmTable<'_>, wi: Vec3, u: [f32; 2], thickness_nm: f32) -> Result<Sample, Status> {
+    check_draw(wi, u)?;
+    let wi = unit(wi)?;
+    Ok(match film.sample(wi, u, thickness_nm) {
+        Some(FilmSample { wo, pdf, weight }) => Sample { wo: wo.to_array(), pdf: pdf.unwrap_or(1.0), weight },
+        None => Sample { wo: mirrored(wi).to_array(), pdf: 0.0, weight: [0.0; 3] },
     })
 }
 
@@ -283,6 +321,11 @@ pub(crate) unsafe fn direction(pointer: *const f32) -> Result<Vec3, Status> {
     // SAFETY: the caller's promise.
     let direction = Vec3::from_array(*unsafe { shared(pointer.cast::<[f32; 3]>()) }?);
     if direction.is_finite() && direction != Vec3::ZERO { Ok(direction) } else { Err(Status::Direction) }
+}
+
+/// Direction of unit length.
+pub(crate) fn unit(direction: Vec3) -> Result<Vec3, Status> {
+    direction.try_normalize().ok_or(Status::Direction)
 }
 
 /// Angle θ of a cosine in [0, 1].

@@ -173,6 +173,32 @@ static void lobes(const gonio_table *table, const float wi[3]) {
     }
 }
 
+static void film(const gonio_table *table) {
+    gonio_film_description film;
+    need(gonio_film_describe(table, &film));
+    print("thicknesses", film.thicknesses);
+    for (int c = 0; c < 2; c++) print("nm", film.range_nm[c]);
+    print("transparent", film.transparent);
+    print("finish", film.finish);
+    for (int c = 0; c < 2; c++) print("alpha", film.roughness[c]);
+    for (int i = 0; i < 64; i++) {
+        const float x = (float)(i % 8) - 3.5f, y = (float)(i / 8) - 3.5f, nm = 10.0f * (float)i;
+        const float wi[3] = {x, y, 2.0f}, wo[3] = {-y, 0.5f * x, 1.0f}, u[2] = {(float)i / 64.0f, (float)(i % 8) / 8.0f};
+        float rgb[3];
+        gonio_sample drawn;
+        need(gonio_film_reflectance(table, (float)i / 64.0f, nm, rgb));
+        for (int c = 0; c < 3; c++) print("reflectance", rgb[c]);
+        need(gonio_film_transmittance(table, (float)i / 64.0f, nm, rgb));
+        for (int c = 0; c < 3; c++) print("transmittance", rgb[c]);
+        need(gonio_film_rgb(table, wi, wo, nm, rgb));
+        for (int c = 0; c < 3; c++) print("rgb", rgb[c]);
+        need(gonio_film_sample(table, wi, u, nm, &drawn));
+        for (int c = 0; c < 3; c++) print("wo", drawn.wo[c]);
+        print("pdf", drawn.pdf);
+        for (int c = 0; c < 3; c++) print("weight", drawn.weight[c]);
+    }
+}
+
 static void table(const char *path) {
     FILE *file = fopen(path, "rb");
     static uint8_t bytes[1 << 16];
@@ -190,6 +216,7 @@ static void table(const char *path) {
         orders(&view);
         return;
     }
+    if (description.kind != GONIO_KIND_SCATTER) film(&view);
     for (int i = 0; i < 64; i++) {
         /* Exact in binary, and near enough to unit length. */
         const float x = (float)(i % 8) / 8.0f - 0.4375f, y = (float)(i / 8) / 8.0f - 0.4375f;
@@ -202,7 +229,7 @@ static void table(const char *path) {
             need(gonio_table_rgb(&view, wi, wo, rgb));
             need(gonio_table_pdf(&view, wi, wo, &pdf));
             print("pdf", pdf);
-            lobes(&view, wi);
+            if (description.kind == GONIO_KIND_SCATTER) lobes(&view, wi);
         }
         need(gonio_table_sample(&view, wi, u, &drawn));
         print("pdf", drawn.pdf);

@@ -220,6 +220,34 @@ static void orders(const gonio_table *table) {
     EXPECT(OK, gonio_orders_light(&view, counts.wavelengths - 1, 1.0f, counts.orders - 1, &light));
 }
 
+static void film(const gonio_table *table, uint32_t kind) {
+    const float up[3] = {0, 0, 1}, down[3] = {0, 0, -1}, half[2] = {0.5f, 0.5f}, wrong[2] = {1.0f, 0.5f};
+    const float odd[][3] = {{NAN, 0, 1}, {0, 0, 0}, {0, INFINITY, 1}}, thick[] = {-1.0f, NAN, 2e9f};
+    gonio_film_description description;
+    gonio_sample sample;
+    if (kind == GONIO_KIND_SCATTER || kind == GONIO_KIND_ORDERS) {
+        EXPECT(WRONG_KIND, gonio_film_describe(table, &description));
+        EXPECT(WRONG_KIND, gonio_film_reflectance(table, 0.5f, 100.0f, untouched));
+        EXPECT(WRONG_KIND, gonio_film_rgb(table, up, up, 100.0f, untouched));
+        EXPECT(WRONG_KIND, gonio_film_sample(table, up, half, 100.0f, &sample));
+        return;
+    }
+    EXPECT(OK, gonio_film_describe(table, &description));
+    EXPECT(NULL_POINTER, gonio_film_describe(table, NULL));
+    EXPECT(ANGLE, gonio_film_reflectance(table, 1.1f, 100.0f, untouched));
+    EXPECT(ANGLE, gonio_film_transmittance(table, NAN, 100.0f, untouched));
+    EXPECT(NULL_POINTER, gonio_film_transmittance(table, 0.5f, 100.0f, NULL));
+    EXPECT(DIRECTION, gonio_film_sample(table, down, half, 100.0f, &sample));
+    EXPECT(ARGUMENT, gonio_film_sample(table, up, wrong, 100.0f, &sample));
+    for (int i = 0; i < 3; i++) {
+        EXPECT(THICKNESS, gonio_film_reflectance(table, 0.5f, thick[i], untouched));
+        EXPECT(THICKNESS, gonio_film_rgb(table, up, up, thick[i], untouched));
+        EXPECT(THICKNESS, gonio_film_sample(table, up, half, thick[i], &sample));
+        EXPECT(DIRECTION, gonio_film_rgb(table, odd[i], up, 100.0f, untouched));
+        EXPECT(DIRECTION, gonio_film_sample(table, odd[i], half, 100.0f, &sample));
+    }
+}
+
 static void blob(const char *path) {
     static uint8_t bytes[1 << 16], damaged[1 << 16];
     FILE *file = fopen(path, "rb");
@@ -268,10 +296,15 @@ static void blob(const char *path) {
     for (int i = 0; i < 3; i++) EXPECT(ARGUMENT, gonio_table_sample(&table, up, wrong[i], &sample));
     EXPECT(NULL_POINTER, gonio_table_sample(&table, up, half, NULL));
     EXPECT(NULL_POINTER, gonio_table_sample(&table, up, NULL, &sample));
-    if (description.kind != GONIO_KIND_MIRROR) EXPECT(WRONG_KIND, gonio_table_reflectance(&table, 0.5f, untouched));
-    if (description.kind != GONIO_KIND_SCATTER) {
+    film(&table, description.kind);
+    if (description.kind == GONIO_KIND_SCATTER || description.kind == GONIO_KIND_ORDERS) {
+        EXPECT(WRONG_KIND, gonio_table_reflectance(&table, 0.5f, untouched));
+    }
+    if (description.kind == GONIO_KIND_MIRROR || description.kind == GONIO_KIND_ORDERS) {
         EXPECT(WRONG_KIND, gonio_table_rgb(&table, up, up, untouched));
         EXPECT(WRONG_KIND, gonio_table_pdf(&table, up, up, untouched));
+    }
+    if (description.kind != GONIO_KIND_SCATTER) {
         EXPECT(WRONG_KIND, gonio_table_albedo(&table, up, untouched));
         EXPECT(WRONG_KIND, gonio_table_lobe_count(&table, &lobes));
         EXPECT(WRONG_KIND, gonio_table_lobe(&table, up, 0, &lobe));

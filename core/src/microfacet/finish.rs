@@ -7,6 +7,10 @@ use glam::Vec3;
 use libm::{cosf, sinf, sqrtf};
 use wide::f32x4;
 
+/// Smallest cosine of a direction above the horizon. Below, cos⁴θ_m of Beckmann's distribution and G₂'s denominator
+/// would leave single precision.
+const LEAST_COS: f32 = 1e-9;
+
 /// Distribution of the normals of microfacets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Distribution {
@@ -164,11 +168,11 @@ impl Finish {
         }
     }
 
-    /// Evaluates a pair of directions; `None` if either is below the horizon.
+    /// Evaluates a pair of directions; `None` if either is below the horizon, or within 1e-9 of it.
     #[must_use]
     #[inline]
     pub fn lobe(&self, wi: Vec3, wo: Vec3) -> Option<Lobe> {
-        let above = wi.z > 0.0 && wo.z > 0.0;
+        let above = wi.z > LEAST_COS && wo.z > LEAST_COS;
         if !above {
             return None;
         }

@@ -1,5 +1,5 @@
-//! Tables as bytes, for run time: a [`MirrorTable`], a [`ScatterTable`] with its [`ScatterSampler`], or an
-//! [`OrderTable`].
+//! Tables as bytes, for run time: a [`MirrorTable`], a [`FilmTable`], a [`ScatterTable`] with its [`ScatterSampler`], or
+//! an [`OrderTable`].
 //!
 //! [`Blob::read`] checks the bytes once and borrows them; nothing is copied. The bytes need no alignment.
 //!
@@ -11,28 +11,32 @@
 //! |---|---|---|
 //! | 0 | 8 | magic: 89 47 4F 4E 49 0D 0A 1A (hexadecimal; "GONI" between bytes that text conversion damages) |
 //! | 8 | 4 | u32 version: 1 |
-//! | 12 | 4 | u32 kind: 1 mirror, 3 orders, 4 scatter |
+//! | 12 | 4 | u32 kind: 1 mirror, 3 orders, 4 scatter, 5 film |
 //! | 16 | 4 | u32 bytes of a value: 4 for IEEE 754 binary32, 2 for binary16 |
 //! | 20 | 4 | u32 channels C, at least 1; the first three are linear red, green, blue; orders: number of orders |
-//! | 24 | 4 | u32 rows T: mirror: angles, at least 2; scatter: rows of incident directions; orders: nodes along β |
-//! | 28 | 4 | u32 columns P of incident directions; mirror: 1; orders: nodes along α |
-//! | 32 | 4 | u32 nodes U of half vectors along x; mirror: 1; orders: number of wavelengths N |
-//! | 36 | 4 | u32 nodes V along y; mirror: 1; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
+//! | 24 | 4 | u32 rows T: mirror and film: angles, at least 2; scatter: rows of incident directions; orders: nodes along β |
+//! | 28 | 4 | u32 columns P of incident directions; mirror: 1; film: thicknesses; orders: nodes along α |
+//! | 32 | 4 | u32 nodes U of half vectors along x; mirror: 1; film: 1 reflectance, 2 transmittance too; orders: number of wavelengths N |
+//! | 36 | 4 | u32 nodes V along y; mirror: 1; film: finish, 0 none, 1 GGX, 2 GGX with separable masking, 3 and 4 Beckmann likewise; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
 //! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: u32 number of lobes L, u16 knots K_u and K_v of the warp; orders: two binary32, the periods along x and y in nm |
 //! | 48 | 8 | u64 size of the whole blob |
 //! | 56 | 4 | u32 colour space of the first three channels, or of the RGB weights of orders: 0 unknown, 1 linear sRGB, 2 linear Rec. 2020, 3 ACEScg, 4 the paper's matrix ([`RgbSpace`]) |
 //! | 60 | 4 | u32 CRC-32 (of zlib, PNG and Ethernet) of all other bytes: those from 0 to 59, then those from 64 to the end |
-//! | 64 | T·C values; scatter: T·P·(U·V + L)·C; orders: N·T·P·C | mirror: ρ, `[angle][channel]`; scatter: s = f cos θ_i cos θ_o in 1/sr at the nodes, x fastest, then ρ of the lobes, `[incident][place][channel]`; orders: strengths, `[wavelength][node][order]` |
+//! | 64 | T·C values; film: U·P·T·C; scatter: T·P·(U·V + L)·C; orders: N·T·P·C | mirror: ρ, `[angle][channel]`; film: ρ, then the transmittance, `[thickness][angle][channel]`; scatter: s = f cos θ_i cos θ_o in 1/sr at the nodes, x fastest, then ρ of the lobes, `[incident][place][channel]`; orders: strengths, `[wavelength][node][order]` |
 //! | | 0 to 3 | zeros, up to a multiple of 4 |
 //! | | 4·(2·(K_u + K_v) + 10·L + T·P·(1 + V + U·V)) | scatter only: binary32: normalised density and integral at each knot over u, then over v; index and matrix of each lobe, by columns ([`FacetLobe`]); for each incident direction: what it reflects without lobes, the mean of \|s\| over channels summed over the square, over cos θ_i; V cumulative probabilities of the rows of nodes; in each row, U cumulative probabilities of its nodes |
 //! | | 4·(2·C + 5·N) | orders only: binary32: m and n of each order; N vacuum wavelengths in nm; N refractive indices of the medium above; three RGB weights of each wavelength |
+//! | | 4·P, or 4·(P + 2) with a finish | film only: binary32: thicknesses in nm; roughness α along x and along y |
 //!
-//! Angle t of a mirror is t/(T − 1) of the largest. Incident directions and nodes are those of [`ScatterLayout`],
-//! columns running fastest; the warp is [`HalfVectorWarp`]'s. Scatter sides are at most 1024, T and U at least 2; knots
-//! are from 2 to 1025. Values are finite and their magnitudes at most 10³⁰, so that interpolated values are finite too.
-//! The first number of an incident direction is in [0, 4·10³²]. Cumulative probabilities do not decrease and end in
-//! exactly 1. Densities of the warp are 0.001 at least; its integrals increase from 0 to exactly 1, and differ from
-//! trapezia of the densities by 3·2⁻²³ at most.
+//! Angle t of a mirror or film is t/(T − 1) of the largest. Thicknesses of films increase, from 0 to 10⁹ nm; where none
+//! varies there is one, of any size. Roughnesses are from 0.001 to 1. Values are finite and their magnitudes at most
+//! 10³⁰, so that interpolated values are finite too.
+//!
+//! Incident directions and nodes are those of [`ScatterLayout`], columns running fastest; the warp is
+//! [`HalfVectorWarp`]'s. Scatter sides are at most 1024, T and U at least 2; knots are from 2 to 1025. The first number
+//! of an incident direction is in [0, 4·10³²]. Cumulative probabilities do not decrease and end in exactly 1. Densities
+//! of the warp are 0.001 at least; its integrals increase from 0 to exactly 1, and differ from trapezia of the densities
+//! by 3·2⁻²³ at most.
 //!
 //! The nodes of orders are those of [`OrderLayout`], α running fastest; [`OrderTable`] says what strengths are and how
 //! they are looked up. Sides are from 2 to 1024, and there are at most 2²⁰ orders. Strengths are not negative. m and n
@@ -41,9 +45,11 @@
 //!
 //! Nothing follows the last section. A reader refuses bytes that break any of these rules. Kind 2 held scatter tables
 //! of fixed outgoing bins before version 0.2; it is refused as [`BlobError::Retired`]. A reader that does not know
-//! kinds 3 and 4 refuses them for their kind.
+//! kinds 3, 4 or 5 refuses them for their kind.
 
+use super::blob_error::VERSION;
 use super::error::TableError;
+use super::film::FilmTable;
 use super::layout::ScatterLayout;
 use super::lobe::FacetLobe;
 use super::mirror::MirrorTable;
@@ -54,12 +60,13 @@ use super::scatter::ScatterTable;
 use super::values::{Values, half_is_finite, to_half};
 use super::warp::HalfVectorWarp;
 use crate::colour::RgbSpace;
+use crate::microfacet::{Distribution, Finish, Masking};
 use crc32fast::Hasher;
+
+pub use super::blob_error::BlobError;
 
 /// First bytes of every blob.
 const MAGIC: [u8; 8] = *b"\x89GONI\r\n\x1a";
-/// Version that this module writes, and the only one that it reads.
-const VERSION: u32 = 1;
 /// Size of the header in bytes.
 const HEADER: usize = 64;
 /// Offset of the checksum.
@@ -72,6 +79,15 @@ const RETIRED: u32 = 2;
 const ORDERS: u32 = 3;
 /// Number of a scatter table's kind.
 const SCATTER: u32 = 4;
+/// Number of a film table's kind.
+const FILM: u32 = 5;
+/// Finishes in the order of their numbers, from 1; 0 is a smooth surface.
+const FINISHES: [(Distribution, Masking); 4] = [
+    (Distribution::Ggx, Masking::Correlated),
+    (Distribution::Ggx, Masking::Separable),
+    (Distribution::Beckmann, Masking::Correlated),
+    (Distribution::Beckmann, Masking::Separable),
+];
 /// Periodicities in the order of their numbers, from 1.
 const PERIODICITIES: [Periodicity; 3] = [Periodicity::X, Periodicity::Y, Periodicity::Both];
 
@@ -108,6 +124,8 @@ pub enum Precision {
 pub enum Contents<'a> {
     /// Table of a mirror-like surface.
     Mirror(MirrorTable<'a>),
+    /// Table of a mirror-like surface with a transmittance, a thickness that varies, or a finish.
+    Film(FilmTable<'a>),
     /// Table of a surface that reflects into every direction, with its importance sampler.
     Scatter(ScatterTable<'a>, ScatterSampler<'a>),
     /// Table of the diffraction orders of a periodic surface.
@@ -121,67 +139,6 @@ pub struct Blob<'a> {
     pub space: Option<RgbSpace>,
     /// The table.
     pub contents: Contents<'a>,
-}
-
-/// An error for which a blob cannot be read or written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BlobError {
-    /// The bytes do not begin with a blob's magic.
-    Magic,
-    /// The blob has a version that this reader does not know.
-    Version {
-        /// Version of the blob.
-        found: u32,
-    },
-    /// There are more or fewer bytes than the blob has.
-    Length {
-        /// Size of the whole blob, or of the header if there are fewer bytes than that.
-        required: u64,
-    },
-    /// The bytes have changed since they were written.
-    Checksum,
-    /// A field of the header, or the padding, has a value without meaning.
-    Field {
-        /// Offset of the field.
-        offset: usize,
-    },
-    /// The blob holds a scatter table of fixed outgoing bins, as versions before 0.2 wrote them: export the table anew.
-    Retired,
-    /// The dimensions in the header do not fit the size that it states.
-    Dimensions,
-    /// The table or its sampler is not sound.
-    Table(TableError),
-    /// A value is beyond half precision (when written), or not finite (when read).
-    Range {
-        /// Index of the value.
-        index: usize,
-    },
-}
-
-impl core::fmt::Display for BlobError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            Self::Magic => write!(f, "the bytes are not a table blob"),
-            Self::Version { found } => write!(f, "the blob has version {found}; this library reads version {VERSION}"),
-            Self::Length { required } => write!(f, "the blob should have {required} bytes"),
-            Self::Checksum => write!(f, "the blob is damaged: its checksum differs"),
-            Self::Field { offset } => write!(f, "the blob's field at byte {offset} has no meaning"),
-            Self::Retired => {
-                write!(f, "the blob holds bins of a version before 0.2; estimate and export the table anew")
-            }
-            Self::Dimensions => write!(f, "the blob's dimensions do not fit its size"),
-            Self::Table(error) => error.fmt(f),
-            Self::Range { index } => write!(f, "value {index} is too large for half precision or not finite"),
-        }
-    }
-}
-
-impl core::error::Error for BlobError {}
-
-impl From<TableError> for BlobError {
-    fn from(error: TableError) -> Self {
-        Self::Table(error)
-    }
 }
 
 /// Header fields that determine the size of a blob.
@@ -224,6 +181,7 @@ impl Dimensions {
         let values = self.count()?.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
         let numbers = match self.kind {
             MIRROR => 0,
+            FILM => columns + if fourth == 0 { 0 } else { 2 },
             // Sums of products of 32 bits.
             ORDERS => 2 * u64::from(self.channels) + 5 * third,
             _ => {
@@ -319,23 +277,31 @@ impl<'a> Blob<'a> {
             return Err(wrong);
         }
         let (header, payload) = bytes.split_first_chunk_mut::<HEADER>().ok_or(wrong)?;
-        // The last section has up to four parts.
-        let none = [Values::Numbers(&[]); 4];
+        // The first section has up to two parts, the last up to four.
+        let nothing = Values::Numbers(&[]);
+        let mut alpha = [0.0; 2];
         let (values, numbers) = match &self.contents {
-            Contents::Mirror(table) => (table.values(), none),
+            Contents::Mirror(table) => ([table.values(), nothing], [nothing; 4]),
+            Contents::Film(table) => {
+                let finish = table.finish();
+                alpha = finish.map_or(alpha, |finish| finish.alpha());
+                let of_finish = Values::Numbers(&alpha).part(0, if finish.is_some() { 2 } else { 0 });
+                (table.values(), [table.thickness_values(), of_finish, nothing, nothing])
+            }
             Contents::Scatter(table, sampler) => {
                 let [u, v] = table.warp().values();
-                (table.values(), [u, v, table.lobe_numbers(), sampler.values()])
+                ([table.values(), nothing], [u, v, table.lobe_numbers(), sampler.values()])
             }
-            Contents::Orders(table) => (table.strengths(), table.axes()),
+            Contents::Orders(table) => ([table.strengths(), nothing], table.axes()),
         };
+        let values = values.into_iter().flat_map(Values::iter);
         payload.fill(0);
         let [value_bytes, _] = dimensions.sections().ok_or(BlobError::Dimensions)?;
         let (value_bytes, number_bytes) = payload.split_at_mut_checked(value_bytes as usize).ok_or(wrong)?;
         match precision {
-            Precision::Single => write_singles(values.iter(), value_bytes),
+            Precision::Single => write_singles(values, value_bytes),
             Precision::Half => {
-                for (index, (value, bytes)) in values.iter().zip(value_bytes.as_chunks_mut().0).enumerate() {
+                for (index, (value, bytes)) in values.zip(value_bytes.as_chunks_mut().0).enumerate() {
                     *bytes = to_half(value).ok_or(BlobError::Range { index })?.to_le_bytes();
                 }
             }
@@ -366,6 +332,12 @@ impl<'a> Blob<'a> {
                 let sides = [u32::try_from(table.rows()).ok()?, 1, 1, 1];
                 (MIRROR, table.channels(), sides, table.theta_max().to_bits())
             }
+            Contents::Film(table) => {
+                let quantities = if table.is_transparent() { 2 } else { 1 };
+                let [angles, thicknesses] = [table.angles(), table.thicknesses()].map(|n| u32::try_from(n).ok());
+                let finish = finish_number(table.finish())?;
+                (FILM, table.channels(), [angles?, thicknesses?, quantities, finish], table.theta_max().to_bits())
+            }
             Contents::Scatter(table, _) => {
                 let layout = table.layout();
                 let ([rows, columns], [u, v]) = (layout.incident_sides(), layout.square_sides());
@@ -392,13 +364,29 @@ fn period_bits([x, y]: [f32; 2]) -> u64 {
     u64::from(y.to_bits()) << 32 | u64::from(x.to_bits())
 }
 
+/// Number of a finish in a blob's header.
+fn finish_number(finish: Option<Finish>) -> Option<u32> {
+    let Some(finish) = finish else { return Some(0) };
+    let kind = (finish.distribution(), finish.masking());
+    FINISHES.iter().zip(1..).find(|(known, _)| **known == kind).map(|(_, number)| number)
+}
+
+/// Finish of a number in a blob's header, with its two roughnesses.
+fn finish_of(number: u32, alpha: Values<'_>) -> Result<Option<Finish>, TableError> {
+    let Some((&(distribution, masking), _)) = FINISHES.iter().zip(1..).find(|(_, known)| *known == number) else {
+        return Ok(None);
+    };
+    let finish = Finish::new(distribution, masking, [alpha.at(0), alpha.at(1)]);
+    finish.map(Some).map_err(|_| TableError::Finish)
+}
+
 /// Checks the table that a header describes, in the bytes after the header.
 fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
     let field = |offset| Err(BlobError::Field { offset });
     if dimensions.kind == RETIRED {
         return Err(BlobError::Retired);
     }
-    if !(MIRROR..=SCATTER).contains(&dimensions.kind) {
+    if !(MIRROR..=FILM).contains(&dimensions.kind) {
         return field(12);
     }
     if !(dimensions.value_bytes == 2 || dimensions.value_bytes == 4) {
@@ -407,6 +395,12 @@ fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, Blob
     let Dimensions { sides: [rows, columns, third, fourth], extent, .. } = dimensions;
     if dimensions.kind == MIRROR && [columns, third, fourth] != [1; 3] {
         return field(28);
+    }
+    if dimensions.kind == FILM && !(1..=2).contains(&third) {
+        return field(32);
+    }
+    if dimensions.kind == FILM && fourth as usize > FINISHES.len() {
+        return field(36);
     }
     let [value_bytes, number_bytes] = dimensions.sections().ok_or(BlobError::Dimensions)?;
     if value_bytes.checked_add(number_bytes) != Some(payload.len() as u64) {
@@ -420,6 +414,15 @@ fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, Blob
     let channels = dimensions.channels as usize;
     match dimensions.kind {
         MIRROR => Ok(Contents::Mirror(MirrorTable::of(values, channels, f64::from_bits(extent))?)),
+        FILM => {
+            let of_one = if third == 1 { values.len() } else { values.len() / 2 };
+            let quantities = [values.part(0, of_one), values.part(of_one, values.len() - of_one)];
+            let columns = columns as usize;
+            let finish = finish_of(fourth, numbers.part(columns, 2))?;
+            let thickness_nm = numbers.part(0, columns);
+            let table = FilmTable::of(quantities, thickness_nm, channels, f64::from_bits(extent), finish)?;
+            Ok(Contents::Film(table))
+        }
         SCATTER => {
             let layout = ScatterLayout::new([rows, columns], [third, fourth], dimensions.lobes() as u32)?;
             // Parts of the numbers, whose sizes are at most that of memory.

@@ -12,6 +12,10 @@ pub enum TableError {
     Shape,
     /// The largest angle is not in (0, π/2].
     ThetaMax,
+    /// The thicknesses of a film do not increase, or are not from 0 to 10⁹ nm.
+    Thickness,
+    /// A roughness of a finish is not from 0.001 to 1.
+    Finish,
     /// A value is NaN, infinite or beyond [`MAX_MAGNITUDE`], or an incident direction's cumulative probabilities in a
     /// blob are not sound.
     NotFinite {
@@ -51,6 +55,8 @@ impl core::fmt::Display for TableError {
                 write!(f, "a table needs at least two angles, a channel, and a value for each channel at each angle")
             }
             Self::ThetaMax => write!(f, "the largest angle must lie in (0, 90] degrees"),
+            Self::Thickness => write!(f, "thicknesses must increase, from 0 to 1e9 nm"),
+            Self::Finish => write!(f, "a roughness must be from 0.001 to 1"),
             Self::NotFinite { index } => {
                 write!(f, "value {index} is not a number from −{MAX_MAGNITUDE:e} to {MAX_MAGNITUDE:e}")
             }

@@ -1,18 +1,16 @@
 //! ρ(θ) of mirror-like surfaces: one outgoing direction for each incident one.
 
+use super::angle_axis::AngleAxis;
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::values::Values;
-use core::f64::consts::FRAC_PI_2;
 
 /// Reflectance ρ(θ) of a mirror-like surface. Rows are uniform in θ from 0 to `theta_max`, ends included; values are
 /// linear between rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorTable<'a> {
     values: Values<'a>,
-    rows: usize,
     channels: usize,
-    theta_max: f64,
-    rows_per_radian: f32,
+    axis: AngleAxis,
 }
 
 impl<'a> MirrorTable<'a> {
@@ -28,45 +26,32 @@ impl<'a> MirrorTable<'a> {
 
     pub(super) fn of(values: Values<'a>, channels: usize, theta_max: f64) -> Result<Self, TableError> {
         let rows = values.len().checked_div(channels).unwrap_or(0);
-        if rows < 2 || rows * channels != values.len() {
+        if rows * channels != values.len() {
             return Err(TableError::Shape);
         }
-        if !(theta_max > 0.0 && theta_max <= FRAC_PI_2) {
-            return Err(TableError::ThetaMax);
+        let axis = AngleAxis::new(rows, theta_max)?;
+        match values.first_beyond(MAX_MAGNITUDE) {
+            Some(index) => Err(TableError::NotFinite { index }),
+            None => Ok(Self { values, channels, axis }),
         }
-        if let Some(index) = values.iter().position(|x| !(-MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&x)) {
-            return Err(TableError::NotFinite { index });
-        }
-        Ok(Self { values, rows, channels, theta_max, rows_per_radian: ((rows - 1) as f64 / theta_max) as f32 })
     }
 
     /// Number of rows, each at one angle.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.rows
+        self.axis.rows()
     }
 
     /// Angle of the last row, in radians.
     #[must_use]
     pub fn theta_max(&self) -> f64 {
-        self.theta_max
+        self.axis.theta_max()
     }
 
     /// Number of channels of each row.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.channels
-    }
-
-    /// Row before θ, and the position of θ between it and the next row, in [0, 1]. θ is clamped to the table; NaN
-    /// counts as 0.
-    #[inline]
-    fn locate(&self, theta: f32) -> (usize, f32) {
-        let last = self.rows.saturating_sub(2);
-        let row = (theta * self.rows_per_radian).max(0.0);
-        // Through 32 bits, which one instruction converts; no table has more rows.
-        let below = (row as u32 as usize).min(last);
-        (below, (row - below as f32).clamp(0.0, 1.0))
     }
 
     /// Value of one channel at θ in radians, which is clamped to the table.
@@ -76,7 +61,7 @@ impl<'a> MirrorTable<'a> {
     #[must_use]
     pub fn channel(&self, theta: f32, channel: usize) -> f32 {
         assert!(channel < self.channels, "the table has {} channels", self.channels);
-        let (row, w) = self.locate(theta);
+        let (row, w) = self.axis.locate(theta);
         self.interpolate(row, w, channel)
     }
 
@@ -91,12 +76,16 @@ impl<'a> MirrorTable<'a> {
         self.values
     }
 
+    pub(super) fn axis(&self) -> AngleAxis {
+        self.axis
+    }
+
     /// First three channels at θ in radians, which is clamped to the table. A table with fewer channels repeats its
     /// last.
     #[must_use]
     #[inline]
     pub fn rgb(&self, theta: f32) -> [f32; 3] {
-        let (row, w) = self.locate(theta);
+        let (row, w) = self.axis.locate(theta);
         if let (Values::Numbers(values), 3) = (self.values, self.channels)
             && let Some([low, high]) = values.get(3 * row..).and_then(two_rows)
         {

@@ -3,6 +3,8 @@
 //! - [`MirrorTable`]: BRDF of a mirror-like surface, which reflects into one direction only: f(wi, wo) = ρ(θ) δ(wo −
 //!   mirror(wi)) / cos θ. The table holds ρ(θ) for each channel. The paper calls it "2D", angle × wavelength (section
 //!   3.1).
+//! - [`FilmTable`]: the same with what such a table may hold besides: transmittance, the thickness of a layer as a
+//!   further axis, and a [`Finish`](crate::microfacet::Finish), by which it reflects into every direction.
 //! - [`ScatterTable`]: BRDF f(wi, wo) of a surface of tilted facets, which reflects into every direction, on a grid of
 //!   incident directions and half vectors ([`ScatterLayout`], [`HalfVectorWarp`]), with exact lobes of flat facets
 //!   ([`FacetLobe`]). [`ScatterSampler`] draws wo.
@@ -14,7 +16,9 @@ mod error;
 mod values;
 mod angles;
 mod layout;
+mod angle_axis;
 mod mirror;
+mod film;
 mod warp;
 mod lobe;
 mod tents;
@@ -23,10 +27,12 @@ mod half_vector_grid;
 mod sampler;
 mod order_layout;
 mod orders;
+mod blob_error;
 pub mod blob;
 
 pub use angles::MIN_COS;
 pub use error::{MAX_MAGNITUDE, TableError};
+pub use film::{FilmArrays, FilmSample, FilmTable};
 pub use half_vector_grid::{HalfVectorGrid, LobeDirection};
 pub use layout::{GridNode, ScatterLayout};
 pub use lobe::FacetLobe;

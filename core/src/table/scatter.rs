@@ -66,7 +66,7 @@ impl<'a> ScatterTable<'a> {
         if lobes.len() != FacetLobe::LEN * layout.lobes() || !(0..layout.lobes()).all(|i| table.lobe(i).is_sound()) {
             return Err(TableError::Lobe);
         }
-        match values.iter().position(|x| !(-MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&x)) {
+        match values.first_beyond(MAX_MAGNITUDE) {
             Some(index) => Err(TableError::NotFinite { index }),
             None => Ok(table),
         }

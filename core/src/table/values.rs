@@ -60,6 +60,11 @@ impl<'a> Values<'a> {
         }
     }
 
+    /// Index of the first value that is NaN or of a larger magnitude.
+    pub fn first_beyond(self, magnitude: f32) -> Option<usize> {
+        self.iter().position(|x| !(-magnitude..=magnitude).contains(&x))
+    }
+
     pub fn iter(self) -> impl Iterator<Item = f32> + use<'a> {
         (0..self.len()).map(move |place| self.at(place))
     }

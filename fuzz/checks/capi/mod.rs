@@ -8,6 +8,7 @@ mod media;
 mod orders;
 mod out;
 mod program;
+mod surfaces;
 mod tables;
 
 use goniochrome_capi::status::gonio_status_text;
@@ -39,6 +40,10 @@ pub fn check(bytes: &[u8]) {
             b's' => tables::sample(program, table.as_ref()),
             b'a' => tables::albedo(program, table.as_ref()),
             b'L' => tables::lobe(program, table.as_ref()),
+            b'F' => surfaces::describe(program, table.as_ref()),
+            b'r' => surfaces::at_angle(program, table.as_ref()),
+            b'b' => surfaces::rgb(program, table.as_ref()),
+            b'u' => surfaces::sample(program, table.as_ref()),
             b'o' => orders::describe(program, table.as_ref()),
             b'V' => orders::view(program, table.as_ref(), &mut seen),
             b'l' => orders::light(program, seen.as_ref()),

@@ -5,9 +5,9 @@ use super::program::{Faults, Program};
 use crate::table_blob;
 use goniochrome_capi::status::Status;
 use goniochrome_capi::table::{
-    FacetLobe, GONIO_KIND_MIRROR, GONIO_KIND_ORDERS, GONIO_KIND_SCATTER, Sample, Table, TableDescription,
-    gonio_table_albedo, gonio_table_describe, gonio_table_lobe, gonio_table_lobe_count, gonio_table_pdf,
-    gonio_table_reflectance, gonio_table_rgb, gonio_table_sample, gonio_table_view,
+    FacetLobe, GONIO_KIND_FILM, GONIO_KIND_MIRROR, GONIO_KIND_ORDERS, GONIO_KIND_SCATTER, Sample, Table,
+    TableDescription, gonio_table_albedo, gonio_table_describe, gonio_table_lobe, gonio_table_lobe_count,
+    gonio_table_pdf, gonio_table_reflectance, gonio_table_rgb, gonio_table_sample, gonio_table_view,
 };
 use std::rc::Rc;
 
@@ -77,7 +77,7 @@ pub fn describe(program: &mut Program<'_>, table: Option<&View>) {
     });
     let Some(found) = found else { return };
     let TableDescription { kind, channels, space } = found.results()[0];
-    let kinds = [GONIO_KIND_MIRROR, GONIO_KIND_SCATTER, GONIO_KIND_ORDERS];
+    let kinds = [GONIO_KIND_MIRROR, GONIO_KIND_SCATTER, GONIO_KIND_ORDERS, GONIO_KIND_FILM];
     assert!(kinds.contains(&kind) && channels > 0 && space <= 4);
 }
 
@@ -160,7 +160,12 @@ pub fn sample(program: &mut Program<'_>, table: Option<&View>) {
         unsafe { gonio_table_sample(table, wi, u, place) }
     });
     let Some(sample) = sample else { return };
-    let Sample { wo, pdf, weight } = sample.results()[0];
+    check_sample(wi, u, sample.results()[0]);
+}
+
+/// Checks a sample that was drawn.
+pub fn check_sample(wi: [f32; 3], u: [f32; 2], sample: Sample) {
+    let Sample { wo, pdf, weight } = sample;
     assert!(wi[2] > 0.0 && u.iter().all(|u| (0.0..1.0).contains(u)));
     assert!(wo.iter().all(|x| x.is_finite()) && wo[2] > 0.0, "{wo:?}");
     // If a blob's sampler does not belong to its table, a weight may exceed single precision, but it is never NaN.

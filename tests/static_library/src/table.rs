@@ -1,11 +1,12 @@
 //! Functions for tables: making, writing, reading, look-up and sampling.
 
-use goniochrome::glam::Vec3;
 use goniochrome::colour::RgbSpace;
+use goniochrome::glam::Vec3;
+use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
-    FacetLobe, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout,
-    ScatterSampler, ScatterTable,
+    FacetLobe, FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
+    ScatterLayout, ScatterSampler, ScatterTable,
 };
 
 /// The sum of all that a table blob gives for two directions; NaN if it is refused.
@@ -14,6 +15,12 @@ pub extern "C" fn table_look_up(bytes: &&[u8], wi: &Vec3, wo: &Vec3, u: &[f32; 2
     let Ok(blob) = Blob::read(bytes) else { return f32::NAN };
     match blob.contents {
         Contents::Mirror(table) => table.rgb(wi.x).into_iter().sum(),
+        Contents::Film(table) => {
+            let [first, last] = table.range_nm();
+            let drawn = table.sample(*wi, *u, u[0]).map_or(0.0, |drawn| drawn.wo.z / drawn.pdf.unwrap_or(1.0));
+            let [rho, tau] = [table.reflectance(wi.x, first), table.transmittance(wi.x, last)];
+            table.eval(*wi, *wo, u[1]).into_iter().chain(rho).chain(tau).sum::<f32>() + table.pdf(*wi, *wo) + drawn
+        }
         Contents::Scatter(table, sampler) => {
             let mut albedo = [0.0; 4];
             table.albedo(*wi, &mut albedo);
@@ -50,6 +57,16 @@ pub extern "C" fn orders_write(
     table.is_ok_and(|table| {
         Blob { space: None, contents: Contents::Orders(table) }.write(Precision::Half, bytes).is_ok()
     })
+}
+
+/// Makes a film table and writes it as a blob. Returns whether it succeeded.
+#[unsafe(no_mangle)]
+pub extern "C" fn film_write(arrays: &[&[f32]; 3], alpha: &[f32; 2], bytes: &mut &mut [u8]) -> bool {
+    let [reflectance, transmittance, thickness_nm] = *arrays;
+    let arrays = FilmArrays { reflectance, transmittance, thickness_nm };
+    let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, *alpha).ok();
+    FilmTable::new(&arrays, 3, 1.5, finish)
+        .is_ok_and(|table| Blob { space: None, contents: Contents::Film(table) }.write(Precision::Half, bytes).is_ok())
 }
 
 /// Makes a mirror-like or scattering table and writes it as a blob. Returns whether it succeeded.

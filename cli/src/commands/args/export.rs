@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use goniochrome::microfacet::Distribution;
 
-use crate::commands::args::values::{RoughnessArg, distribution, spread};
+use crate::commands::args::values::{RoughnessArg, distribution, roughness_or_mirror, spread};
 use crate::export::bsdf::Gamut;
 use crate::scene::vary::Vary;
 
@@ -26,9 +26,9 @@ pub struct ExportArgs {
     /// merl and bsdf of tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
     #[arg(long, value_name = "NM")]
     pub thickness: Option<f64>,
-    /// merl and bsdf of mirror-like tables: the roughness α of the facets that make the lobe, in (0, 1] [default: that
-    /// of the table's finish]
-    #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true)]
+    /// Mirror-like tables and scenes of planes: the roughness α of the facets, in (0, 1], along the tangent and the
+    /// binormal; 0 is a mirror, which merl and bsdf cannot hold [default: that of the table's finish]
+    #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true, value_parser = roughness_or_mirror)]
     pub roughness: Option<RoughnessArg>,
     /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
     #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]

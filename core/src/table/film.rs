@@ -1,0 +1,394 @@
+//! Mirror-like surfaces with all that such a table may hold: transmittance, a thickness that varies, a finish.
+
+use super::angle_axis::AngleAxis;
+use super::angles::half_angle;
+use super::error::{MAX_MAGNITUDE, TableError};
+use super::mirror::MirrorTable;
+use super::values::Values;
+use crate::microfacet::Finish;
+use core::f32::consts::FRAC_PI_2;
+use glam::Vec3;
+
+/// Largest thickness of a table in nm.
+const MAX_THICKNESS_NM: f32 = 1e9;
+
+/// Arrays of a [`FilmTable`].
+#[derive(Clone, Copy, Debug)]
+pub struct FilmArrays<'a> {
+    /// Reflectance ρ, `[thickness][angle][channel]`.
+    pub reflectance: &'a [f32],
+    /// Transmittance like the reflectance, or empty.
+    pub transmittance: &'a [f32],
+    /// Thicknesses in nm of the layer that varies, increasing. Any one number for a surface of which none does.
+    pub thickness_nm: &'a [f32],
+}
+
+/// BRDF of a mirror-like surface, smooth or with a [`Finish`], and its transmittance.
+///
+/// A smooth surface reflects ρ(θ) into the mirror direction: f(wi, wo) = ρ(θ) δ(wo − mirror(wi))/cos θ. With a finish
+/// f(wi, wo) = ρ(θ_d) D G₂/(4 cos θ_i cos θ_o), with θ_d the angle to the half vector. f is in 1/sr, without the cosine.
+///
+/// Angles are uniform from 0 to the largest, ends included. Values are linear between angles and between thicknesses,
+/// and constant beyond the ends of either. A table with fewer than three channels repeats its last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmTable<'a> {
+    reflectance: Values<'a>,
+    /// Empty where the table has none.
+    transmittance: Values<'a>,
+    thickness_nm: Values<'a>,
+    axis: AngleAxis,
+    channels: usize,
+    finish: Option<Finish>,
+}
+
+/// Direction that [`FilmTable::sample`] has drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmSample {
+    /// Direction, a unit vector if wi is one.
+    pub wo: Vec3,
+    /// Density per solid angle; `None` for the mirror direction of a smooth surface, which has none.
+    pub pdf: Option<f32>,
+    /// RGB of f cos θ_o over the density; ρ of a smooth surface.
+    pub weight: [f32; 3],
+}
+
+impl<'a> FilmTable<'a> {
+    /// Checks a table; `theta_max` is the largest angle in radians.
+    ///
+    /// # Errors
+    /// [`TableError::Shape`] for fewer than two angles, no channels, or arrays whose lengths do not fit together;
+    /// [`TableError::Thickness`] unless thicknesses increase from 0 or more to 10⁹ nm or less;
+    /// [`TableError::ThetaMax`] unless `theta_max` is in (0, π/2]; [`TableError::NotFinite`] for a value that is NaN or
+    /// beyond [`MAX_MAGNITUDE`], by its index in the reflectance, or in the transmittance behind it.
+    pub fn new(
+        arrays: &FilmArrays<'a>,
+        channels: usize,
+        theta_max: f64,
+        finish: Option<Finish>,
+    ) -> Result<Self, TableError> {
+        let values = [arrays.reflectance, arrays.transmittance].map(Values::Numbers);
+        Self::of(values, Values::Numbers(arrays.thickness_nm), channels, theta_max, finish)
+    }
+
+    pub(super) fn of(
+        [reflectance, transmittance]: [Values<'a>; 2],
+        thickness_nm: Values<'a>,
+        channels: usize,
+        theta_max: f64,
+        finish: Option<Finish>,
+    ) -> Result<Self, TableError> {
+        let count = reflectance.len();
+        let rows = channels.checked_mul(thickness_nm.len()).and_then(|of_angle| count.checked_div(of_angle));
+        let rows = rows.unwrap_or(0);
+        // The product is at most the length.
+        let fits = rows * channels * thickness_nm.len() == count;
+        if !fits || !(transmittance.len() == 0 || transmittance.len() == count) {
+            return Err(TableError::Shape);
+        }
+        let axis = AngleAxis::new(rows, theta_max)?;
+        let mut least = 0.0;
+        for (index, nm) in thickness_nm.iter().enumerate() {
+            if !(least..=MAX_THICKNESS_NM).contains(&nm) || (index > 0 && nm <= least) {
+                return Err(TableError::Thickness);
+            }
+            least = nm;
+        }
+        let second = transmittance.first_beyond(MAX_MAGNITUDE).map(|index| count + index);
+        match reflectance.first_beyond(MAX_MAGNITUDE).or(second) {
+            Some(index) => Err(TableError::NotFinite { index }),
+            None => Ok(Self { reflectance, transmittance, thickness_nm, axis, channels, finish }),
+        }
+    }
+
+    /// Number of angles.
+    #[must_use]
+    pub fn angles(&self) -> usize {
+        self.axis.rows()
+    }
+
+    /// Largest angle, in radians.
+    #[must_use]
+    pub fn theta_max(&self) -> f64 {
+        self.axis.theta_max()
+    }
+
+    /// Number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Number of thicknesses; 1 where none varies.
+    #[must_use]
+    pub fn thicknesses(&self) -> usize {
+        self.thickness_nm.len()
+    }
+
+    /// First and last thickness in nm.
+    #[must_use]
+    pub fn range_nm(&self) -> [f32; 2] {
+        [0, self.thicknesses() - 1].map(|index| self.thickness_nm.at(index))
+    }
+
+    /// Whether the table holds transmittance.
+    #[must_use]
+    pub fn is_transparent(&self) -> bool {
+        self.transmittance.len() > 0
+    }
+
+    /// Finish; `None` for a smooth surface.
+    #[must_use]
+    pub fn finish(&self) -> Option<Finish> {
+        self.finish
+    }
+
+    /// Looks up RGB of the reflectance ρ(θ) at a cosine, for a thickness in nm. Cosines are clamped to [0, 1]; NaN
+    /// counts as 0.
+    #[must_use]
+    pub fn reflectance(&self, cos_theta: f32, thickness_nm: f32) -> [f32; 3] {
+        self.rgb(self.reflectance, angle(cos_theta), thickness_nm)
+    }
+
+    /// Looks up RGB of the transmittance at a cosine, for a thickness in nm; 0 where the table has none. It is that of
+    /// the smooth surface: a finish is one of reflected light.
+    #[must_use]
+    pub fn transmittance(&self, cos_theta: f32, thickness_nm: f32) -> [f32; 3] {
+        self.rgb(self.transmittance, angle(cos_theta), thickness_nm)
+    }
+
+    /// Looks up RGB of f in 1/sr, without the cosine, for unit vectors and a thickness in nm. It is 0 if either is below
+    /// the surface, and for a smooth surface.
+    #[must_use]
+    #[inline]
+    pub fn eval(&self, wi: Vec3, wo: Vec3, thickness_nm: f32) -> [f32; 3] {
+        let Some(lobe) = self.finish.as_ref().and_then(|finish| finish.lobe(wi, wo)) else { return [0.0; 3] };
+        let rho = self.rgb(self.reflectance, half_angle(wi, wo), thickness_nm);
+        // Directions near the horizon may reflect more than single precision holds.
+        rho.map(|rho| (rho * lobe.value).clamp(f32::MIN, f32::MAX))
+    }
+
+    /// Density per solid angle with which [`FilmTable::sample`] draws `wo` for `wi`; 0 if either is below the surface,
+    /// and for a smooth surface.
+    #[must_use]
+    #[inline]
+    pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
+        self.finish.as_ref().and_then(|finish| finish.lobe(wi, wo)).map_or(0.0, |lobe| lobe.pdf)
+    }
+
+    /// Draws wo for the unit vector `wi` and a thickness in nm: by a finish among the facets that `wi` sees, with `u` in
+    /// [0, 1)², else the mirror direction. `None` if `wi` is below the surface, or a facet reflects below it: that is a
+    /// sample without light, and counts.
+    #[must_use]
+    pub fn sample(&self, wi: Vec3, u: [f32; 2], thickness_nm: f32) -> Option<FilmSample> {
+        let Some(finish) = &self.finish else {
+            let above = wi.z > 0.0;
+            let wo = Vec3::new(-wi.x, -wi.y, wi.z);
+            return above.then(|| FilmSample { wo, pdf: None, weight: self.reflectance(wi.z, thickness_nm) });
+        };
+        let wo = finish.sample(wi, u)?;
+        let pdf = finish.lobe(wi, wo)?.pdf;
+        // f cos θ_o over the density, without D: both may be too small for single precision.
+        let share = 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z;
+        let weight = self.rgb(self.reflectance, half_angle(wi, wo), thickness_nm).map(|rho| rho * share);
+        (pdf > 0.0).then_some(FilmSample { wo, pdf: Some(pdf), weight })
+    }
+
+    /// RGB of one of the quantities at θ in radians.
+    #[inline]
+    fn rgb(&self, quantity: Values<'a>, theta: f32, thickness_nm: f32) -> [f32; 3] {
+        let (row, along) = self.axis.locate(theta);
+        let at = |thickness: usize| {
+            let from = self.channels * (thickness * self.axis.rows() + row);
+            let [low, high] = [from, from + self.channels].map(|from| quantity.three(from, self.channels));
+            core::array::from_fn(|c| low[c] + along * (high[c] - low[c]))
+        };
+        if self.thicknesses() == 1 {
+            return at(0);
+        }
+        let (below, across) = self.locate_thickness(thickness_nm);
+        let [thin, thick]: [[f32; 3]; 2] = [below, below + 1].map(at);
+        core::array::from_fn(|c| thin[c] + across * (thick[c] - thin[c]))
+    }
+
+    /// Thickness before one in nm, of two or more, and the position between it and the next, in [0, 1]. NaN counts as 0.
+    fn locate_thickness(&self, nm: f32) -> (usize, f32) {
+        // The thickness lies between those of these indices, or beyond the ends.
+        let (mut below, mut above) = (0, self.thicknesses() - 1);
+        while above - below > 1 {
+            let middle = usize::midpoint(below, above);
+            if self.thickness_nm.at(middle) <= nm { below = middle } else { above = middle }
+        }
+        let [thin, thick] = [below, above].map(|index| self.thickness_nm.at(index));
+        (below, ((nm - thin) / (thick - thin)).max(0.0).min(1.0))
+    }
+
+    /// Reflectance and transmittance.
+    pub(super) fn values(&self) -> [Values<'a>; 2] {
+        [self.reflectance, self.transmittance]
+    }
+
+    pub(super) fn thickness_values(&self) -> Values<'a> {
+        self.thickness_nm
+    }
+}
+
+/// A smooth surface of one thickness.
+impl<'a> From<MirrorTable<'a>> for FilmTable<'a> {
+    fn from(mirror: MirrorTable<'a>) -> Self {
+        Self {
+            reflectance: mirror.values(),
+            transmittance: Values::Numbers(&[]),
+            thickness_nm: Values::Numbers(&[0.0]),
+            axis: mirror.axis(),
+            channels: mirror.channels(),
+            finish: None,
+        }
+    }
+}
+
+/// Angle θ of a cosine, which is clamped to [0, 1]; that of NaN is π/2.
+#[inline]
+fn angle(cos_theta: f32) -> f32 {
+    libm::acosf(cos_theta.max(0.0).min(1.0)).min(FRAC_PI_2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::microfacet::{Distribution, Masking};
+
+    /// Three thicknesses, two angles, RGB: values that tell their places.
+    fn arrays() -> ([f32; 18], [f32; 18]) {
+        let reflectance = core::array::from_fn(|i| 0.01 * (1 + i * i) as f32);
+        (reflectance, reflectance.map(|rho| 4.0 - rho))
+    }
+
+    fn finish() -> Finish {
+        Finish::new(Distribution::Beckmann, Masking::Correlated, [0.2, 0.5]).unwrap()
+    }
+
+    fn table<'a>(reflectance: &'a [f32], transmittance: &'a [f32], finish: Option<Finish>) -> FilmTable<'a> {
+        let arrays = FilmArrays { reflectance, transmittance, thickness_nm: &[100.0, 150.0, 400.0] };
+        FilmTable::new(&arrays, 3, 1.5, finish).unwrap()
+    }
+
+    /// Rounding of two interpolations, of values up to 4.
+    const ROUNDING: f32 = 8.0 * 4.0 * f32::EPSILON;
+
+    #[test]
+    fn values_are_linear_in_angle_and_thickness_and_held_beyond() {
+        let (reflectance, transmittance) = arrays();
+        let film = table(&reflectance, &transmittance, None);
+        assert_eq!((film.angles(), film.thicknesses(), film.range_nm()), (2, 3, [100.0, 400.0]));
+        let at = |thickness: usize, angle: usize, c: usize| reflectance[6 * thickness + 3 * angle + c];
+        for (nm, [thin, thick], across) in [
+            (0.0, [0, 0], 0.0),
+            (100.0, [0, 1], 0.0),
+            (110.0, [0, 1], 0.2),
+            (150.0, [1, 2], 0.0),
+            (275.0, [1, 2], 0.5),
+            (1e20, [2, 2], 0.0),
+            (f32::NAN, [0, 0], 0.0),
+        ] {
+            for (cos, along) in [(1.0, 0.0), (0.0, 1.0), (libm::cosf(0.75), 0.5), (2.0, 0.0), (f32::NAN, 1.0)] {
+                let (rho, tau) = (film.reflectance(cos, nm), film.transmittance(cos, nm));
+                for c in 0..3 {
+                    let of = |k| at(k, 0, c) + along * (at(k, 1, c) - at(k, 0, c));
+                    let want = of(thin) + across * (of(thick) - of(thin));
+                    // acos near 0.75 rounds too, by 1e-7 of a step of 1.5.
+                    assert!((rho[c] - want).abs() <= ROUNDING, "{nm} {cos}: {rho:?} for {want}");
+                    assert!((rho[c] + tau[c] - 4.0).abs() <= 2.0 * ROUNDING, "{nm} {cos}: {rho:?} {tau:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_finish_spreads_what_the_facets_reflect() {
+        let (reflectance, _) = arrays();
+        let film = table(&reflectance, &[], Some(finish()));
+        let (wi, wo) = (Vec3::new(0.48, 0.36, 0.8), Vec3::new(-0.6, 0.0, 0.8));
+        let lobe = finish().lobe(wi, wo).unwrap();
+        let rho = film.reflectance(lobe.cos_d, 200.0);
+        for (f, rho) in film.eval(wi, wo, 200.0).into_iter().zip(rho) {
+            // θ_d and its cosine round, each by some 1e-7.
+            assert!((f / (rho * lobe.value) - 1.0).abs() < 1e-5, "{f} {rho}");
+        }
+        assert_eq!(film.pdf(wi, wo), lobe.pdf);
+        for u in [[0.1, 0.2], [0.5, 0.5], [0.9, 0.7]] {
+            let FilmSample { wo, pdf, weight } = film.sample(wi, u, 200.0).unwrap();
+            assert_eq!(pdf, Some(film.pdf(wi, wo)));
+            let f = film.eval(wi, wo, 200.0);
+            for (c, weight) in weight.into_iter().enumerate() {
+                // Rounding of some twenty products.
+                assert!((f[c] * wo.z / film.pdf(wi, wo) / weight - 1.0).abs() < 1e-5, "{u:?} {c}");
+            }
+        }
+        assert_eq!(
+            (film.eval(-wi, wo, 200.0), film.pdf(wi, -wo), film.sample(-wi, [0.5; 2], 200.0)),
+            ([0.0; 3], 0.0, None)
+        );
+        assert_eq!(film.transmittance(0.5, 200.0), [0.0; 3]);
+    }
+
+    #[test]
+    fn directions_at_the_horizon_give_numbers() {
+        let (reflectance, _) = arrays();
+        for distribution in [Distribution::Ggx, Distribution::Beckmann] {
+            for masking in [Masking::Correlated, Masking::Separable] {
+                let finish = Finish::new(distribution, masking, [1e-3, 1.0]).unwrap();
+                let film = table(&reflectance, &[], Some(finish));
+                for z in [f32::MIN_POSITIVE, 1e-20, 1e-9, 2e-9, 1e-5] {
+                    for wo in [Vec3::new(1.0, 0.0, z), Vec3::new(-1.0, 0.0, z), Vec3::Z, Vec3::new(0.0, 1.0, z)] {
+                        let wi = Vec3::new(1.0, 0.0, z);
+                        let (f, pdf) = (film.eval(wi, wo, 0.0), film.pdf(wi, wo));
+                        assert!(
+                            f.iter().all(|f| f.is_finite()) && pdf.is_finite(),
+                            "{finish:?} {wi} {wo}: {f:?} {pdf}"
+                        );
+                        if let Some(drawn) = film.sample(wi, [0.3, 0.9], 0.0) {
+                            assert!(drawn.weight.iter().all(|w| w.is_finite()), "{finish:?} {z} {drawn:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_smooth_surface_reflects_into_the_mirror_direction_alone() {
+        let mirror = MirrorTable::new(&[0.25, 0.75], 1, 1.0).unwrap();
+        let film = FilmTable::from(mirror);
+        let wi = Vec3::new(0.6, 0.0, 0.8);
+        let drawn = film.sample(wi, [0.5; 2], 7.0).unwrap();
+        assert_eq!((drawn.wo, drawn.pdf), (Vec3::new(-0.6, 0.0, 0.8), None));
+        assert_eq!(drawn.weight, mirror.rgb(libm::acosf(0.8)));
+        assert_eq!((film.eval(wi, drawn.wo, 7.0), film.pdf(wi, drawn.wo)), ([0.0; 3], 0.0));
+        assert_eq!(film.sample(-wi, [0.5; 2], 7.0), None);
+    }
+
+    #[test]
+    fn bad_tables_are_refused() {
+        let values = [0.5; 12];
+        fn refusal(
+            reflectance: &[f32],
+            transmittance: &[f32],
+            thickness_nm: &[f32],
+            channels: usize,
+        ) -> Result<(), TableError> {
+            FilmTable::new(&FilmArrays { reflectance, transmittance, thickness_nm }, channels, 1.0, None).map(drop)
+        }
+        assert_eq!(refusal(&values, &values, &[1.0, 2.0], 3), Ok(()));
+        assert_eq!(refusal(&values, &values[1..], &[1.0, 2.0], 3), Err(TableError::Shape));
+        assert_eq!(refusal(&values, &[], &[], 3), Err(TableError::Shape));
+        assert_eq!(refusal(&values, &[], &[1.0], 0), Err(TableError::Shape));
+        assert_eq!(refusal(&values, &[], &[1.0, 2.0, 3.0, 4.0], 3), Err(TableError::Shape));
+        for thickness in [[1.0, 1.0], [2.0, 1.0], [-1.0, 1.0], [0.0, f32::NAN], [f32::NAN, 1.0], [0.0, 2e9]] {
+            assert_eq!(refusal(&values, &[], &thickness, 3), Err(TableError::Thickness), "{thickness:?}");
+        }
+        let mut beyond = values;
+        beyond[7] = f32::INFINITY;
+        assert_eq!(refusal(&beyond, &[], &[0.0], 3), Err(TableError::NotFinite { index: 7 }));
+        assert_eq!(refusal(&values, &beyond, &[0.0], 3), Err(TableError::NotFinite { index: 19 }));
+    }
+}
