@@ -6,6 +6,7 @@ use goniochrome::table::{OrderTable as Lookup, ScatterTable as Scatter};
 use super::reflection::between_angles;
 use crate::support::error::Result;
 use crate::table::Table;
+use crate::table::metadata::MetadataKey;
 use crate::table::mirror::MirrorTable;
 use crate::table::orders::LookupArrays;
 use crate::table::scatter::ScatterLookup;
@@ -16,7 +17,7 @@ pub const RGB: [&str; 3] = ["R", "G", "B"];
 /// Light of one channel that leaves in an exact direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delta {
-    /// What reflects it: `mirror`, flat facets as `facet 1`, or an order as `order 1 0`.
+    /// What sends it: `mirror`, `straight` through a sheet, flat facets as `facet 1`, or an order as `order 1 0`.
     pub name: String,
     /// Wavelength in nm, or one of [`RGB`].
     pub channel: String,
@@ -29,7 +30,7 @@ pub struct Delta {
 /// The exact directions of a table.
 #[derive(Debug)]
 pub enum Deltas<'t> {
-    /// The mirror direction.
+    /// The mirror direction, and through a sheet the direction straight on.
     Mirror(&'t MirrorTable),
     /// Lobes of flat facets: the look-ups of spectra and of RGB, and the wavelengths.
     Facets(ScatterLookup, ScatterLookup, &'t [f64]),
@@ -75,20 +76,38 @@ impl<'t> Deltas<'t> {
     }
 }
 
-/// ρ(θ) in the mirror direction, spectral and RGB.
+/// ρ(θ) in the mirror direction, spectral and RGB; of a sheet also what goes straight on.
 fn mirror(table: &MirrorTable, wi: DVec3) -> Vec<Delta> {
-    let theta: Vec<f64> = table.theta_deg.iter().map(|theta| theta.to_radians()).collect();
-    let spectra: Vec<f32> = table.unpolarised().map(|rho| rho as f32).collect();
-    let channels = table.wavelength_nm.iter().map(f64::to_string);
-    let channels = channels.chain(RGB.into_iter().filter(|_| !table.rgb.is_empty()).map(str::to_owned));
-    let mut power = vec![0.0; table.wavelength_nm.len() + 3];
-    let (spectral, rgb) = power.split_at_mut(table.wavelength_nm.len());
-    between_angles(&theta, &spectra, wi.z.acos(), spectral);
-    if !table.rgb.is_empty() {
-        between_angles(&theta, table.rgb.as_flattened(), wi.z.acos(), rgb);
+    let mirrored = DVec3::new(-wi.x, -wi.y, wi.z);
+    let mut deltas = of_power(table, [&table.reflectance_s[..], &table.reflectance_p], &table.rgb, "mirror", wi.z, mirrored);
+    // Into another medium light is refracted, by an index that the table does not hold.
+    if table.is_transparent() && table.metadata.get(MetadataKey::Backing) == Some("ambient") {
+        let powers = [&table.transmittance_s[..], &table.transmittance_p];
+        deltas.extend(of_power(table, powers, &table.rgb_transmitted, "straight", wi.z, -wi));
     }
-    let direction = DVec3::new(-wi.x, -wi.y, wi.z);
-    let delta = |(channel, power)| Delta { name: "mirror".to_owned(), channel, direction, power };
+    deltas
+}
+
+/// The mean of s and p at an angle, and the colour there, as light that leaves in a direction.
+fn of_power(
+    table: &MirrorTable,
+    [s, p]: [&[f32]; 2],
+    rgb: &[[f32; 3]],
+    name: &str,
+    cos_theta: f64,
+    direction: DVec3,
+) -> Vec<Delta> {
+    let theta: Vec<f64> = table.theta_deg.iter().map(|theta| theta.to_radians()).collect();
+    let spectra: Vec<f32> = s.iter().zip(p).map(|(s, p)| 0.5 * (s + p)).collect();
+    let channels = table.wavelength_nm.iter().map(f64::to_string);
+    let channels = channels.chain(RGB.into_iter().filter(|_| !rgb.is_empty()).map(str::to_owned));
+    let mut power = vec![0.0; table.wavelength_nm.len() + 3];
+    let (spectral, colour) = power.split_at_mut(table.wavelength_nm.len());
+    between_angles(&theta, &spectra, cos_theta.acos(), spectral);
+    if !rgb.is_empty() {
+        between_angles(&theta, rgb.as_flattened(), cos_theta.acos(), colour);
+    }
+    let delta = |(channel, power)| Delta { name: name.to_owned(), channel, direction, power };
     channels.zip(power).map(delta).collect()
 }
 
