@@ -18,6 +18,7 @@ mod kills;
 mod lookup;
 mod meshes;
 mod order_files;
+mod parts;
 mod plain_text;
 mod presets;
 #[path = "../random.rs"]

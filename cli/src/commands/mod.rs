@@ -13,6 +13,7 @@ mod presets;
 mod spectrum;
 mod colour;
 mod estimate;
+mod merge;
 mod scatter;
 mod orders;
 mod compare;
@@ -41,6 +42,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Spectrum(args) => spectrum::run(args),
         Command::Colour(args) => colour::run(args),
         Command::Estimate(args) => estimate::run(args),
+        Command::Merge(args) => merge::run(args),
         Command::Scatter(args) => scatter::run(args),
         Command::Orders(args) => orders::run(args),
         Command::Compare(args) => compare::run(args),

@@ -79,7 +79,8 @@ impl<'t> Deltas<'t> {
 /// ρ(θ) in the mirror direction, spectral and RGB; of a sheet also what goes straight on.
 fn mirror(table: &MirrorTable, wi: DVec3) -> Vec<Delta> {
     let mirrored = DVec3::new(-wi.x, -wi.y, wi.z);
-    let mut deltas = of_power(table, [&table.reflectance_s[..], &table.reflectance_p], &table.rgb, "mirror", wi.z, mirrored);
+    let mut deltas =
+        of_power(table, [&table.reflectance_s[..], &table.reflectance_p], &table.rgb, "mirror", wi.z, mirrored);
     // Into another medium light is refracted, by an index that the table does not hold.
     if table.is_transparent() && table.metadata.get(MetadataKey::Backing) == Some("ambient") {
         let powers = [&table.transmittance_s[..], &table.transmittance_p];

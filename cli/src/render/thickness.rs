@@ -73,8 +73,8 @@ impl Swirls {
     /// Noise at a place, in [0, 1]; thin and thick places are seldom.
     fn at(&self, place: DVec3) -> f64 {
         let (x, y, z) = self.warp.domain_warp_3d(place.x, place.y, place.z);
-        // The sum of octaves seldom leaves ±0.8.
-        (0.5 + 0.6 * f64::from(self.noise.get_noise_3d(x, y, z))).clamp(0.0, 1.0)
+        // The sum of octaves seldom leaves ±0.5.
+        (0.5 + 0.9 * f64::from(self.noise.get_noise_3d(x, y, z))).clamp(0.0, 1.0)
     }
 }
 

@@ -28,10 +28,10 @@ const TITLE: &str = "goniochrome checkpoint";
 const SYNC_EVERY: Duration = Duration::from_secs(5);
 
 /// Bytes of a part's number.
-const NUMBER_BYTES: usize = size_of::<u64>();
+pub(super) const NUMBER_BYTES: usize = size_of::<u64>();
 
 /// Bytes of a SHA-256 sum.
-const SUM_BYTES: usize = 32;
+pub(super) const SUM_BYTES: usize = 32;
 
 /// The inputs that decide the numbers of a run: a checkpoint with another identity is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,6 +58,18 @@ impl Identity {
                     .and("mesh", &(&mesh.vertices, &mesh.triangles))
             }
         }
+    }
+
+    /// The identity that a file of a finished share names.
+    #[must_use]
+    pub fn of_head(head: &[u8]) -> Self {
+        Self(String::from_utf8_lossy(head).into_owned())
+    }
+
+    /// The bytes at the head of a checkpoint.
+    #[must_use]
+    pub fn head(&self) -> &[u8] {
+        self.0.as_bytes()
     }
 
     /// Adds the input that `what` names. Everything that matters of `value` must show when it is printed by `{:?}`.
@@ -95,6 +107,8 @@ struct Log {
     stays: bool,
     /// Whether an earlier run has left records, or the beginning of one.
     resumed: bool,
+    /// Bytes of what each record holds, once it is known.
+    record_bytes: usize,
     synced: Instant,
 }
 
@@ -116,7 +130,7 @@ impl Checkpoint {
             return Err(Error::failed(format_args!("{} is a folder; choose another output", path.display())));
         }
         let file = locked(&path, output)?;
-        let log = Log { file, end: 0, stays: false, resumed: false, synced: Instant::now() };
+        let log = Log { file, end: 0, stays: false, resumed: false, record_bytes: 0, synced: Instant::now() };
         let checkpoint = Self { path, log: Mutex::new(log) };
         checkpoint.begin(&identity.0, restart)?;
         Ok(Some(checkpoint))
@@ -167,6 +181,7 @@ impl Checkpoint {
     /// A file that cannot be read.
     pub fn restore(&self, length: usize, count: usize, mut take: impl FnMut(usize, &[u8])) -> Result<usize> {
         let mut log = self.log();
+        log.record_bytes = length;
         let mut record = vec![0; NUMBER_BYTES + length + SUM_BYTES];
         let mut reader = BufReader::new(&log.file);
         let mut end = log.end;
@@ -215,6 +230,26 @@ impl Checkpoint {
         log.end += record.len() as u64;
         log.stays = true;
         Ok(())
+    }
+
+    /// Closes the file by a seal, and makes it the output. `seal` makes its bytes of the number of records and the bytes
+    /// that each holds, which [`Checkpoint::restore`] has learned.
+    ///
+    /// # Errors
+    /// A disk that is full or broken; the checkpoint stays.
+    pub fn close(self, output: &Path, head: &[u8], seal: impl FnOnce(u64, u64) -> Vec<u8>) -> Result<()> {
+        let mut log = self.log();
+        let record_bytes = log.record_bytes as u64;
+        let records = (log.end - head.len() as u64) / ((NUMBER_BYTES + SUM_BYTES) as u64 + record_bytes);
+        let (end, bytes) = (log.end, seal(records, record_bytes));
+        log.stays = true;
+        let target = std::fs::canonicalize(output).unwrap_or_else(|_| output.to_path_buf());
+        log.file
+            .set_len(end)
+            .and_then(|()| log.write_at(end, &bytes))
+            .and_then(|()| log.file.sync_data())
+            .and_then(|()| std::fs::rename(&self.path, &target))
+            .map_err(|error| self.unwritten(&error))
     }
 
     /// Lets the file end with this run: its parts belong to a result that was refused.

@@ -1,6 +1,7 @@
 //! Arguments of `estimate`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::builder::UnknownArgumentValueParser;
 use clap::{Args, FromArgMatches as _};
@@ -10,6 +11,8 @@ use crate::commands::args::values::{Bins, positive};
 use crate::scene::vary::Vary;
 use crate::solve::grid::Wavelengths;
 use crate::solve::scatter::Coherence;
+use crate::solve::share::Share;
+use crate::support::error::Error;
 
 /// Arguments of `estimate`.
 #[derive(Debug, Args)]
@@ -36,6 +39,9 @@ pub struct EstimateArgs {
     /// How a cell of tilted facets is sampled
     #[command(flatten)]
     pub cell: CellSampling,
+    /// Shares of the work
+    #[command(flatten)]
+    pub farm: Farm,
     /// From spectrum to colour
     #[command(flatten)]
     pub colouring: Colouring,
@@ -51,6 +57,59 @@ impl EstimateArgs {
         let command = Self::augment_args(clap::Command::new("estimate").no_binary_name(true));
         let matches = command.get_matches_from(["scene", "--output", "table.exr"]);
         Self::from_arg_matches(&matches).expect("the command line accepts its own defaults")
+    }
+}
+
+/// Options of `estimate` for work that is spread over machines.
+#[derive(Debug, Clone, Args)]
+pub struct Farm {
+    /// Cells: compute part I of N, every Nth of the incident directions, and write it to the output; `merge` joins the
+    /// parts. array: the part that SLURM_ARRAY_TASK_ID, _MIN and _COUNT name
+    #[arg(long, value_name = "I/N|array")]
+    pub part: Option<PartArg>,
+}
+
+/// The values of `--part`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PartArg {
+    /// One share of so many.
+    Share(Share),
+    /// The share that the environment of a task of an array names.
+    Array,
+}
+
+impl FromStr for PartArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "array" { Ok(Self::Array) } else { text.parse().map(Self::Share) }
+    }
+}
+
+impl Farm {
+    /// The share to compute, if one is asked for.
+    ///
+    /// # Errors
+    /// `array` without the variables of an array.
+    pub fn share(&self) -> Result<Option<Share>, Error> {
+        match self.part {
+            None => Ok(None),
+            Some(PartArg::Share(share)) => Ok(Some(share)),
+            Some(PartArg::Array) => {
+                let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u32>().ok());
+                let [id, first, of] =
+                    ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_COUNT"].map(number);
+                let share = id.zip(first).zip(of).and_then(|((id, first), of)| {
+                    format!("{}/{of}", id.checked_sub(first)?.checked_add(1)?).parse().ok()
+                });
+                share.map(Some).ok_or_else(|| {
+                    Error::usage(
+                        "--part array: SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_MIN and SLURM_ARRAY_TASK_COUNT do not name a part; \
+                         submit an array such as --array=1-8, or name the part as I/N",
+                    )
+                })
+            }
+        }
     }
 }
 

@@ -5,6 +5,7 @@ mod shared;
 mod spectrum;
 mod colour;
 mod estimate;
+mod merge;
 mod scatter;
 mod orders;
 mod compare;
@@ -27,6 +28,7 @@ pub use estimate::{CellSampling, EstimateArgs};
 pub use export::{ExportArgs, ExportKind, Origin};
 pub use figures::FiguresArgs;
 pub use lookup::LookupArgs;
+pub use merge::MergeArgs;
 pub use orders::OrdersArgs;
 pub use plot::{OrderArg, PlotArgs, PlotKind};
 pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
@@ -75,6 +77,8 @@ pub enum Command {
     Colour(ColourArgs),
     /// Compute the BRDF table of a scene, spectral and RGB, as multi-channel EXR
     Estimate(EstimateArgs),
+    /// Join the parts of a table that `estimate --part` wrote
+    Merge(MergeArgs),
     /// Compute where a cell of polygons scatters light from one direction, as JSON
     Scatter(ScatterArgs),
     /// Compute diffraction orders of a cell of polygons, by waves or by rays, as CSV
@@ -110,6 +114,7 @@ impl Command {
             | Self::Compare(_) => true,
             Self::Presets { .. }
             | Self::Sampling(_)
+            | Self::Merge(_)
             | Self::Lookup(_)
             | Self::Plot(_)
             | Self::Render(_)

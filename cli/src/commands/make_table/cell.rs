@@ -7,8 +7,9 @@ use goniochrome::colour::Quadrature;
 use crate::colour::visible_weights;
 use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
+use crate::commands::make_table::Made;
 use crate::commands::make_table::metadata::scatter_metadata;
-use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
+use crate::commands::make_table::shared::{made_share, scatter_layout, sides, ticking};
 use crate::commands::notes::{note_on_front, note_on_scene};
 use crate::scene::Scene;
 use crate::solve::cell_table::{TableRequest, default_rays, default_sides, estimate};
@@ -20,7 +21,6 @@ use crate::solve::scatter::{Coherence, Tracing};
 use crate::solve::spectra::Method;
 use crate::support::error::{Error, Result};
 use crate::support::progress::{bar, note};
-use crate::table::Table;
 
 /// Traces the table of a cell; also returns its summary, and its checkpoint if it has an output.
 pub(super) fn scatter_table(
@@ -28,7 +28,7 @@ pub(super) fn scatter_table(
     scene: &Scene,
     coherence: Coherence,
     output: Option<&Path>,
-) -> Result<(Table, String, Option<Checkpoint>)> {
+) -> Result<Made> {
     let refuse =
         |option: &str, why: &str| Error::usage(format_args!("{option}: {} has tilted facets; {why}", scene.name));
     if args.angles.is_some() {
@@ -62,7 +62,9 @@ pub(super) fn scatter_table(
     let space = args.colouring.space.into();
     let (target_error, reciprocal) = (cell.target_error, cell.reciprocal);
     let (incident, half_vectors) = (layout.incident_sides(), layout.square_sides());
-    let request = TableRequest { incident, half_vectors, tracing, target_error, weights: &weights, space, reciprocal };
+    let share = args.farm.share()?;
+    let weights = &weights;
+    let request = TableRequest { incident, half_vectors, tracing, target_error, weights, space, share, reciprocal };
     note_on_scene(scene, wavelength_nm, args.computing.running.quiet);
     note_on_front(scene, args.computing.running.quiet);
     let checkpoint = match output {
@@ -72,10 +74,14 @@ pub(super) fn scatter_table(
     let quiet = args.computing.running.quiet;
     // Light along the normal is traced once.
     let directions = layout.incident_count() + 1 - layout.incident_sides()[1] as usize;
+    let directions = share.map_or(directions, |share| directions.div_ceil(share.of as usize));
     let progress = bar(&scene.name, directions, quiet);
     let finished = ticking(&progress, checkpoint.as_ref(), quiet);
     let mut table = estimate(&mesh_scene, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
+    if share.is_some() {
+        return made_share(checkpoint, request.identity(scene, wavelength_nm));
+    }
     if let Err(error) = table.check() {
         checkpoint.map_or(Ok(()), Checkpoint::remove)?;
         return Err(error);
@@ -96,5 +102,5 @@ pub(super) fn scatter_table(
         table.worst_error(),
         imbalance.abs(),
     );
-    Ok((table.into(), summary, checkpoint))
+    Ok(Made::Table(table.into(), summary, checkpoint))
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use crate::commands::args::{Bins, EstimateArgs};
 use crate::scene::{Periods, Scene, Shape};
-use crate::solve::checkpoint::Checkpoint;
+use crate::solve::checkpoint::{Checkpoint, Identity};
 use crate::solve::grid::Wavelengths;
 use crate::solve::scatter::Coherence;
 use crate::support::error::Result;
@@ -26,20 +26,23 @@ const ERROR_IN_MEMORY: f64 = 5e-3;
 /// Numbers of directions of the light, β × α, of a table of orders that is only drawn.
 const NODES_IN_MEMORY: [u32; 2] = [5, 13];
 
-/// Makes the table of a scene; also returns its summary, and the checkpoint with its finished parts if it has an
-/// output.
-pub(super) fn make_table(
-    args: &EstimateArgs,
-    scene: &Scene,
-    output: Option<&Path>,
-) -> Result<(Table, String, Option<Checkpoint>)> {
+/// What the options ask for.
+pub(super) enum Made {
+    /// A table, its summary, and the checkpoint with its finished parts if it has an output.
+    Table(Table, String, Option<Checkpoint>),
+    /// A share of the parts of a table, in a checkpoint with this identity.
+    Share(Checkpoint, Identity),
+}
+
+/// Makes the table of a scene, or a share of it.
+pub(super) fn make_table(args: &EstimateArgs, scene: &Scene, output: Option<&Path>) -> Result<Made> {
     match &scene.shape {
         Shape::Mesh(_) => match coherence(args, scene) {
             Coherence::Cell => waves::wave_table(args, scene, output),
             coherence => cell::scatter_table(args, scene, coherence, output),
         },
         Shape::Stack { .. } | Shape::Planes(_) => {
-            planar::mirror_table(args, scene).map(|(table, summary)| (table, summary, None))
+            planar::mirror_table(args, scene).map(|(table, summary)| Made::Table(table, summary, None))
         }
     }
 }
@@ -67,5 +70,8 @@ pub(super) fn make_table_in_memory(scene: &Scene, quiet: bool) -> Result<(Table,
             _ => args.cell.rays = Some(RAYS_IN_MEMORY),
         }
     }
-    make_table(&args, scene, None).map(|(table, summary, _)| (table, summary))
+    match make_table(&args, scene, None)? {
+        Made::Table(table, summary, _) => Ok((table, summary)),
+        Made::Share(..) => unreachable!("no share is asked for"),
+    }
 }

@@ -26,6 +26,12 @@ const LARGE_BYTES: usize = 1_000_000;
 /// Computes the table of a planar scene; also returns its summary.
 pub(super) fn mirror_table(args: &EstimateArgs, scene: &Scene) -> Result<(Table, String)> {
     let cell = &args.cell;
+    if args.farm.share()?.is_some() {
+        return Err(Error::usage(format_args!(
+            "--part: {} is planar, and its table takes seconds; leave it out",
+            scene.name
+        )));
+    }
     for (given, name) in [
         (cell.incident.is_some(), "incident"),
         (cell.half_vectors.is_some(), "half-vectors"),

@@ -7,8 +7,9 @@ use goniochrome::table::ScatterLayout;
 use indicatif::ProgressBar;
 
 use crate::commands::args::EstimateArgs;
+use crate::commands::make_table::Made;
 use crate::solve::cell_table::Sides;
-use crate::solve::checkpoint::Checkpoint;
+use crate::solve::checkpoint::{Checkpoint, Identity};
 use crate::support::error::{Error, Result};
 use crate::support::progress::note;
 
@@ -45,4 +46,10 @@ pub(super) fn ticking<'p>(
         told.call_once(|| message.iter().for_each(|message| progress.suspend(|| note(quiet, message))));
         progress.inc(1);
     }
+}
+
+/// A finished share, which is kept in its checkpoint.
+pub(super) fn made_share(checkpoint: Option<Checkpoint>, identity: Identity) -> Result<Made> {
+    let refused = || Error::usage("--part: a part is a file, which no device or pipe holds; name one by --output");
+    checkpoint.map(|checkpoint| Made::Share(checkpoint, identity)).ok_or_else(refused)
 }

@@ -8,8 +8,9 @@ use goniochrome::table::OrderLayout;
 use crate::colour::visible_weights;
 use crate::commands::args::{Bins, EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
+use crate::commands::make_table::Made;
 use crate::commands::make_table::metadata::wave_metadata;
-use crate::commands::make_table::shared::{scatter_layout, sides, ticking};
+use crate::commands::make_table::shared::{made_share, scatter_layout, sides, ticking};
 use crate::commands::notes::note_on_scene;
 use crate::scene::{Periods, Scene};
 use crate::solve::cell_table::Sides;
@@ -32,11 +33,7 @@ const NODES_CROSSED: [u32; 2] = [7, 7];
 const MAX_ALBEDO: f64 = 1.02;
 
 /// Computes the table of a periodic cell; also returns its summary, and its checkpoint if it has an output.
-pub(super) fn wave_table(
-    args: &EstimateArgs,
-    scene: &Scene,
-    output: Option<&Path>,
-) -> Result<(Table, String, Option<Checkpoint>)> {
+pub(super) fn wave_table(args: &EstimateArgs, scene: &Scene, output: Option<&Path>) -> Result<Made> {
     let periods = scene.periods.unwrap_or(Periods::Coherent);
     refuse_options(args, scene, periods)?;
     let quiet = args.computing.running.quiet;
@@ -70,16 +67,22 @@ pub(super) fn wave_table(
         }
     };
     note_on_scene(scene, wavelength_nm, quiet);
-    let request = OrderTableRequest { layout, accuracy, threads: args.computing.running.threads() };
+    let share = args.farm.share()?;
+    let request = OrderTableRequest { layout, accuracy, threads: args.computing.running.threads(), share };
     let checkpoint = match output {
         Some(output) => Checkpoint::open(output, &request.identity(scene, wavelength_nm), args.cell.restart)?,
         None => None,
     };
-    let progress = bar(&scene.name, steps(&layout, wavelength_nm.len()), quiet);
+    let columns = steps(&layout, wavelength_nm.len());
+    let columns = share.map_or(columns, |share| columns.div_ceil(share.of as usize));
+    let progress = bar(&scene.name, columns, quiet);
     let finished = ticking(&progress, checkpoint.as_ref(), quiet);
     let WaveTable { mut table, met, decompositions, layers } =
         solve(&cell, wavelength_nm, &request, checkpoint.as_ref(), &finished)?;
     progress.finish_and_clear();
+    if share.is_some() {
+        return made_share(checkpoint, request.identity(scene, wavelength_nm));
+    }
     let error = table.worst_error();
     let mut warnings = Vec::new();
     if !met {
@@ -119,7 +122,7 @@ pub(super) fn wave_table(
             (table.into(), summary)
         }
     };
-    Ok((table, summary, checkpoint))
+    Ok(Made::Table(table, summary, checkpoint))
 }
 
 /// Refuses options that waves do not have.

@@ -65,7 +65,7 @@ pub fn estimate(
         traced::<V>(mesh_scene, wavelength_nm, request, checkpoint, progress)
     })?;
     share_normal_incidence(&mut table);
-    if request.reciprocal {
+    if request.reciprocal && request.share.is_none() {
         reciprocal(&mut table)?;
     }
     table.values.iter_mut().chain(&mut table.luminance_error).for_each(|value| *value = rounded(*value));
@@ -141,6 +141,7 @@ fn traced<V: Lanes>(
         rows.into_iter()
             .enumerate()
             .filter(|(incident, _)| !(1..layout.incident_sides()[1] as usize).contains(incident))
+            .filter(|(incident, _)| request.share.is_none_or(|share| share.takes(*incident)))
             .filter_map(|(incident, row)| Some((incident, row?))),
         || TableWorker {
             cell,

@@ -5,6 +5,7 @@ use goniochrome::colour::RgbSpace;
 use crate::scene::Scene;
 use crate::solve::checkpoint::Identity;
 use crate::solve::scatter::Tracing;
+use crate::solve::share::Share;
 
 /// A request for the table of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +23,8 @@ pub struct TableRequest<'r> {
     pub weights: &'r [[f64; 3]],
     /// The space of RGB.
     pub space: RgbSpace,
+    /// The share of the incident directions to compute; all others are then left out of the table.
+    pub share: Option<Share>,
     /// Whether s(wi, wo) and s(wo, wi) are averaged: see [`reciprocal`](crate::solve::cell_table::reciprocal).
     pub reciprocal: bool,
 }

@@ -8,6 +8,7 @@ use goniochrome::table::OrderLayout;
 
 use crate::scene::Scene;
 use crate::solve::checkpoint::{Checkpoint, Identity};
+use crate::solve::share::Share;
 use crate::solve::waves::cell::{Accuracy, WaveCell};
 use crate::solve::waves::powers::OrderPower;
 use crate::support::error::Result;
@@ -25,6 +26,8 @@ pub struct OrderTableRequest {
     pub accuracy: Accuracy,
     /// Worker threads; the result does not depend on it.
     pub threads: usize,
+    /// The share of the columns of directions, one for each α and wavelength, to compute; all others are then left out.
+    pub share: Option<Share>,
 }
 
 impl OrderTableRequest {
@@ -111,7 +114,9 @@ pub fn wave_table(
     let mirrors = cell.mirrors()?;
     let mirrored = |part: usize| mirrors[0] && part % columns >= columns.div_ceil(2);
     let images = images(cell, &orders, [true, false]);
-    let missing = rows.iter_mut().enumerate().filter(|(part, row)| row.is_none() && !mirrored(*part));
+    let computed = rows.iter_mut().enumerate().filter(|(part, _)| !mirrored(*part)).enumerate();
+    let shared = computed.filter(|(place, _)| request.share.is_none_or(|share| share.takes(*place)));
+    let missing = shared.map(|(_, entry)| entry).filter(|(_, row)| row.is_none());
     parallel::for_each(
         request.threads,
         missing,
@@ -292,7 +297,7 @@ mod tests {
             parse("lines", &toml).unwrap()
         };
         let layout = OrderLayout::new([3, 3], Periodicity::X, [400.0; 2]).unwrap();
-        let request = OrderTableRequest { layout, accuracy: Accuracy::TABLE, threads: 1 };
+        let request = OrderTableRequest { layout, accuracy: Accuracy::TABLE, threads: 1, share: None };
         let identity = |front: &str| request.identity(&scene(front), &[550.0]);
         assert_eq!(identity(""), identity("# a comment"));
         assert_ne!(identity(""), identity("front = \"air\""));
