@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::slice;
 
+use goniochrome::microfacet::Finish;
 use goniochrome::table::blob::Precision;
 
 use crate::commands::args::{ExportArgs, ExportKind, Origin, finish_choice, spelled};
@@ -12,7 +13,7 @@ use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
 use crate::export::order_lut::{self, OrderLut};
 use crate::export::{LobeWidth, ShaderLanguage, bsdf, merl, png};
-use crate::scene::{Scene, load, parse};
+use crate::scene::{OwnedFinish, Scene, load, parse};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
@@ -172,7 +173,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
             Table::Mirror(table) => {
                 let named = |error| named(args, error);
                 let mut lut = Lut::of_table(&table, width).map_err(named)?;
-                lut.finish = finish.of(&table.metadata).map_err(named)?;
+                lut.finish = analytic(finish.of(&table.metadata)).map_err(named)?;
                 if table.is_transparent() {
                     let output = args.output.display();
                     note(args.quiet, format_args!("{output}: a lut holds the reflectance, and not what goes through"));
@@ -200,7 +201,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     } else {
         let scene = load(&args.source)?;
         output::check_destination(&args.output, &scene.files)?;
-        let finish = finish.instead_of(scene.finish).map_err(|error| named(args, error))?;
+        let finish = analytic(finish.instead_of(scene.finish.clone())).map_err(|error| named(args, error))?;
         let mut lut = Lut::of_scene(&scene, width, args.vary)?;
         lut.finish = finish;
         lut
@@ -241,13 +242,18 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
+/// A finish for a format that holds GGX and Beckmann facets.
+fn analytic(finish: Result<Option<OwnedFinish>>) -> Result<Option<Finish<'static>>> {
+    finish?.map(|finish| finish.analytic()).transpose()
+}
+
 /// Writes a glTF material and notes how well it fits.
 fn gltf(args: &ExportArgs) -> Result<()> {
     let path = Path::new(&args.source);
     let mut scene = if is_table(path) { scene_of_table(path)? } else { load(&args.source)? };
     output::check_destination(&args.output, &scene.files)?;
     let finish = finish_choice(args.roughness, args.distribution);
-    scene.finish = finish.instead_of(scene.finish).map_err(|error| named(args, error))?;
+    scene.finish = finish.instead_of(scene.finish.take()).map_err(|error| named(args, error))?;
     let fitted = Fitted::new(&scene)?;
     output::write_text(&args.output, &fitted.json())?;
     for line in fitted.report() {

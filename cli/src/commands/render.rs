@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use goniochrome::microfacet::Finish;
-
 use crate::commands::args::{RenderArgs, finish_choice};
 use crate::commands::film_option::{is_sheet, map_file, thickness};
 use crate::commands::spread_option::spread;
@@ -21,6 +19,7 @@ use crate::render::spread::spread_environment;
 use crate::render::surface::{MirrorChoice, Surface};
 use crate::render::tone::ToneMap;
 use crate::render::{Progress, Quality, Sampling, Stage, render};
+use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
@@ -134,7 +133,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 }
 
 /// The finish of a table's surface: by the options, else the table's own.
-fn finish(args: &RenderArgs, table: &Table) -> Result<Option<Finish>> {
+fn finish(args: &RenderArgs, table: &Table) -> Result<Option<OwnedFinish>> {
     let choice = finish_choice(args.roughness, args.distribution);
     match table {
         Table::Mirror(table) => choice.of(&table.metadata),

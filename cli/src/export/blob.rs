@@ -43,7 +43,7 @@ pub fn encode(table: &Table, finish: FinishChoice, precision: Precision) -> Resu
 /// The blob of a mirror-like table: of the kind `film` if it has more than a reflectance for each angle.
 fn of_mirror(mirror: &MirrorTable, finish: FinishChoice, precision: Precision) -> Result<Vec<u8>> {
     let largest = largest_angle(mirror)?;
-    let finish = finish.of(&mirror.metadata)?;
+    let finish = finish.of(&mirror.metadata)?.map(|finish| finish.analytic()).transpose()?;
     let (reflectance, space) = (mirror.colours()?.as_flattened(), mirror.metadata.named_space());
     if finish.is_none() && mirror.thickness.is_none() && !mirror.is_transparent() {
         let table = Mirror::new(reflectance, 3, largest).map_err(Error::failed)?;
@@ -94,6 +94,7 @@ mod tests {
     use goniochrome::table::match_factor;
 
     use super::*;
+    use crate::scene::OwnedFinish;
     use crate::table::finish::keep;
     use crate::table::metadata::MetadataKey;
     use crate::table::mirror::ThicknessAxis;
@@ -144,7 +145,7 @@ mod tests {
             ..MirrorTable::default()
         };
         let own = Finish::new(Distribution::Beckmann, Masking::Separable, [0.1, 0.4]).unwrap();
-        keep(&own, &mut table.metadata);
+        keep(&OwnedFinish::Analytic(own), &mut table.metadata);
         let other = FinishChoice { roughness: Some([0.5, 0.5]), distribution: None };
         let mirror = FinishChoice { roughness: Some([0.0, 0.0]), distribution: None };
         for (choice, roughness) in
@@ -152,7 +153,7 @@ mod tests {
         {
             let bytes = encode(&table.clone().into(), choice, Precision::Single).unwrap();
             let Contents::Film(film) = Blob::read(&bytes).unwrap().contents else { panic!("a film table") };
-            assert_eq!(film.finish().map(|finish| finish.alpha()), roughness);
+            assert_eq!(film.finish().and_then(|finish| finish.alpha()), roughness);
             assert!(film.finish().is_none_or(|finish| finish.masking() == Masking::Separable));
             assert_eq!((film.range_nm(), film.angles()), ([100.0, 300.0], 3));
             for (t, nm) in [100.0, 300.0].into_iter().enumerate() {

@@ -43,7 +43,7 @@ pub struct Lut {
     /// Thickness of the varied layer in the first and the last row, in nm.
     pub rows_nm: Option<[f64; 2]>,
     /// The finish of the surface, which the shader functions hold.
-    pub finish: Option<Finish>,
+    pub finish: Option<Finish<'static>>,
 }
 
 /// The angle θ of each column, in degrees.
@@ -126,13 +126,18 @@ impl Lut {
             about.insert("first_row_thickness_nm", first.to_string());
             about.insert("last_row_thickness_nm", last.to_string());
         }
-        if let Some(finish) = &self.finish {
-            let [x, y] = finish.alpha();
+        if let Some((finish, distribution, [x, y])) = self.facets() {
             about.insert("finish_roughness", format!("{x} {y}"));
-            about.insert("finish_distribution", name_of(&DISTRIBUTIONS, finish.distribution()).into());
+            about.insert("finish_distribution", name_of(&DISTRIBUTIONS, distribution).into());
             about.insert("finish_masking", name_of(&MASKINGS, finish.masking()).into());
         }
         about.into_iter().map(|(key, value)| (format!("{PREFIX}{key}"), value)).collect()
+    }
+
+    /// The finish, its distribution and its roughness.
+    fn facets(&self) -> Option<(&Finish<'static>, Distribution, [f32; 2])> {
+        let finish = self.finish.as_ref()?;
+        Some((finish, finish.distribution()?, finish.alpha()?))
     }
 
     /// The bytes of an OpenEXR file of half floats.
@@ -162,8 +167,7 @@ impl Lut {
                 (include_str!("../../data/shaders/lut.wgsl"), include_str!("../../data/shaders/finish.wgsl"))
             }
         };
-        let Some(finish) = &self.finish else { return look_up.into() };
-        let [x, y] = finish.alpha();
+        let Some((finish, distribution, [x, y])) = self.facets() else { return look_up.into() };
         let constant = |kind: [&str; 3], name: &str, value: String| {
             let [glsl, hlsl, wgsl] = kind;
             match language {
@@ -173,8 +177,7 @@ impl Lut {
             }
         };
         let pair = ["vec2", "float2", "vec2<f32>"];
-        let [beckmann, separable] =
-            [finish.distribution() == Distribution::Beckmann, finish.masking() == Masking::Separable];
+        let [beckmann, separable] = [distribution == Distribution::Beckmann, finish.masking() == Masking::Separable];
         let of_pair = pair[language as usize];
         let constants = [
             constant(pair, "ROUGHNESS", format!("{of_pair}({x:?}, {y:?})")),

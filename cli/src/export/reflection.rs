@@ -1,11 +1,11 @@
 //! The BRDF f(wi, wo) of any kind of table, in each of its channels.
 
 use glam::{DVec3, Vec3};
-use goniochrome::microfacet::Finish;
 use goniochrome::table::ScatterTable as Lookup;
 
 use super::gaussian::Gaussian;
 use super::order_lobes::{LobesAt, OrderLobes};
+use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
 use crate::table::finish::FinishChoice;
@@ -29,7 +29,7 @@ pub enum ReflectionKind {
     /// The reflectance of a mirror-like table, spread by a lobe.
     Lobe {
         /// The facets that make the lobe.
-        finish: Finish,
+        finish: OwnedFinish,
         /// The table's angles in radians.
         theta: Vec<f64>,
     },
@@ -153,12 +153,12 @@ impl Reflection {
     /// A mirror-like table whose finish has two roughnesses.
     pub fn check_isotropic(&self) -> Result<()> {
         match &self.kind {
-            ReflectionKind::Lobe { finish, .. } if !finish.is_isotropic() => {
-                let [x, y] = finish.alpha();
-                Err(Error::usage(format_args!(
-                    "a finish of roughness {x} along x and {y} along y: this format takes one roughness; give it, as \
-                     --roughness {x}"
-                )))
+            ReflectionKind::Lobe { finish, .. } if !finish.finish().is_isotropic() => {
+                let what = match finish.finish().alpha() {
+                    Some([x, y]) => format!("a finish of roughness {x} along x and {y} along y"),
+                    None => "a finish of tabulated facets that depend on the azimuth".to_owned(),
+                };
+                Err(Error::usage(format_args!("{what}: this format takes one roughness; give it, as --roughness 0.1")))
             }
             _ => Ok(()),
         }
@@ -231,7 +231,7 @@ impl<'r> Evaluator<'r> {
             out.iter_mut().zip(&self.values).for_each(|(out, value)| *out = f64::from(*value));
             self.add_facets(wi, wo, 1.0 / wo.z, out);
         } else if let ReflectionKind::Lobe { finish, .. } = &self.reflection.kind {
-            let lobe = finish.lobe(wi.as_vec3(), wo.as_vec3()).map_or(0.0, |lobe| f64::from(lobe.value));
+            let lobe = finish.finish().lobe(wi.as_vec3(), wo.as_vec3()).map_or(0.0, |lobe| f64::from(lobe.value));
             self.reflection.reflectance(wi.dot((wi + wo).normalize()), out);
             out.iter_mut().for_each(|value| *value *= lobe);
         }

@@ -20,7 +20,7 @@ pub(super) enum Glossy<'a> {
 /// A mirror-like table on rough facets.
 #[derive(Debug)]
 pub(super) struct FinishedMirror<'a> {
-    pub finish: Finish,
+    pub finish: Finish<'a>,
     /// ρ(θ_d).
     pub mirror: &'a MirrorLike,
 }

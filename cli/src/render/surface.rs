@@ -1,13 +1,12 @@
 //! A table prepared for shading.
 
-use goniochrome::microfacet::Finish;
-
 use super::channels::Channels;
 use super::glossy::{FinishedMirror, Glossy};
 use super::mirror_like::MirrorLike;
 use super::orders::{OrderShading, OrderSurface};
 use super::thickness::ThicknessMap;
 use super::viewed::SampledTable;
+use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
 use crate::table::mirror::MirrorTable;
@@ -23,7 +22,7 @@ pub struct Surface {
 #[derive(Clone, Debug)]
 enum Reflectance {
     /// ρ(θ) of the surface or, with a finish, of its facets.
-    Mirror(MirrorLike, Option<Finish>),
+    Mirror(MirrorLike, Option<OwnedFinish>),
     /// s and lobes.
     Scatter(ScatterLookup),
     /// Diffraction orders.
@@ -41,7 +40,7 @@ pub(super) enum Prepared<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct MirrorChoice {
     /// The finish of the surface; without one it is smooth.
-    pub finish: Option<Finish>,
+    pub finish: Option<OwnedFinish>,
     /// Whether light goes straight through the surface, in a table that holds transmitted light.
     pub is_sheet: bool,
     /// Where the film is how thick, for a table over a thickness.
@@ -110,7 +109,8 @@ impl Surface {
     pub(super) fn prepare(&self) -> Result<Prepared<'_>> {
         match &self.reflectance {
             Reflectance::Mirror(mirror, None) => Ok(Prepared::Mirror(mirror)),
-            &Reflectance::Mirror(ref mirror, Some(finish)) => {
+            Reflectance::Mirror(mirror, Some(finish)) => {
+                let finish = finish.finish();
                 Ok(Prepared::Glossy(Glossy::Finish(FinishedMirror { finish, mirror })))
             }
             Reflectance::Scatter(lookup) => {

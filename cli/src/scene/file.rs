@@ -141,7 +141,10 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
         (Some(_), Some(cell)) => return Err(cell.refuse("a scene has either [stack] or [cell]; remove one")),
         (None, None) => return Err(root.refuse("neither [stack] nor [cell]; add one")),
     };
-    let finish = root.get("finish").map(|item| finish::finish(&item.table("[finish]")?)).transpose()?;
+    let finish = match root.get("finish") {
+        None => None,
+        Some(item) => Some(finish::finish(&item.table("[finish]")?, label, &mut |item| reader.path(item))?),
+    };
     let SceneReader { media, files, .. } = reader;
     let media = media.finish();
     let (shape, CellExtras { periods, front, notes }) = match described {
@@ -337,12 +340,12 @@ impl SceneReader<'_> {
         let frame = MeshFrame::read(table)?;
         let Generated { mut mesh, period_nm, notes } = match facets {
             Facets::Mesh(item) => {
-                let mesh = Mesh::read(&self.path(&item)?, &names, frame)?;
+                let mesh = Mesh::read(&self.path(&item)?, Some(&names), frame)?;
                 Generated { mesh, period_nm, notes: Vec::new() }
             }
             Facets::Surface(item) => {
                 let label = self.label;
-                surface::build(&item, label, period_nm, &names, &mut |item| self.path(item))?
+                surface::build(&item, label, period_nm, Some(&names), &mut |item| self.path(item))?
             }
         };
         mesh.drop_unused();

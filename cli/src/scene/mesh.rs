@@ -42,8 +42,8 @@ pub struct Triangle {
 }
 
 impl Mesh {
-    /// Reads the mesh in a file; `interfaces` are the names that `usemtl` may use.
-    pub(super) fn read(path: &Path, interfaces: &[&str], frame: MeshFrame) -> Result<Self> {
+    /// Reads the mesh in a file; `interfaces` are the names that `usemtl` may use. Without them all names are ignored.
+    pub(super) fn read(path: &Path, interfaces: Option<&[&str]>, frame: MeshFrame) -> Result<Self> {
         let text = read_file(path, "")?;
         let mesh = parse(&path.display().to_string(), &text, interfaces, frame, MAX_TRIANGLES)?;
         drop(text);
@@ -69,13 +69,13 @@ impl Mesh {
 
     /// Reads the mesh in a text that messages call `label`.
     pub(super) fn parse(label: &str, text: &str, interfaces: &[&str]) -> Result<Self> {
-        parse(label, text, interfaces, MeshFrame::default(), MAX_TRIANGLES)
+        parse(label, text, Some(interfaces), MeshFrame::default(), MAX_TRIANGLES)
     }
 }
 
-fn parse(label: &str, text: &str, interfaces: &[&str], frame: MeshFrame, max_triangles: usize) -> Result<Mesh> {
+fn parse(label: &str, text: &str, interfaces: Option<&[&str]>, frame: MeshFrame, max_triangles: usize) -> Result<Mesh> {
     let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: PathBuf::from(label) };
-    let mut interface = None;
+    let mut interface = interfaces.is_none().then_some(0);
     let mut face = Face::default();
     let mut reader = Reader::new(label, text, Detail::Places);
     while let Some(statement) = reader.next()? {
@@ -88,6 +88,7 @@ fn parse(label: &str, text: &str, interfaces: &[&str], frame: MeshFrame, max_tri
                 memory::push(&mut mesh.vertices, place, "the vertices of a mesh")?;
             }
             Statement::Material(name) => {
+                let Some(interfaces) = interfaces else { continue };
                 let found = interfaces.iter().position(|known| *known == name);
                 let found = found.and_then(|index| u16::try_from(index).ok());
                 let name = name.into_owned();
@@ -169,7 +170,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Mesh> {
-        parse("m.obj", text, &["top", "two words"], MeshFrame::default(), 3)
+        parse("m.obj", text, Some(&["top", "two words"]), MeshFrame::default(), 3)
     }
 
     fn refusal(text: &str) -> String {

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use goniochrome::microfacet::Finish;
 use goniochrome::optics::interface::Below;
 use goniochrome::optics::medium::{MediumError, MediumIndex};
 
+use super::finish::OwnedFinish;
 use super::mesh::Mesh;
 use super::parts::{Layer, NamedInterface, NamedMedium};
 use super::planes::FlatCell;
@@ -24,7 +24,7 @@ pub struct Scene {
     /// Geometry: a stack of layers, or a cell.
     pub shape: Shape,
     /// Roughness of a planar scene, if it is no mirror.
-    pub finish: Option<Finish>,
+    pub finish: Option<OwnedFinish>,
     /// Coherence between the periods of a cell, if the scene names it.
     pub periods: Option<Periods>,
     /// Medium in front of a thick plate, if the cell's uppermost medium is one: light arrives in it, through the

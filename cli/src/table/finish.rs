@@ -1,8 +1,8 @@
 //! The finish of a mirror-like table: its roughness, in the table's metadata or by the user's choice.
 
-use goniochrome::microfacet::{Distribution, Finish, Masking};
+use goniochrome::microfacet::{Distribution, Finish, MAX_RINGS, Masking};
 
-use crate::scene::{DISTRIBUTIONS, MASKINGS, named};
+use crate::scene::{DISTRIBUTIONS, MASKINGS, OwnedFacets, OwnedFinish, named};
 use crate::support::error::{Error, Result};
 use crate::table::metadata::{Metadata, MetadataKey};
 
@@ -15,7 +15,7 @@ pub(crate) fn name_of<T: Copy + PartialEq>(names: &[(&'static str, T)], value: T
 ///
 /// # Errors
 /// A roughness that is not from 0.001 to 1.
-pub fn finish(distribution: Distribution, masking: Masking, roughness: [f64; 2]) -> Result<Finish> {
+pub fn finish(distribution: Distribution, masking: Masking, roughness: [f64; 2]) -> Result<Finish<'static>> {
     Finish::new(distribution, masking, roughness.map(|alpha| alpha as f32)).map_err(|error| {
         let [x, y] = roughness;
         Error::usage(format_args!("a finish of roughness {x} and {y}: {error}"))
@@ -23,35 +23,90 @@ pub fn finish(distribution: Distribution, masking: Masking, roughness: [f64; 2])
 }
 
 /// Writes a finish into a table's metadata.
-pub fn keep(finish: &Finish, metadata: &mut Metadata) {
-    let [x, y] = finish.alpha();
-    metadata.insert(MetadataKey::FinishRoughness, format!("{x} {y}"));
-    metadata.insert(MetadataKey::FinishDistribution, name_of(&DISTRIBUTIONS, finish.distribution()));
-    metadata.insert(MetadataKey::FinishMasking, name_of(&MASKINGS, finish.masking()));
+pub fn keep(finish: &OwnedFinish, metadata: &mut Metadata) {
+    let masking = match finish {
+        OwnedFinish::Analytic(finish) => {
+            if let (Some([x, y]), Some(distribution)) = (finish.alpha(), finish.distribution()) {
+                metadata.insert(MetadataKey::FinishRoughness, format!("{x} {y}"));
+                metadata.insert(MetadataKey::FinishDistribution, name_of(&DISTRIBUTIONS, distribution));
+            }
+            finish.masking()
+        }
+        OwnedFinish::Tabulated(facets, masking) => {
+            metadata.insert(MetadataKey::FinishDistribution, TABULATED);
+            metadata.insert(MetadataKey::FinishFacets, written(facets));
+            *masking
+        }
+    };
+    metadata.insert(MetadataKey::FinishMasking, name_of(&MASKINGS, masking));
+}
+
+/// Name of a tabulated distribution.
+const TABULATED: &str = "tabulated";
+
+/// Facets as text: the numbers of rings and of sectors, and D at the nodes with four digits, as far as it is not 0.
+fn written(facets: &OwnedFacets) -> String {
+    let table = facets.table();
+    let [rings, sectors] = table.size();
+    let nodes = table.nodes();
+    let used = nodes.iter().rposition(|d| *d > 0.0).map_or(0, |last| last + 1);
+    let mut text = format!("{rings} {sectors}");
+    for d in &nodes[..used] {
+        let scientific = format!("{d:.3e}");
+        let plain = scientific.parse::<f32>().map_or_else(|_| String::new(), |d| d.to_string());
+        text.push(' ');
+        text.push_str(if plain.len() <= scientific.len() { &plain } else { &scientific });
+    }
+    text
+}
+
+/// Facets from their text; `None` if it is damaged.
+fn read(text: &str) -> Option<OwnedFacets> {
+    let mut words = text.split(' ');
+    let mut size = || words.next()?.parse::<usize>().ok().filter(|size| *size <= MAX_RINGS);
+    let (rings, sectors) = (size()?, size()?);
+    let mut nodes = words.map(|word| word.parse().ok()).collect::<Option<Vec<f32>>>()?;
+    let count = (rings + 1) * sectors;
+    if nodes.len() > count {
+        return None;
+    }
+    nodes.resize(count, 0.0);
+    OwnedFacets::new([rings, sectors], &nodes).ok()
 }
 
 /// Whether a table's metadata hold a finish.
 #[must_use]
 pub fn is_finished(metadata: &Metadata) -> bool {
-    metadata.get(MetadataKey::FinishRoughness).is_some()
+    metadata.get(MetadataKey::FinishDistribution).is_some()
 }
 
 /// The finish that a table's metadata hold.
-fn kept(metadata: &Metadata) -> Result<Option<Finish>> {
-    let Some(text) = metadata.get(MetadataKey::FinishRoughness) else { return Ok(None) };
+fn kept(metadata: &Metadata) -> Result<Option<OwnedFinish>> {
+    let Some(distribution) = metadata.get(MetadataKey::FinishDistribution) else { return Ok(None) };
     let damaged = |key: MetadataKey| {
-        let (key, value) = (key.as_ref(), metadata.get(key).unwrap_or_default());
-        Error::failed(format_args!("the table's {key} is {value:?}, which is no finish; estimate the table anew"))
+        let value = metadata.get(key).unwrap_or_default();
+        // A table of facets has thousands of digits.
+        let shown: String = value.chars().take(SHOWN).collect();
+        let key = key.as_ref();
+        Error::failed(format_args!("the table's {key} is {shown:?}, which is no finish; estimate the table anew"))
     };
-    let numbers: Vec<f32> = text.split(' ').filter_map(|number| number.parse().ok()).collect();
-    let roughness = <[f32; 2]>::try_from(numbers).map_err(|_| damaged(MetadataKey::FinishRoughness))?;
     let value = |key: MetadataKey| metadata.get(key).unwrap_or_default();
-    let distribution = named(&DISTRIBUTIONS, value(MetadataKey::FinishDistribution));
     let masking = named(&MASKINGS, value(MetadataKey::FinishMasking));
-    let distribution = distribution.ok_or_else(|| damaged(MetadataKey::FinishDistribution))?;
     let masking = masking.ok_or_else(|| damaged(MetadataKey::FinishMasking))?;
-    Finish::new(distribution, masking, roughness).map(Some).map_err(|_| damaged(MetadataKey::FinishRoughness))
+    if distribution == TABULATED {
+        let facets = read(value(MetadataKey::FinishFacets)).ok_or_else(|| damaged(MetadataKey::FinishFacets))?;
+        return Ok(Some(OwnedFinish::Tabulated(facets, masking)));
+    }
+    let distribution = named(&DISTRIBUTIONS, distribution).ok_or_else(|| damaged(MetadataKey::FinishDistribution))?;
+    let numbers = value(MetadataKey::FinishRoughness).split(' ').map(|number| number.parse().ok());
+    let roughness = numbers.collect::<Option<Vec<f32>>>().and_then(|numbers| <[f32; 2]>::try_from(numbers).ok());
+    let finish = roughness.and_then(|roughness| Finish::new(distribution, masking, roughness).ok());
+    let finish = finish.ok_or_else(|| damaged(MetadataKey::FinishRoughness))?;
+    Ok(Some(OwnedFinish::Analytic(finish)))
 }
+
+/// Number of characters of damaged metadata that messages show.
+const SHOWN: usize = 40;
 
 /// What a user asks for in place of a table's finish.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,7 +128,7 @@ impl FinishChoice {
     ///
     /// # Errors
     /// Damaged metadata, or a distribution without a roughness.
-    pub fn of(&self, metadata: &Metadata) -> Result<Option<Finish>> {
+    pub fn of(&self, metadata: &Metadata) -> Result<Option<OwnedFinish>> {
         self.instead_of(kept(metadata)?)
     }
 
@@ -81,17 +136,18 @@ impl FinishChoice {
     ///
     /// # Errors
     /// A distribution without a roughness.
-    pub fn instead_of(&self, own: Option<Finish>) -> Result<Option<Finish>> {
-        let distribution = self.distribution.or(own.map(|own| own.distribution())).unwrap_or_default();
-        let masking = own.map_or(Masking::default(), |own| own.masking());
-        let own_roughness = own.map(|own| own.alpha().map(f64::from));
+    pub fn instead_of(&self, own: Option<OwnedFinish>) -> Result<Option<OwnedFinish>> {
+        if !self.is_given() {
+            return Ok(own);
+        }
+        let facets = own.as_ref().map(OwnedFinish::finish);
+        let own_roughness = facets.and_then(|own| own.alpha()).map(|alpha| alpha.map(f64::from));
+        let distribution = self.distribution.or(facets.and_then(|own| own.distribution())).unwrap_or_default();
+        let masking = facets.map_or(Masking::default(), |own| own.masking());
         match self.roughness.or(own_roughness) {
             Some([0.0, 0.0]) => Ok(None),
-            Some(roughness) => finish(distribution, masking, roughness).map(Some),
-            None if self.distribution.is_some() => Err(Error::usage(
-                "--distribution: is that of a rough surface, and the table's is smooth; give --roughness too",
-            )),
-            None => Ok(None),
+            Some(roughness) => finish(distribution, masking, roughness).map(OwnedFinish::Analytic).map(Some),
+            None => Err(Error::usage("--distribution: the table has no roughness for it; give --roughness too")),
         }
     }
 }
@@ -105,16 +161,46 @@ mod tests {
         let mut metadata = Metadata::default();
         let none = FinishChoice::default();
         assert_eq!(none.of(&metadata).unwrap(), None);
-        let own = finish(Distribution::Beckmann, Masking::Separable, [0.1, 0.4]).unwrap();
+        let beckmann =
+            |roughness| OwnedFinish::Analytic(finish(Distribution::Beckmann, Masking::Separable, roughness).unwrap());
+        let own = beckmann([0.1, 0.4]);
         keep(&own, &mut metadata);
         assert_eq!(none.of(&metadata).unwrap(), Some(own));
         let choice = FinishChoice { roughness: Some([0.3, 0.3]), distribution: None };
-        let other = finish(Distribution::Beckmann, Masking::Separable, [0.3, 0.3]).unwrap();
-        assert_eq!(choice.of(&metadata).unwrap(), Some(other));
+        assert_eq!(choice.of(&metadata).unwrap(), Some(beckmann([0.3, 0.3])));
         let mirror = FinishChoice { roughness: Some([0.0, 0.0]), distribution: None };
         assert_eq!(mirror.of(&metadata).unwrap(), None);
         metadata.insert(MetadataKey::FinishRoughness, "0.1 rough");
         let error = none.of(&metadata).unwrap_err().to_string();
         assert!(error.contains("finish_roughness is \"0.1 rough\"") && error.contains("anew"), "{error}");
+    }
+
+    #[test]
+    fn tabulated_facets_come_back_from_metadata() {
+        /// Half a unit of the fourth digit, and rounding of the sum that scales all.
+        const WRITTEN: f32 = 6e-4;
+        let size = [32, 8];
+        let nodes: Vec<f32> = (0..33 * 8)
+            .map(|node| {
+                let (ring, turn) = ((node / 8) as f32 / 32.0, (node % 8) as f32 / 8.0 * std::f32::consts::TAU);
+                (-40.0 * ring.powi(4) * (1.0 + 0.5 * (2.0 * turn).cos())).exp()
+            })
+            .map(|d| if d < 1e-6 { 0.0 } else { d })
+            .collect();
+        let own = OwnedFacets::new(size, &nodes).unwrap();
+        let mut metadata = Metadata::default();
+        keep(&OwnedFinish::Tabulated(own.clone(), Masking::Separable), &mut metadata);
+        assert!(is_finished(&metadata));
+        let Some(OwnedFinish::Tabulated(found, masking)) = kept(&metadata).unwrap() else { panic!("facets") };
+        assert_eq!((found.table().size(), masking), (size, Masking::Separable));
+        for (found, wanted) in found.table().nodes().iter().zip(own.table().nodes()) {
+            assert!((found - wanted).abs() <= WRITTEN * wanted, "{found} {wanted}");
+        }
+        let choice = FinishChoice { roughness: None, distribution: Some(Distribution::Ggx) };
+        assert!(choice.of(&metadata).unwrap_err().to_string().contains("give --roughness too"));
+        for damaged in ["", "4 1 1 2 x", "4 1 1 1 1 1 1 1", "99999 1 1", "4 1", "4 2 1"] {
+            metadata.insert(MetadataKey::FinishFacets, damaged);
+            assert!(kept(&metadata).unwrap_err().to_string().contains("finish_facets"), "{damaged}");
+        }
     }
 }

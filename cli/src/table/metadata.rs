@@ -51,10 +51,12 @@ pub enum MetadataKey {
     Backing,
     /// Roughness α of a finish along x and y.
     FinishRoughness,
-    /// Distribution of the facets of a finish: `ggx` or `beckmann`.
+    /// Distribution of the facets of a finish: `ggx`, `beckmann` or `tabulated`.
     FinishDistribution,
     /// Masking of the facets of a finish: `correlated` or `separable`.
     FinishMasking,
+    /// Tabulated facets of a finish: rings, sectors and densities.
+    FinishFacets,
 }
 
 impl AsRef<str> for MetadataKey {
@@ -83,6 +85,7 @@ impl AsRef<str> for MetadataKey {
             Self::FinishRoughness => "finish_roughness",
             Self::FinishDistribution => "finish_distribution",
             Self::FinishMasking => "finish_masking",
+            Self::FinishFacets => "finish_facets",
         }
     }
 }

@@ -210,7 +210,12 @@ fn film(table: &FilmTable<'_>) {
     table.range_nm().into_iter().for_each(|nm| print("nm", f64::from(nm)));
     print("transparent", f64::from(u8::from(table.is_transparent())));
     print("finish", if table.finish().is_some() { 3.0 } else { 0.0 });
-    table.finish().map_or([0.0; 2], |finish| finish.alpha()).into_iter().for_each(|alpha| print("alpha", alpha.into()));
+    table
+        .finish()
+        .and_then(|finish| finish.alpha())
+        .unwrap_or_default()
+        .into_iter()
+        .for_each(|alpha| print("alpha", alpha.into()));
     for i in 0..64u8 {
         let (x, y, nm) = (f32::from(i % 8) - 3.5, f32::from(i / 8) - 3.5, 10.0 * f32::from(i));
         let (wi, wo) = (Vec3::new(x, y, 2.0).normalize(), Vec3::new(-y, 0.5 * x, 1.0).normalize());

@@ -45,17 +45,19 @@ pub unsafe extern "C" fn gonio_film_describe(table: *const Table, description: *
         let (film, description) = unsafe { (film(table)?, Results::new(description, 1)?) };
         let finish =
             film.finish().map_or(GONIO_FINISH_NONE, |finish| match (finish.distribution(), finish.masking()) {
-                (Distribution::Ggx, Masking::Correlated) => GONIO_FINISH_GGX,
-                (Distribution::Ggx, Masking::Separable) => GONIO_FINISH_GGX_SEPARABLE,
-                (Distribution::Beckmann, Masking::Correlated) => GONIO_FINISH_BECKMANN,
-                (Distribution::Beckmann, Masking::Separable) => GONIO_FINISH_BECKMANN_SEPARABLE,
+                (Some(Distribution::Ggx), Masking::Correlated) => GONIO_FINISH_GGX,
+                (Some(Distribution::Ggx), Masking::Separable) => GONIO_FINISH_GGX_SEPARABLE,
+                (Some(Distribution::Beckmann), Masking::Correlated) => GONIO_FINISH_BECKMANN,
+                (Some(Distribution::Beckmann), Masking::Separable) => GONIO_FINISH_BECKMANN_SEPARABLE,
+                // No blob holds tabulated facets.
+                (None, _) => GONIO_FINISH_NONE,
             });
         description.write([FilmDescription {
             thicknesses: film.thicknesses() as u32,
             range_nm: film.range_nm(),
             transparent: u32::from(film.is_transparent()),
             finish,
-            roughness: film.finish().map_or([0.0; 2], |finish| finish.alpha()),
+            roughness: film.finish().and_then(|finish| finish.alpha()).unwrap_or_default(),
         }]);
         Ok(())
     })

@@ -1,7 +1,9 @@
 //! A distribution of microfacets with Smith's masking.
 
 use super::beckmann;
+use super::error::FinishError;
 use super::roughness::Roughness;
+use super::table::FacetTable;
 use core::f32::consts::TAU;
 use glam::Vec3;
 use libm::{cosf, sinf, sqrtf};
@@ -33,29 +35,19 @@ pub enum Masking {
     Separable,
 }
 
-/// An error for which a finish is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FinishError {
-    /// A roughness is not from [`MIN_ROUGHNESS`](super::MIN_ROUGHNESS) to 1.
-    Roughness,
-}
-
-impl core::fmt::Display for FinishError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Roughness => write!(f, "a roughness must be from {} to 1", super::MIN_ROUGHNESS),
-        }
-    }
-}
-
-impl core::error::Error for FinishError {}
-
 /// Finish of a mirror-like surface: what its microfacets make of one reflection.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Finish {
-    distribution: Distribution,
+pub struct Finish<'a> {
+    facets: Facets<'a>,
     masking: Masking,
-    roughness: Roughness,
+}
+
+/// Distribution of facets, with what it needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Facets<'a> {
+    Ggx(Roughness),
+    Beckmann(Roughness),
+    Tabulated(FacetTable<'a>),
 }
 
 /// A pair of directions on a finished surface.
@@ -69,20 +61,36 @@ pub struct Lobe {
     pub pdf: f32,
 }
 
-impl Finish {
+impl Finish<'static> {
     /// Finish of a roughness α along x and y, each from [`MIN_ROUGHNESS`](super::MIN_ROUGHNESS) to 1.
     ///
     /// # Errors
     /// [`FinishError::Roughness`] for a roughness beyond.
     pub fn new(distribution: Distribution, masking: Masking, alpha: [f32; 2]) -> Result<Self, FinishError> {
         let roughness = Roughness::new(alpha).ok_or(FinishError::Roughness)?;
-        Ok(Self { distribution, masking, roughness })
+        let facets = match distribution {
+            Distribution::Ggx => Facets::Ggx(roughness),
+            Distribution::Beckmann => Facets::Beckmann(roughness),
+        };
+        Ok(Self { facets, masking })
+    }
+}
+
+impl<'a> Finish<'a> {
+    /// Finish of a tabulated distribution of normals.
+    #[must_use]
+    pub fn tabulated(table: FacetTable<'a>, masking: Masking) -> Self {
+        Self { facets: Facets::Tabulated(table), masking }
     }
 
-    /// The distribution.
+    /// The distribution; `None` if it is tabulated.
     #[must_use]
-    pub fn distribution(&self) -> Distribution {
-        self.distribution
+    pub fn distribution(&self) -> Option<Distribution> {
+        match self.facets {
+            Facets::Ggx(_) => Some(Distribution::Ggx),
+            Facets::Beckmann(_) => Some(Distribution::Beckmann),
+            Facets::Tabulated(_) => None,
+        }
     }
 
     /// The masking.
@@ -91,17 +99,25 @@ impl Finish {
         self.masking
     }
 
-    /// Roughness α along x and y.
+    /// Roughness α along x and y; `None` for tabulated facets.
     #[must_use]
-    pub fn alpha(&self) -> [f32; 2] {
-        self.roughness.alpha()
+    pub fn alpha(&self) -> Option<[f32; 2]> {
+        match self.facets {
+            Facets::Ggx(roughness) | Facets::Beckmann(roughness) => Some(roughness.alpha()),
+            Facets::Tabulated(_) => None,
+        }
     }
 
     /// Whether the facets are equally rough in all directions.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
-        let [x, y] = self.alpha();
-        x.to_bits() == y.to_bits()
+        match self.facets {
+            Facets::Ggx(roughness) | Facets::Beckmann(roughness) => {
+                let [x, y] = roughness.alpha();
+                x.to_bits() == y.to_bits()
+            }
+            Facets::Tabulated(table) => table.size()[1] == 1,
+        }
     }
 
     /// Density D of facet normals per solid angle and area of the surface, at a unit vector `m`; 0 below the horizon.
@@ -118,15 +134,18 @@ impl Finish {
         if !above {
             return 0.0;
         }
-        let (stretched, square) = (self.roughness.stretched_slope(m), m.z * m.z);
-        let shape = match self.distribution {
-            Distribution::Ggx => {
-                let over = length_square / (stretched + square);
-                over * over
+        let square = m.z * m.z;
+        match &self.facets {
+            Facets::Ggx(roughness) => {
+                let over = length_square / (roughness.stretched_slope(m) + square);
+                roughness.peak() * over * over
             }
-            Distribution::Beckmann => beckmann::density(stretched, square) * (length_square * length_square),
-        };
-        shape * self.roughness.peak()
+            Facets::Beckmann(roughness) => {
+                let shape = beckmann::density(roughness.stretched_slope(m), square);
+                roughness.peak() * shape * (length_square * length_square)
+            }
+            Facets::Tabulated(table) => table.density_along(m, length_square),
+        }
     }
 
     /// Area of the facets that the direction `w` above the horizon sees, per area of the surface and projected along
@@ -140,14 +159,15 @@ impl Finish {
     /// [`Finish::visible_area`] of two directions.
     #[inline]
     fn visible_areas(&self, w: [Vec3; 2]) -> [f32; 2] {
-        let squares = w.map(|w| self.roughness.projected_square(w));
-        match self.distribution {
-            Distribution::Ggx => core::array::from_fn(|i| 0.5 * (w[i].z + sqrtf(w[i].z * w[i].z + squares[i]))),
-            Distribution::Beckmann => {
+        match &self.facets {
+            Facets::Ggx(roughness) => w.map(|w| 0.5 * (w.z + sqrtf(w.z * w.z + roughness.projected_square(w)))),
+            Facets::Beckmann(roughness) => {
                 let lanes = |of: [f32; 2]| f32x4::new([of[0], of[1], of[0], of[1]]);
+                let squares = w.map(|w| roughness.projected_square(w));
                 let [first, second, ..] = beckmann::visible_areas(lanes(w.map(|w| w.z)), lanes(squares)).to_array();
                 [first, second]
             }
+            Facets::Tabulated(table) => w.map(|w| table.visible_area(w)),
         }
     }
 
@@ -181,44 +201,51 @@ impl Finish {
         let density = self.density_along(sum, square);
         let areas = self.visible_areas([wi, wo]);
         // |wi + wo| = 2 cos θ_d for unit vectors, without the cancellation of wi·wo near grazing.
-        Some(Lobe {
-            cos_d: (0.5 * sqrtf(square)).min(1.0),
-            value: density * self.shadowing_of(wi, wo, areas),
-            pdf: 0.25 * density / areas[0],
-        })
+        let cos_d = (0.5 * sqrtf(square)).min(1.0);
+        let pdf = match &self.facets {
+            Facets::Ggx(_) | Facets::Beckmann(_) => 0.25 * density / areas[0],
+            Facets::Tabulated(table) => 0.25 * table.pdf(wi, sum, square, density) / cos_d,
+        };
+        Some(Lobe { cos_d, value: density * self.shadowing_of(wi, wo, areas), pdf })
     }
 
-    /// Draws wo for light from `wi` by `u` uniform in [0, 1)²: the mirror direction at a facet drawn as often as it is
-    /// seen, D (wi·m)⁺/visible area (Heitz & d'Eon 2014). `None` if `wi` is below the horizon, or wo is: that is a
-    /// sample without light, and counts.
+    /// Draws wo for light from `wi` by `u` uniform in [0, 1)²: the mirror direction at a facet from
+    /// [`Finish::draw_normal`]. `None` if `wi` is below the horizon, or wo is: that is a sample without light, and
+    /// counts.
     #[must_use]
     pub fn sample(&self, wi: Vec3, u: [f32; 2]) -> Option<Vec3> {
         let above = wi.z > 0.0;
         if !above {
             return None;
         }
-        let m = self.visible_normal(wi, u);
+        let m = self.draw_normal(wi, u);
         let wo = (2.0 * wi.dot(m) * m - wi).normalize();
         (wo.z > 0.0).then_some(wo)
     }
 
-    /// Draws a normal that `wi` above the horizon sees, by `u` in [0, 1)², with density D (wi·m)⁺ over
-    /// [`Finish::visible_area`].
+    /// Draws a normal that `wi` above the horizon sees, by `u` in [0, 1)².
+    ///
+    /// GGX and Beckmann facets are drawn as often as they are seen, with density D (wi·m)⁺ over
+    /// [`Finish::visible_area`] (Heitz & d'Eon 2014). Tabulated facets are drawn by D cos θ_m, and turned by half a turn
+    /// about z if `wi` does not see them.
     #[must_use]
-    pub fn visible_normal(&self, wi: Vec3, u: [f32; 2]) -> Vec3 {
+    pub fn draw_normal(&self, wi: Vec3, u: [f32; 2]) -> Vec3 {
         let u = u.map(|u| u.clamp(0.0, 1.0 - f32::EPSILON / 2.0));
-        // As the surface of roughness 1 sees it.
-        let squeezed = self.roughness.squeezed(wi);
-        let m = match self.distribution {
-            Distribution::Ggx => visible_cap(squeezed.normalize(), u),
-            Distribution::Beckmann => {
+        match &self.facets {
+            Facets::Ggx(roughness) => {
+                roughness.squeezed(visible_cap(roughness.squeezed(wi).normalize(), u)).normalize()
+            }
+            Facets::Beckmann(roughness) => {
+                // As the surface of roughness 1 sees it.
+                let squeezed = roughness.squeezed(wi);
                 let sin = sqrtf(squeezed.x * squeezed.x + squeezed.y * squeezed.y);
                 let [cos_phi, sin_phi] = if sin > 0.0 { [squeezed.x / sin, squeezed.y / sin] } else { [1.0, 0.0] };
                 let [along, across] = beckmann::visible_slope(squeezed.z / sin.max(f32::MIN_POSITIVE), u);
-                Vec3::new(sin_phi * across - cos_phi * along, -sin_phi * along - cos_phi * across, 1.0)
+                let m = Vec3::new(sin_phi * across - cos_phi * along, -sin_phi * along - cos_phi * across, 1.0);
+                roughness.squeezed(m).normalize()
             }
-        };
-        self.roughness.squeezed(m).normalize()
+            Facets::Tabulated(table) => table.draw(wi, u),
+        }
     }
 }
 

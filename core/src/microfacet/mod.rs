@@ -12,10 +12,14 @@
 //! Directions are unit vectors in the surface's frame. All functions are in single precision; the caller owns no
 //! memory.
 
+mod error;
 mod exponential;
 mod roughness;
 mod beckmann;
+mod table;
 mod finish;
 
-pub use finish::{Distribution, Finish, FinishError, Lobe, Masking};
+pub use error::FinishError;
+pub use finish::{Distribution, Finish, Lobe, Masking};
 pub use roughness::MIN_ROUGHNESS;
+pub use table::{FacetTable, MAX_RINGS, MAX_SECTORS};

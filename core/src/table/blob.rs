@@ -284,7 +284,7 @@ impl<'a> Blob<'a> {
             Contents::Mirror(table) => ([table.values(), nothing], [nothing; 4]),
             Contents::Film(table) => {
                 let finish = table.finish();
-                alpha = finish.map_or(alpha, |finish| finish.alpha());
+                alpha = finish.and_then(|finish| finish.alpha()).unwrap_or(alpha);
                 let of_finish = Values::Numbers(&alpha).part(0, if finish.is_some() { 2 } else { 0 });
                 (table.values(), [table.thickness_values(), of_finish, nothing, nothing])
             }
@@ -364,15 +364,15 @@ fn period_bits([x, y]: [f32; 2]) -> u64 {
     u64::from(y.to_bits()) << 32 | u64::from(x.to_bits())
 }
 
-/// Number of a finish in a blob's header.
-fn finish_number(finish: Option<Finish>) -> Option<u32> {
+/// Number of a finish in a blob's header; `None` for tabulated facets, which a blob does not hold.
+fn finish_number(finish: Option<Finish<'_>>) -> Option<u32> {
     let Some(finish) = finish else { return Some(0) };
-    let kind = (finish.distribution(), finish.masking());
+    let kind = (finish.distribution()?, finish.masking());
     FINISHES.iter().zip(1..).find(|(known, _)| **known == kind).map(|(_, number)| number)
 }
 
 /// Finish of a number in a blob's header, with its two roughnesses.
-fn finish_of(number: u32, alpha: Values<'_>) -> Result<Option<Finish>, TableError> {
+fn finish_of(number: u32, alpha: Values<'_>) -> Result<Option<Finish<'static>>, TableError> {
     let Some((&(distribution, masking), _)) = FINISHES.iter().zip(1..).find(|(_, known)| *known == number) else {
         return Ok(None);
     };

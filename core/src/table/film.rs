@@ -38,7 +38,7 @@ pub struct FilmTable<'a> {
     thickness_nm: Values<'a>,
     axis: AngleAxis,
     channels: usize,
-    finish: Option<Finish>,
+    finish: Option<Finish<'a>>,
 }
 
 /// Direction that [`FilmTable::sample`] has drawn.
@@ -64,7 +64,7 @@ impl<'a> FilmTable<'a> {
         arrays: &FilmArrays<'a>,
         channels: usize,
         theta_max: f64,
-        finish: Option<Finish>,
+        finish: Option<Finish<'a>>,
     ) -> Result<Self, TableError> {
         let values = [arrays.reflectance, arrays.transmittance].map(Values::Numbers);
         Self::of(values, Values::Numbers(arrays.thickness_nm), channels, theta_max, finish)
@@ -75,7 +75,7 @@ impl<'a> FilmTable<'a> {
         thickness_nm: Values<'a>,
         channels: usize,
         theta_max: f64,
-        finish: Option<Finish>,
+        finish: Option<Finish<'a>>,
     ) -> Result<Self, TableError> {
         let count = reflectance.len();
         let rows = channels.checked_mul(thickness_nm.len()).and_then(|of_angle| count.checked_div(of_angle));
@@ -138,7 +138,7 @@ impl<'a> FilmTable<'a> {
 
     /// Finish; `None` for a smooth surface.
     #[must_use]
-    pub fn finish(&self) -> Option<Finish> {
+    pub fn finish(&self) -> Option<Finish<'a>> {
         self.finish
     }
 
@@ -186,9 +186,14 @@ impl<'a> FilmTable<'a> {
             return above.then(|| FilmSample { wo, pdf: None, weight: self.reflectance(wi.z, thickness_nm) });
         };
         let wo = finish.sample(wi, u)?;
-        let pdf = finish.lobe(wi, wo)?.pdf;
-        // f cos θ_o over the density, without D: both may be too small for single precision.
-        let share = 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z;
+        let lobe = finish.lobe(wi, wo)?;
+        let pdf = lobe.pdf;
+        // f cos θ_o over the density; where it is that of visible normals without D, as both may be too small for single
+        // precision.
+        let share = match finish.distribution() {
+            Some(_) => 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z,
+            None => lobe.value * wo.z / pdf,
+        };
         let weight = self.rgb(self.reflectance, half_angle(wi, wo), thickness_nm).map(|rho| rho * share);
         (pdf > 0.0).then_some(FilmSample { wo, pdf: Some(pdf), weight })
     }
@@ -263,11 +268,11 @@ mod tests {
         (reflectance, reflectance.map(|rho| 4.0 - rho))
     }
 
-    fn finish() -> Finish {
+    fn finish() -> Finish<'static> {
         Finish::new(Distribution::Beckmann, Masking::Correlated, [0.2, 0.5]).unwrap()
     }
 
-    fn table<'a>(reflectance: &'a [f32], transmittance: &'a [f32], finish: Option<Finish>) -> FilmTable<'a> {
+    fn table<'a>(reflectance: &'a [f32], transmittance: &'a [f32], finish: Option<Finish<'a>>) -> FilmTable<'a> {
         let arrays = FilmArrays { reflectance, transmittance, thickness_nm: &[100.0, 150.0, 400.0] };
         FilmTable::new(&arrays, 3, 1.5, finish).unwrap()
     }

@@ -14,8 +14,11 @@ mod albedo;
 mod half_vectors;
 mod resampled;
 
+use glam::Vec3;
+
 use self::grid::BsdfGrid;
 use super::reflection::{LobeWidth, Reflection, ReflectionKind};
+use crate::scene::LEAST_ROUGHNESS;
 use crate::support::error::Result;
 use crate::table::Table;
 
@@ -40,7 +43,10 @@ pub fn encode(table: &Table, width: LobeWidth, rgb: Option<Gamut>) -> Result<Vec
     let contents = match reflection.kind() {
         ReflectionKind::Lobe { finish, .. } => {
             reflection.check_isotropic()?;
-            let [alpha, _] = finish.alpha().map(f64::from);
+            // Of tabulated facets: the roughness of the GGX facets of which a grazing direction sees as much.
+            let finish = finish.finish();
+            let alpha = finish.alpha().map_or_else(|| 2.0 * finish.visible_area(Vec3::X), |[alpha, _]| alpha);
+            let alpha = f64::from(alpha).clamp(LEAST_ROUGHNESS, 1.0);
             resampled::contents(&reflection, BsdfGrid::of_lobe(alpha, reflection.channels))?
         }
         ReflectionKind::Scatter(lookup, gaussian) => half_vectors::contents(&reflection, lookup, *gaussian)?,

@@ -27,6 +27,7 @@ fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]
         let reflection = evaluator.reflection();
         reflection.reflectance(wi.dot(m), out);
         if let ReflectionKind::Lobe { finish, .. } = reflection.kind() {
+            let finish = finish.finish();
             let raised = wo.with_z(wo.z.abs()).as_vec3();
             let both = finish.density(m.as_vec3()) * finish.shadowing(wi.as_vec3(), raised);
             let lobe = f64::from(both) * wo.z;
@@ -63,7 +64,9 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
         slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
         let scale = match reflection.kind() {
             ReflectionKind::Lobe { finish, .. } => {
-                4.0 * f64::from(finish.visible_area(wi.as_vec3()) / finish.density(m.as_vec3()))
+                let finish = finish.finish();
+                let density = finish.density(m.as_vec3());
+                if density > 0.0 { 4.0 * f64::from(finish.visible_area(wi.as_vec3()) / density) } else { 0.0 }
             }
             _ => 1.0,
         };
@@ -142,7 +145,7 @@ pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Conten
     }
     let (density_of_facets, visible_area) = match reflection.kind() {
         ReflectionKind::Lobe { finish, .. } => {
-            let at = |theta| direction(theta, 0.0).as_vec3();
+            let (at, finish) = (|theta| direction(theta, 0.0).as_vec3(), finish.finish());
             (over_u(|theta| finish.density(at(theta)).into()), over_u(|theta| finish.visible_area(at(theta)).into()))
         }
         _ => (over_u(|_| 1.0), over_u(|_| 0.25)),

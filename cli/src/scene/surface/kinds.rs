@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::builder::Builder;
+use super::keys::{list, positive};
 use super::{grooves, height_map, lamellae, lines, particles, pits, pyramids, scratches, sines};
 use crate::scene::diagnostics::nearest;
 use crate::scene::mesh::Mesh;
@@ -36,12 +37,12 @@ pub(in crate::scene) struct Generated {
 }
 
 /// Makes the surface of `surface = { … }`; `period_nm` is the scene's, zeros if it has none, `names` are its
-/// interfaces, and `find` gives the path of a file that it names.
+/// interfaces, all of the kind's if `None`, and `find` gives the path of a file that it names.
 pub(in crate::scene) fn build(
     item: &TomlItem<'_>,
     label: &str,
     period_nm: [f64; 2],
-    names: &[&str],
+    names: Option<&[&str]>,
     find: &mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
 ) -> Result<Generated> {
     let table = item.table("surface")?;
@@ -54,6 +55,7 @@ pub(in crate::scene) fn build(
         return Err(kind_item.refuse(format_args!("{kind:?} is unknown; {near}known: {list}")));
     };
     let wanted = interfaces(&table);
+    let names = names.unwrap_or(wanted);
     let mut numbers = Vec::new();
     for wanted in wanted {
         let number = names.iter().position(|name| name == wanted).and_then(|number| u16::try_from(number).ok());
@@ -73,4 +75,40 @@ pub(in crate::scene) fn build(
     generate(&table, &mut builder)?;
     let Builder { mesh, period_nm, notes, .. } = builder;
     Ok(Generated { mesh, period_nm, notes })
+}
+
+/// Mesh of a `surface = { … }` of one interface, for its facets alone.
+pub(in crate::scene) fn single(
+    item: &TomlItem<'_>,
+    label: &str,
+    period_nm: Option<&TomlItem<'_>>,
+    find: &mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
+) -> Result<Mesh> {
+    let table = item.table("surface")?;
+    let period_nm = match period_nm {
+        Some(item) => {
+            let [x, y] = list::<2>(item)?;
+            [positive(&x)?, positive(&y)?]
+        }
+        None if table.get("size_nm").is_some() => [0.0; 2],
+        None => return Err(item.refuse("period_nm is missing beside it; write period_nm = [x, y]")),
+    };
+    let mesh = build(item, label, period_nm, None, find)?.mesh;
+    match mesh.triangles.iter().find(|triangle| triangle.interface > 0) {
+        Some(_) => Err(item.refuse("a surface of several interfaces has no one distribution of normals; take another")),
+        None => Ok(mesh),
+    }
+}
+
+/// Mesh of a height map whose keys are those of `surface = { kind = "height_map", … }`, with `size_nm`.
+pub(in crate::scene) fn mesh_of_map(
+    table: &TomlTable<'_>,
+    label: &str,
+    find: &mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
+) -> Result<Mesh> {
+    table.require("size_nm", "size_nm = 10000.0, the width of the map")?;
+    let mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), path: Path::new(label).to_owned() };
+    let mut builder = Builder { mesh, numbers: vec![0], line: 1, period_nm: [0.0; 2], notes: Vec::new(), find };
+    height_map::build(table, &mut builder)?;
+    Ok(builder.mesh)
 }

@@ -48,7 +48,7 @@ mod scratches;
 mod sines;
 mod kinds;
 
-pub(super) use kinds::{Generated, build};
+pub(super) use kinds::{Generated, build, mesh_of_map, single};
 
 #[cfg(test)]
 #[path = "tests.rs"]

@@ -1,0 +1,32 @@
+//! Errors of finishes.
+
+/// An error for which a finish or a table of facets is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FinishError {
+    /// A roughness is not from [`MIN_ROUGHNESS`](super::MIN_ROUGHNESS) to 1.
+    Roughness,
+    /// A table of facets has too few or too many rings or sectors, or memory or densities of another length.
+    Size,
+    /// A density of normals is negative or not finite, or none is positive.
+    Density,
+    /// Facets have a mean slope.
+    Tilt,
+}
+
+impl core::fmt::Display for FinishError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Roughness => write!(f, "a roughness must be from {} to 1", super::MIN_ROUGHNESS),
+            Self::Size => write!(
+                f,
+                "a table of facets has 1 to {} rings, 1 or 4 to {} sectors, and a number for each node",
+                super::MAX_RINGS,
+                super::MAX_SECTORS
+            ),
+            Self::Density => write!(f, "densities of normals must be finite, not negative, and positive somewhere"),
+            Self::Tilt => write!(f, "the facets have a mean slope; level them"),
+        }
+    }
+}
+
+impl core::error::Error for FinishError {}
