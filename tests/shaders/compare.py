@@ -1,7 +1,8 @@
 """Runs the three shaders of tests/shaders/run on a texture, and compares them with the library's own look-up.
 
-Arguments: the folder of the shaders, the texture (.exr or .png), and the command that looks up points. Its lines are R,
-G, B, and for diffraction orders the size of the terms that add up.
+Arguments: what is compared (lut, orders or finish), the folder of the shaders, the texture (.exr or .png), and the
+command that looks up points. Its lines are R, G, B; for diffraction orders then the size of the terms that add up; for
+a finish a fourth number, the density, and a bound of the difference for each.
 """
 import os
 import subprocess
@@ -39,6 +40,34 @@ def points():
     return random.astype("f4")
 
 
+def directions(random, count):
+    """Directions above the horizon, some of them near it, near the normal, or on it."""
+    cos = random.random(count)
+    cos[::7] = 1 - 1e-3 * random.random(len(cos[::7]))
+    cos[3::11] = 1e-3 + 0.02 * random.random(len(cos[3::11]))
+    cos[5::64] = 1.0
+    sin, phi = numpy.sqrt(1 - cos * cos), 2 * numpy.pi * random.random(count)
+    return numpy.stack([sin * numpy.cos(phi), sin * numpy.sin(phi), cos], -1)
+
+
+def pairs():
+    """Two texels for each line: wi and a parameter; wo, of which half lie near the mirror direction, and 0, or two
+    numbers, 0 and 1."""
+    random = numpy.random.default_rng(2)
+    count = SIDE * SIDE
+    wi, wo = directions(random, count), directions(random, count)
+    mirror = wi * [-1, -1, 1]
+    wo[::2] = mirror[::2] + 0.2 * random.standard_normal((count // 2, 3))
+    wo[:, 2] = numpy.abs(wo[:, 2])
+    wo[::32, 2] *= -1  # below the horizon
+    wo /= numpy.linalg.norm(wo, axis=-1, keepdims=True)
+    lines = numpy.concatenate([wi, random.random((count, 1)), wo, numpy.zeros((count, 1))], -1)
+    draws = numpy.concatenate([random.random((count, 2)), numpy.zeros((count, 1)), numpy.ones((count, 1))], -1)
+    drawn = random.random(count) < 0.5
+    lines[drawn, 4:] = draws[drawn]
+    return lines.astype("f4")
+
+
 def texture(context, path):
     if path.endswith(".png"):
         width, height, rows, info = png.Reader(filename=path).read()
@@ -66,31 +95,33 @@ def run(context, shader, lut, at):
     assert len(of_points) == 1 and len(names) > 1, names
     for name in names:
         program[name] = int(name in of_points)
-    listed = context.texture((SIDE, SIDE), 2, at.tobytes(), dtype="f4")
+    # Lines of two numbers are a texel each, lines of eight are two.
+    texels = max(1, at.shape[1] // 4)
+    listed = context.texture((texels * SIDE, SIDE), at.shape[1] // texels, at.tobytes(), dtype="f4")
     listed.filter = (moderngl.NEAREST, moderngl.NEAREST)
     lut.use(0)
     listed.use(1)
     target = context.framebuffer([context.texture((SIDE, SIDE), 4, dtype="f4")])
     target.use()
     context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
-    return numpy.frombuffer(target.read(components=4, dtype="f4"), "f4").reshape(-1, 4)[:, :3]
+    return numpy.frombuffer(target.read(components=4, dtype="f4"), "f4").reshape(-1, 4)
 
 
 def main():
-    folder, path, *look_up = sys.argv[1:]
-    at = points()
-    asked = "\n".join(f"{float(cos):.9g},{float(parameter):.9g}" for cos, parameter in at)
+    kind, folder, path, *look_up = sys.argv[1:]
+    at = pairs() if kind == "finish" else points()
+    asked = "\n".join(",".join(f"{float(x):.9g}" for x in line) for line in at)
     said = subprocess.run(look_up, input=asked, capture_output=True, text=True, check=True).stdout
     want = numpy.array([[float(c) for c in line.split(",")] for line in said.split()])
-    # Orders say for each point how large the added terms are.
-    want, sizes = want[:, :3], want[:, 3:]
-    allowed = RELATIVE * sizes if sizes.size else numpy.full((len(want), 1), TOLERANCE)
-    assert want.shape == (SIDE * SIDE, 3) and numpy.ptp(want) > 0.1, "the points show colours"
+    channels = 4 if kind == "finish" else 3
+    want, said = want[:, :channels], want[:, channels:]
+    allowed = {"lut": numpy.full((len(want), 1), TOLERANCE), "orders": RELATIVE * said, "finish": said}[kind]
+    assert want.shape == (SIDE * SIDE, channels) and numpy.ptp(want) > 0.1, "the points show colours"
     context = moderngl.create_context(standalone=True, backend="egl", libgl="libGL.so.1", libegl="libEGL.so.1")
     lut, size = texture(context, path)
     failed = False
     for language in ("glsl", "hlsl", "wgsl"):
-        got = run(context, f"{folder}/{language}.frag", lut, at)
+        got = run(context, f"{folder}/{language}.frag", lut, at)[:, :channels]
         difference = numpy.abs(got - want)
         failed |= not (difference <= allowed).all()  # NaN is a failure too
         print(f"{os.path.basename(path)} {size[0]} × {size[1]}, {language} on {context.info['GL_RENDERER']}: "

@@ -30,7 +30,7 @@ fn goniochrome_density(m: vec3<f32>) -> f32 {
     let square = m.z * m.z;
     let area = GONIOCHROME_PI * GONIOCHROME_ROUGHNESS.x * GONIOCHROME_ROUGHNESS.y;
     if (GONIOCHROME_BECKMANN) {
-        return exp(-stretched / square) / (square * square * area);
+        return exp(-min(stretched / square, 60.0)) / (square * square * area);
     }
     return 1.0 / ((stretched + square) * (stretched + square) * area);
 }
@@ -109,7 +109,7 @@ fn goniochrome_slope(a: f32, u: f32) -> f32 {
             low = x;
         }
         let newton = x - excess / max((a - x) * exp(-x * x) / sqrt(GONIOCHROME_PI), 1e-30);
-        x = select(0.5 * (low + high), newton, newton > low && newton < high);
+        x = select(0.5 * (low + high), newton, newton >= low && newton <= high);
     }
     return x;
 }

@@ -2,7 +2,7 @@
 
 use goniochrome::table::Periodicity;
 
-use crate::commands::args::{OrderArg, PlotArgs, PlotKind};
+use crate::commands::args::{OrderArg, PlotArgs, PlotKind, finish_choice};
 use crate::commands::pictures::save_picture;
 use crate::commands::table_source::TableSource;
 use crate::commands::thickness_option::one_surface;
@@ -48,6 +48,13 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             )));
         }
     }
+    let finish = finish_choice(args.roughness, args.distribution);
+    if finish.is_given() && !(args.kind == PlotKind::Lobes && matches!(table, Table::Mirror(_))) {
+        return Err(Error::usage(format_args!(
+            "{}: --roughness and --distribution are for --kind lobes of a mirror-like table; leave them out",
+            args.table.display()
+        )));
+    }
     let unused = match (&table, args.kind) {
         (_, PlotKind::Map | PlotKind::Angles) if theta.is_some() => Some("--theta: this picture shows every angle"),
         (Table::Orders(_), kind) if args.wavelength.is_some() && kind != PlotKind::Angles => {
@@ -59,7 +66,9 @@ pub fn run(args: &PlotArgs) -> Result<()> {
         (Table::Mirror(_), PlotKind::Disc) if theta.is_some() => {
             Some("--theta: the disc of a planar scene shows every angle")
         }
-        (Table::Mirror(_), _) if args.phi != 0.0 => Some("--phi: a planar scene is the same in every azimuth"),
+        (Table::Mirror(_), kind) if args.phi != 0.0 && kind != PlotKind::Lobes => {
+            Some("--phi: a planar scene is the same in every azimuth")
+        }
         _ => None,
     };
     if let Some(unused) = unused {
@@ -74,9 +83,19 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             PlotKind::Spectrum => tables::mirror::spectra(mirror, name, theta.unwrap_or(&[0.0, 45.0, 75.0])),
             PlotKind::Map => tables::mirror::map(mirror, name)?,
             PlotKind::Chromaticity => tables::mirror::colour_path(mirror, name, theta.unwrap_or(&MARKED))?,
-            PlotKind::Lobes | PlotKind::Angles => {
+            PlotKind::Lobes => {
+                let finish = finish.of(&mirror.metadata)?.ok_or_else(|| {
+                    Error::usage(format_args!(
+                        "{}: a planar scene without a finish has no lobes; give --roughness, or draw its disc, spectrum, \
+                         map or chromaticity",
+                        args.table.display()
+                    ))
+                })?;
+                tables::facets::lobes(mirror, &finish, name, theta.unwrap_or(&LIGHTS), args.phi)?
+            }
+            PlotKind::Angles => {
                 return Err(Error::usage(format_args!(
-                    "{}: a planar scene has no lobes and no orders; draw its disc, spectrum, map or chromaticity",
+                    "{}: a planar scene has no orders; draw its disc, spectrum, map, chromaticity, or lobes with a finish",
                     args.table.display()
                 )));
             }

@@ -2,8 +2,9 @@
 //!
 //! The first and the last texel centre lie at the ends of an axis: column x of N is cos θ = x/(N − 1), from grazing to
 //! normal incidence. Row y of M, from the top of the image, is parameter y/(M − 1); [`Lut::turned_over`] counts rows
-//! from the bottom. A finish is no matter of the texture, but of the shader functions beside it. OpenEXR keeps values as half floats, negative ones (out of gamut) too; [`super::png`] brings them
-//! into the gamut. The header describes the texels: see [`Lut::about`].
+//! from the bottom. OpenEXR keeps values as half floats, negative ones (out of gamut) too; [`super::png`] brings them
+//! into the gamut. The header describes the texels: see [`Lut::about`]. A finish is in the shader functions, not in the
+//! texels.
 
 use std::collections::BTreeMap;
 

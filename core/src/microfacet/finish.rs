@@ -9,9 +9,9 @@ use glam::Vec3;
 use libm::{cosf, sinf, sqrtf};
 use wide::f32x4;
 
-/// Smallest cosine of a direction above the horizon. Below, cos⁴θ_m of Beckmann's distribution and G₂'s denominator
-/// would leave single precision.
-const LEAST_COS: f32 = 1e-9;
+/// Smallest cosine of a direction above the horizon. Below, the end of Beckmann's exponential over cos⁴θ_m would be no
+/// small number, and G₂'s denominator would leave single precision.
+const LEAST_COS: f32 = 1e-6;
 
 /// Distribution of the normals of microfacets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -188,7 +188,7 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// Evaluates a pair of directions; `None` if either is below the horizon, or within 1e-9 of it.
+    /// Evaluates a pair of directions; `None` if either is below the horizon, or within 1e-6 of it.
     #[must_use]
     #[inline]
     pub fn lobe(&self, wi: Vec3, wo: Vec3) -> Option<Lobe> {

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
+use goniochrome::microfacet::Distribution;
 
-use super::values::positive;
+use super::values::{RoughnessArg, distribution, positive};
 use crate::solve::grid::Angles;
 
 /// Numbers of a diffraction order, such as `-1` or `1,2`.
@@ -46,7 +47,7 @@ pub struct PlotArgs {
     /// on the path of the colour]
     #[arg(long, allow_hyphen_values = true)]
     pub theta: Option<Angles>,
-    /// Cells: azimuth of the light in degrees
+    /// Cells, and lobes of a finish: azimuth of the light in degrees
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub phi: f64,
     /// Spectra of cells: angle of the direction towards the viewer [default: the angle of the light]
@@ -58,6 +59,14 @@ pub struct PlotArgs {
     /// Tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
     #[arg(long, value_name = "NM")]
     pub thickness: Option<f64>,
+    /// Lobes of mirror-like tables: the roughness α of the facets, in (0, 1], along x and y [default: that of the table's
+    /// finish]
+    #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true)]
+    pub roughness: Option<RoughnessArg>,
+    /// Lobes of mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else
+    /// ggx]
+    #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
+    pub distribution: Option<Distribution>,
     /// Spectrum, angles and map of diffraction orders: the order to draw, as M or M,N; repeat it for more [default: the
     /// strongest; for the map all together]
     #[arg(long = "order", value_name = "M[,N]", allow_hyphen_values = true)]
@@ -76,7 +85,7 @@ pub enum PlotKind {
     /// The BRDF as a disc, radius θ and angle φ (the paper's figures 3 and 4); for cells, where light from one
     /// direction goes; diffraction orders as streaks of colour
     Disc,
-    /// Cells: f cos θ in the plane of incidence
+    /// Cells, and mirror-like tables with a finish: f cos θ in the plane of incidence
     Lobes,
     /// Reflectance against the wavelength at chosen angles: s, p, mean; for cells, f between two directions, or
     /// efficiencies of diffraction orders

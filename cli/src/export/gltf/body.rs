@@ -32,6 +32,15 @@ fn points() -> Vec<[f32; 3]> {
     points
 }
 
+/// Tangents at the points, eastwards, and 1 for a binormal that points north.
+fn tangents() -> impl Iterator<Item = f32> {
+    let at = |place: u16| {
+        let turn = std::f64::consts::TAU * f64::from(place % AROUND) / f64::from(AROUND);
+        [turn.cos(), 0.0, -turn.sin(), 1.0].map(|x| x as f32)
+    };
+    (0..=DOWN).flat_map(move |_| (0..=AROUND).flat_map(at))
+}
+
 /// Corners of the triangles, counter-clockwise seen from outside; at the poles a quadrangle is one triangle.
 fn triangles() -> Vec<[u16; 3]> {
     let mut triangles = Vec::new();
@@ -50,8 +59,8 @@ fn triangles() -> Vec<[u16; 3]> {
     triangles
 }
 
-/// Adds a scene with the sphere, in material 0, to a glTF file.
-pub fn add(file: &mut Value) {
+/// Adds a scene with the sphere, in material 0, to a glTF file; with tangents, if the material has a direction.
+pub fn add(file: &mut Value, has_direction: bool) {
     let (points, triangles) = (points(), triangles());
     let place = |i: u16, count: u16| (u32::from(i) * u32::from(u16::MAX) / u32::from(count)) as u16;
     let uv = (0..=DOWN).flat_map(|ring| (0..=AROUND).map(move |at| [place(at, AROUND), place(ring, DOWN)]));
@@ -66,7 +75,9 @@ pub fn add(file: &mut Value) {
         (&index_bytes, ELEMENT_ARRAY_BUFFER),
     ];
     let (mut bytes, mut views) = (Vec::new(), Vec::new());
-    for (part, target) in parts {
+    let tangent_bytes: Vec<u8> = tangents().flat_map(f32::to_le_bytes).collect();
+    let tangents = has_direction.then_some((&tangent_bytes, ARRAY_BUFFER));
+    for (part, target) in parts.into_iter().chain(tangents) {
         views.push(json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": part.len(), "target": target }));
         bytes.extend(part);
     }
@@ -83,6 +94,11 @@ pub fn add(file: &mut Value) {
         { "bufferView": 2, "componentType": UNSIGNED_SHORT, "normalized": true, "count": count, "type": "VEC2" },
         { "bufferView": 3, "componentType": UNSIGNED_SHORT, "count": 3 * triangles.len(), "type": "SCALAR" },
     ]);
+    if has_direction {
+        file["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json!(4);
+        let tangents = json!({ "bufferView": 4, "componentType": FLOAT, "count": count, "type": "VEC4" });
+        file["accessors"].as_array_mut().expect("an array, above").push(tangents);
+    }
     file["bufferViews"] = json!(views);
     let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&bytes));
     file["buffers"] = json!([{ "byteLength": bytes.len(), "uri": uri }]);
@@ -116,7 +132,7 @@ mod tests {
     #[test]
     fn the_file_holds_the_bytes_that_it_describes() {
         let mut file = json!({});
-        add(&mut file);
+        add(&mut file, false);
         let uri = file["buffers"][0]["uri"].as_str().unwrap();
         let bytes = STANDARD.decode(uri.split_once(',').unwrap().1).unwrap();
         assert_eq!(file["buffers"][0]["byteLength"], json!(bytes.len()));
@@ -125,5 +141,28 @@ mod tests {
         /// Largest sphere in bytes; the file is small enough for a mail.
         const MAX_BYTES: usize = 50_000;
         assert!(uri.len() < MAX_BYTES, "{}", uri.len());
+    }
+
+    #[test]
+    fn tangents_lie_across_normals_and_follow_the_texture() {
+        let tangents: Vec<f32> = tangents().collect();
+        let points = points();
+        assert_eq!(tangents.len(), 4 * points.len());
+        for (i, (tangent, normal)) in tangents.as_chunks::<4>().0.iter().zip(&points).enumerate() {
+            let &[x, y, z, sign] = tangent;
+            let (tangent, normal) = (Vec3::new(x, y, z), Vec3::from_array(*normal));
+            assert!(tangent.dot(normal).abs() < 1e-6 && (tangent.length() - 1.0).abs() < 1e-6 && sign == 1.0);
+            // Eastwards u grows, northwards v falls.
+            if i % (usize::from(AROUND) + 1) < usize::from(AROUND) {
+                assert!(tangent.dot(Vec3::from_array(points[i + 1]) - normal) >= 0.0);
+            }
+            assert!(normal.cross(tangent).y >= 0.0);
+        }
+        let mut file = json!({});
+        add(&mut file, true);
+        let last = file["bufferViews"].as_array().unwrap().last().unwrap();
+        let end = last["byteOffset"].as_u64().unwrap() + last["byteLength"].as_u64().unwrap();
+        assert_eq!(file["buffers"][0]["byteLength"], json!(end));
+        assert_eq!(file["accessors"][4]["count"], json!(points.len()));
     }
 }

@@ -4,8 +4,8 @@
 //! or π and Gaussian fits of the observer; [`iridescence`] is its formula. No parameters reproduce exact physics. The
 //! file therefore holds those whose colours come nearest, and states in the material's `extras` how near they come.
 //!
-//! Light that a clear film on a clear substrate transmits is written too ([`transmission`]). The file is complete: a
-//! sphere wears the material ([`body`]).
+//! Light that a clear film on a clear substrate transmits is written too ([`transmission`]), and a finish as the
+//! material's roughness ([`roughness`]). The file is complete: a sphere wears the material ([`body`]).
 //!
 //! Colours are compared as ΔE2000 at 0, 1, … 85° in D65, where a perfect mirror is L* = 100: see
 //! `crate::colour::difference`. Exact colours may leave the gamut of sRGB and are not clipped.
@@ -16,8 +16,10 @@ mod simplex;
 pub mod fit;
 pub mod body;
 pub mod transmission;
+pub mod roughness;
 
 use goniochrome::colour::VISIBLE_NM;
+use goniochrome::microfacet::Finish;
 use serde_json::{Value, json};
 
 use self::film::{Base, Behind, SingleFilm};
@@ -44,6 +46,8 @@ pub struct Fitted {
     pub name: String,
     /// The film of the scene.
     pub film: SingleFilm,
+    /// The finish of the scene.
+    pub finish: Option<Finish>,
     /// The fitted parameters.
     pub parameters: Parameters,
     /// ΔE2000 of the fitted parameters.
@@ -73,7 +77,7 @@ impl Fitted {
         let colours: Vec<Lab> = exact.iter().map(|rgb| lab(*rgb)).collect();
         let (parameters, residual) = fit(&film, &colours);
         let unfitted = Summary::of(&Parameters::of(&film).differences(&colours));
-        Ok(Self { name: scene.name.clone(), film, parameters, residual, unfitted, exact })
+        Ok(Self { name: scene.name.clone(), film, finish: scene.finish, parameters, residual, unfitted, exact })
     }
 
     /// The text of a glTF 2.0 file: a sphere that wears the material.
@@ -106,6 +110,7 @@ impl Fitted {
             "extras": { "goniochrome": self.extras() },
         });
         transmission::add(&mut material, self.film.behind);
+        roughness::add(&mut material, self.finish);
         let used: Vec<&String> =
             material["extensions"].as_object().into_iter().flat_map(|object| object.keys()).collect();
         let mut file = json!({
@@ -113,7 +118,7 @@ impl Fitted {
             "extensionsUsed": used,
             "materials": [material],
         });
-        body::add(&mut file);
+        body::add(&mut file, self.finish.is_some_and(|finish| !finish.is_isotropic()));
         text::json(&format!("{file:#}\n"))
     }
 
@@ -136,6 +141,7 @@ impl Fitted {
         json!({
             "film": { "ior_550nm": self.film.ior, "thickness_nm": self.film.thickness_nm },
             "transmission": transmission::words(self.film.behind, self.parameters.base),
+            "finish": self.finish.map(roughness::words),
             "compared": format!("0 to {MAX_DEG} degrees by 1, linear sRGB, D65; L* = 100 is a perfect mirror"),
             "delta_e_2000": summary(self.residual),
             "delta_e_2000_of_the_films_own_values": summary(self.unfitted),
@@ -170,6 +176,7 @@ impl Fitted {
                  (p95 {own:.2} with the film's own values)"
             ),
         ];
+        lines.extend(self.finish.map(roughness::words));
         let rgb = |[r, g, b]: [f64; 3]| format!("{r:7.4} {g:7.4} {b:7.4}");
         lines.extend(self.shown().map(|(theta, exact, gltf, delta)| {
             format!("{theta:3}°  exact {}  glTF {}  ΔE2000 {delta:5.2}", rgb(exact), rgb(gltf))

@@ -1,6 +1,7 @@
 //! Pictures of tables.
 
 pub mod mirror;
+pub mod facets;
 pub mod lobes;
 pub mod scatter;
 pub mod orders;

@@ -1,0 +1,90 @@
+//! The texture of a soap film with a finish, and its shader functions, in the folder of the first argument; the others
+//! are the distribution (ggx, beckmann), the masking (correlated, separable), and the roughness along x and y. Then
+//! reads lines of eight numbers: wi, a parameter, then wo and 0, or two numbers, 0 and 1. For the first it prints f and
+//! the density by the library, for the second the direction that it draws and its density: the truth for the shader
+//! functions. Four more numbers bound the difference.
+
+use std::error::Error;
+use std::fs;
+use std::io::stdin;
+use std::path::Path;
+
+use glam::Vec3;
+use goniochrome::microfacet::Finish;
+use goniochrome_cli::export::ShaderLanguage;
+use goniochrome_cli::export::lut::Lut;
+use goniochrome_cli::scene::{DISTRIBUTIONS, MASKINGS, load, named};
+
+/// Half floats round values below 1 by at most 2⁻¹², and single precision what is interpolated between them: 2⁻¹⁰, as
+/// for the look-up alone.
+const TEXEL: f32 = 1.0 / 1024.0;
+/// Rounding of components of unit vectors and half vectors, of some ten operations.
+const ROUNDING: f32 = 1e-6;
+/// Bound of the error of cumulative probabilities: erf errs by 1.5e-7, over at least 1/4, and the solution of an
+/// equation of three such terms, with the rounding of each, by as much again for each.
+const PROBABILITY: f32 = 4e-6;
+
+/// Largest share by which rounding may change D at a half vector, and with it f and the density: its slope in units of
+/// the roughness has an error of its own.
+fn relative(finish: &Finish, m: Vec3) -> f32 {
+    let least = finish.alpha().into_iter().fold(1.0, f32::min);
+    let squared = (m.x / finish.alpha()[0]).powi(2) + (m.y / finish.alpha()[1]).powi(2);
+    // D falls as exp(−s²), or as 1/(1 + s²)², with s² up to 60, where the exponential ends.
+    let exponent = (squared / (m.z * m.z)).min(60.0);
+    10.0 * ROUNDING + 2.0 * exponent.sqrt() * (ROUNDING / least + ROUNDING * exponent.sqrt()) / (m.z * m.z).max(0.01)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, distribution, masking, x, y] = arguments.as_slice() else {
+        return Err("usage: finish_samples FOLDER ggx|beckmann correlated|separable ALPHA ALPHA".into());
+    };
+    let distribution = named(&DISTRIBUTIONS, distribution).ok_or("no such distribution")?;
+    let masking = named(&MASKINGS, masking).ok_or("no such masking")?;
+    let finish = Finish::new(distribution, masking, [x.parse()?, y.parse()?])?;
+    let mut lut = Lut::of_scene(&load("soap-bubble")?, 64, Some("1=100:800:48".parse()?))?;
+    lut.finish = Some(finish);
+    let folder = Path::new(folder);
+    fs::write(folder.join("finish.exr"), lut.exr()?)?;
+    for (language, name) in
+        [(ShaderLanguage::Glsl, "glsl"), (ShaderLanguage::Hlsl, "hlsl"), (ShaderLanguage::Wgsl, "wgsl")]
+    {
+        fs::write(folder.join(format!("finish.{name}")), lut.shader(language))?;
+    }
+    for line in stdin().lines() {
+        let numbers = line?.split(',').map(str::parse).collect::<Result<Vec<f32>, _>>()?;
+        let &[a, b, c, parameter, d, e, f, draw] = numbers.as_slice() else { return Err("expected 8 numbers".into()) };
+        let (wi, given) = (Vec3::new(a, b, c), Vec3::new(d, e, f));
+        let of_pair = |wo: Vec3| {
+            let pdf = finish.lobe(wi, wo).map_or(0.0, |lobe| lobe.pdf);
+            (pdf, pdf * relative(&finish, (wi + wo).normalize()))
+        };
+        if draw > 0.5 {
+            let drawn = |u: [f32; 2]| {
+                let m = finish.visible_normal(wi, u);
+                (2.0 * wi.dot(m) * m - wi).normalize()
+            };
+            let wo = drawn([d, e]);
+            let moved = [-1.0, 1.0].map(|sign| sign * PROBABILITY);
+            let moved = [[moved[0], 0.0], [moved[1], 0.0], [0.0, moved[0]], [0.0, moved[1]]];
+            let near = moved.map(|[du, dv]| drawn([d + du, e + dv]));
+            let slack = near.iter().map(|near| near.distance(wo)).sum::<f32>() + 10.0 * ROUNDING;
+            let (pdf, slack_of_pdf) = of_pair(wo);
+            // The density where the shader's own direction lies.
+            let range = near.iter().map(|near| (of_pair(*near).0 - pdf).abs()).sum::<f32>();
+            let beside = [Vec3::X, Vec3::Y].map(|axis| (of_pair((wo + slack * axis).normalize()).0 - pdf).abs());
+            let slack_of_pdf = slack_of_pdf + range + 2.0 * (beside[0] + beside[1]);
+            println!("{},{},{},{pdf},{slack},{slack},{slack},{slack_of_pdf}", wo.x, wo.y, wo.z);
+        } else {
+            let (pdf, slack_of_pdf) = of_pair(given);
+            let lobe = finish.lobe(wi, given);
+            let value = lobe.map_or(0.0, |lobe| lobe.value);
+            let rho = lut.sample(lobe.map_or(0.0, |lobe| lobe.cos_d), parameter);
+            let share = relative(&finish, (wi + given).normalize());
+            let slack = rho.map(|rho| value * (TEXEL + rho.abs() * share));
+            let [r, g, b] = rho.map(|rho| rho * value);
+            println!("{r},{g},{b},{pdf},{},{},{},{slack_of_pdf}", slack[0], slack[1], slack[2]);
+        }
+    }
+    Ok(())
+}
