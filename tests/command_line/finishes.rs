@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec3, Vec3};
 use goniochrome::microfacet::{Distribution, Finish, Masking};
+use goniochrome::table::blob::{Blob, Contents};
 
 use crate::render::{environment, picture};
 use crate::render_scatter::{save, twisted};
@@ -43,10 +44,57 @@ fn a_scenes_finish_travels_with_its_table_and_options_replace_it() {
         2,
         &["roughness 0.1 along x and 0.4 along y", "--roughness 0.1"],
     );
-    for export in ["film.exr --to blob -o f.gonio", "film.exr --to lut -o f.png", "film.toml --to lut -o g.png"] {
+    for export in ["film.exr --to lut -o f.png", "film.toml --to lut -o g.png"] {
         let said = user.ok(&format!("export {export}")).stderr;
-        assert!(said.contains("without the finish"), "{export}: {said}");
+        assert!(said.contains("--shader writes functions for the finish"), "{export}: {said}");
+        assert!(!user.ok(&format!("export {export} --roughness 0")).stderr.contains("finish"));
     }
+}
+
+#[test]
+fn a_finish_goes_into_blobs_shaders_materials_and_plots() {
+    let film = "[stack]\nambient = 1.0\nlayers = [{ material = 1.33, thickness_nm = 300.0 }]\nsubstrate = 1.0\n";
+    let user = User::with(&[("film.toml", &format!("{film}[finish]\nroughness = [0.1, 0.4]\n"))]);
+    user.ok("estimate film.toml -o film.exr --wavelengths 400:700:20 --vary 1=100:500:5 -q");
+    user.ok("export film.exr --to blob -o film.gonio -q");
+    let bytes = user.read("film.gonio");
+    let Contents::Film(blob) = Blob::read(&bytes).unwrap().contents else { panic!("a film") };
+    assert_eq!((blob.thicknesses(), blob.range_nm(), blob.is_transparent()), (5, [100.0, 500.0], true));
+    assert_eq!(blob.finish().map(|finish| finish.alpha()), Some([0.1, 0.4]));
+    // f as `lookup` finds it in the table.
+    let csv = user.ok("lookup film.exr --thickness 250 --wi 20,10 --wo 30,200 --csv - -q").stdout;
+    let direction = |theta: f64, phi: f64| {
+        let (theta, phi) = (theta.to_radians(), phi.to_radians());
+        DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()).as_vec3()
+    };
+    let f = blob.eval(direction(20.0, 10.0), direction(30.0, 200.0), 250.0);
+    for (f, name) in f.into_iter().zip(["f_R", "f_G", "f_B"]) {
+        let expected = column(&csv, name)[0];
+        assert!((f64::from(f) / expected - 1.0).abs() <= SINGLE, "{name}: {f} {expected}");
+    }
+    let text = |name: &str| String::from_utf8(user.read(name)).unwrap();
+    user.ok("export film.exr --to lut --shader film.glsl -o film.png -q");
+    assert!(text("film.glsl").contains("const vec2 GONIOCHROME_ROUGHNESS = vec2(0.1, 0.4);"));
+    user.ok("export film.exr --to lut --shader film.wgsl --roughness 0.3 --distribution beckmann -o film.png -q");
+    let wgsl = text("film.wgsl");
+    assert!(wgsl.contains("vec2<f32>(0.3, 0.3)") && wgsl.contains("GONIOCHROME_BECKMANN: bool = true"), "{wgsl}");
+    user.refused("export film.exr --to gltf -o film.gltf", 2, &["--thickness is missing"]);
+    let said = user.ok("export film.exr --to gltf --thickness 320 -o film.gltf").stderr;
+    assert!(said.contains("a finish of roughness 0.1 along x and 0.4 along y"), "{said}");
+    let gltf = text("film.gltf");
+    assert!(
+        gltf.contains("KHR_materials_anisotropy") && gltf.contains("TANGENT") && gltf.contains("0.31623"),
+        "{gltf}"
+    );
+    user.ok("export film.toml --to gltf --roughness 0.25 -o film.gltf -q");
+    assert!(text("film.gltf").contains("\"roughnessFactor\": 0.5"));
+    user.ok("plot film.exr --kind lobes --thickness 300 --theta 30 --phi 90 -o lobes.svg -q");
+    assert!(text("lobes.svg").contains("roughness 0.1, 0.4"));
+    user.ok("plot jewel-beetle --kind lobes --roughness 0.2 --distribution beckmann -o lobes.svg -q");
+    user.refused("plot jewel-beetle --kind lobes -o a.svg -q", 2, &["without a finish has no lobes", "--roughness"]);
+    user.refused("plot film.exr --thickness 300 --roughness 0.2 -o a.svg -q", 2, &["--kind lobes"]);
+    save(&user, "t.exr", &twisted(0.1));
+    user.refused("export t.exr --to blob --roughness 0.2 -o a.gonio", 2, &["--roughness", "mirror-like tables"]);
 }
 
 #[test]

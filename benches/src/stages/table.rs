@@ -4,8 +4,8 @@ use std::hint::black_box;
 use glam::Vec3;
 use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::table::{
-    HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity, ScatterLayout, ScatterSampler,
-    ScatterTable,
+    FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
+    ScatterLayout, ScatterSampler, ScatterTable,
 };
 use goniochrome::trace::random::Random;
 use goniochrome_cli::export::gltf::iridescence::eval_iridescence;
@@ -97,12 +97,11 @@ pub fn table(visit: Visit<'_>) {
 /// RGB and density of a 2D table with a finish.
 fn finished(name: &'static str, finish: Finish, pairs: &[(Vec3, Vec3)], visit: Visit<'_>) {
     let values: Vec<f32> = (0..3 * ROWS).map(|i| i as f32 / (3 * ROWS) as f32).collect();
-    let table = MirrorTable::new(&values, 3, 1.55).expect("a good table");
-    let eval = |wi, wo| {
-        let lobe = finish.lobe(wi, wo)?;
-        Some((table.rgb(lobe.cos_d.acos()).map(|rho| rho * lobe.value), lobe.pdf))
-    };
-    assert!(eval(Vec3::Z, Vec3::Z).is_some_and(|(rgb, pdf)| rgb[2] > rgb[1] && pdf > 0.0));
+    let arrays = FilmArrays { reflectance: &values, transmittance: &[], thickness_nm: &[0.0] };
+    let table = FilmTable::new(&arrays, 3, 1.55, Some(finish)).expect("a good table");
+    let eval = |wi, wo| table.eval_and_pdf(wi, wo, 0.0);
+    let (rgb, pdf) = eval(Vec3::Z, Vec3::Z);
+    assert!(rgb[2] > rgb[1] && pdf > 0.0);
     visit(&work(name), &mut || {
         for &(wi, wo) in black_box(pairs) {
             black_box(eval(wi, wo));

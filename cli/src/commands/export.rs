@@ -6,13 +6,14 @@ use std::slice;
 use goniochrome::microfacet::Finish;
 use goniochrome::table::blob::Precision;
 
-use crate::commands::args::{ExportArgs, ExportKind, Origin, finish_choice, spelled};
+use crate::commands::args::{ExportArgs, ExportKind, Origin, RoughnessArg, finish_choice, spelled};
 use crate::commands::thickness_option::one_surface;
 use crate::export::blob;
 use crate::export::gltf::Fitted;
 use crate::export::lut::Lut;
 use crate::export::order_lut::{self, OrderLut};
 use crate::export::{LobeWidth, ShaderLanguage, bsdf, merl, png};
+use crate::scene::vary::Vary;
 use crate::scene::{OwnedFinish, Scene, load, parse};
 use crate::support::error::{Error, Result};
 use crate::support::output;
@@ -112,8 +113,8 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (
             args.thickness.is_some(),
             "thickness",
-            matches!(args.to, ExportKind::Merl | ExportKind::Bsdf),
-            "merl and bsdf",
+            matches!(args.to, ExportKind::Merl | ExportKind::Bsdf | ExportKind::Gltf),
+            "merl, bsdf and gltf",
         ),
         (args.rgb, "rgb", args.to == ExportKind::Bsdf, "bsdf"),
         (args.gamut.is_some(), "gamut", args.to == ExportKind::Bsdf && args.rgb, "bsdf with --rgb"),
@@ -131,6 +132,12 @@ fn check_options(args: &ExportArgs) -> Result<()> {
                 spelled(args.to)
             )));
         }
+    }
+    if matches!(args.to, ExportKind::Merl | ExportKind::Bsdf) && args.roughness == Some(RoughnessArg([0.0; 2])) {
+        return Err(Error::usage(format_args!(
+            "--roughness 0: must lie in (0, 1], since --to {} holds no mirrors",
+            spelled(args.to)
+        )));
     }
     Ok(())
 }
@@ -250,7 +257,16 @@ fn analytic(finish: Result<Option<OwnedFinish>>) -> Result<Option<Finish<'static
 /// Writes a glTF material and notes how well it fits.
 fn gltf(args: &ExportArgs) -> Result<()> {
     let path = Path::new(&args.source);
-    let mut scene = if is_table(path) { scene_of_table(path)? } else { load(&args.source)? };
+    let mut scene = if is_table(path) {
+        scene_of_table(path, args.thickness)?
+    } else {
+        if args.thickness.is_some() {
+            return Err(Error::usage(
+                "--thickness: is for tables over a thickness; a scene names its own: leave it out",
+            ));
+        }
+        load(&args.source)?
+    };
     output::check_destination(&args.output, &scene.files)?;
     let finish = finish_choice(args.roughness, args.distribution);
     scene.finish = finish.instead_of(scene.finish.take()).map_err(|error| named(args, error))?;
@@ -263,9 +279,11 @@ fn gltf(args: &ExportArgs) -> Result<()> {
 }
 
 /// The scene in a table's header.
-fn scene_of_table(path: &Path) -> Result<Scene> {
+fn scene_of_table(path: &Path, thickness_nm: Option<f64>) -> Result<Scene> {
     let name = path.display();
-    let table = match file::read(path)? {
+    let family = file::read(path)?;
+    let axis = if let Table::Mirror(mirror) = &family { mirror.thickness.clone() } else { None };
+    let table = match one_surface(family, thickness_nm)? {
         Table::Mirror(table) => table,
         Table::Scatter(_) => {
             return Err(Error::failed(format_args!(
@@ -292,7 +310,13 @@ fn scene_of_table(path: &Path) -> Result<Scene> {
     if let Some(known) = metadata.get(MetadataKey::Scene) {
         known.clone_into(&mut scene.name);
     }
-    Ok(scene)
+    match (axis, thickness_nm) {
+        (Some(axis), Some(nm)) => {
+            let range_nm = axis.range_nm();
+            Vary { layer: axis.layer, range_nm, steps: 2 }.scene_at(&scene, nm)
+        }
+        _ => Ok(scene),
+    }
 }
 
 /// The language of a shader file's extension.

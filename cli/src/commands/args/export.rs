@@ -23,7 +23,7 @@ pub struct ExportArgs {
     /// blob: values in half precision
     #[arg(long)]
     pub half: bool,
-    /// merl and bsdf of tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
+    /// merl, bsdf and gltf of tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
     #[arg(long, value_name = "NM")]
     pub thickness: Option<f64>,
     /// Mirror-like tables and scenes of planes: the roughness α of the facets, in (0, 1], along the tangent and the
