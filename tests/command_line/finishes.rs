@@ -60,7 +60,7 @@ fn a_finish_goes_into_blobs_shaders_materials_and_plots() {
     let bytes = user.read("film.gonio");
     let Contents::Film(blob) = Blob::read(&bytes).unwrap().contents else { panic!("a film") };
     assert_eq!((blob.thicknesses(), blob.range_nm(), blob.is_transparent()), (5, [100.0, 500.0], true));
-    assert_eq!(blob.finish().map(|finish| finish.alpha()), Some([0.1, 0.4]));
+    assert_eq!(blob.finish().and_then(|finish| finish.alpha()), Some([0.1, 0.4]));
     // f as `lookup` finds it in the table.
     let csv = user.ok("lookup film.exr --thickness 250 --wi 20,10 --wo 30,200 --csv - -q").stdout;
     let direction = |theta: f64, phi: f64| {

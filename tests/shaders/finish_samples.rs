@@ -26,9 +26,9 @@ const PROBABILITY: f32 = 4e-6;
 
 /// Largest share by which rounding may change D at a half vector, and with it f and the density: its slope in units of
 /// the roughness has an error of its own.
-fn relative(finish: &Finish, m: Vec3) -> f32 {
-    let least = finish.alpha().into_iter().fold(1.0, f32::min);
-    let squared = (m.x / finish.alpha()[0]).powi(2) + (m.y / finish.alpha()[1]).powi(2);
+fn relative([x, y]: [f32; 2], m: Vec3) -> f32 {
+    let least = x.min(y);
+    let squared = (m.x / x).powi(2) + (m.y / y).powi(2);
     // D falls as exp(−s²), or as 1/(1 + s²)², with s² up to 60, where the exponential ends.
     let exponent = (squared / (m.z * m.z)).min(60.0);
     10.0 * ROUNDING + 2.0 * exponent.sqrt() * (ROUNDING / least + ROUNDING * exponent.sqrt()) / (m.z * m.z).max(0.01)
@@ -41,7 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let distribution = named(&DISTRIBUTIONS, distribution).ok_or("no such distribution")?;
     let masking = named(&MASKINGS, masking).ok_or("no such masking")?;
-    let finish = Finish::new(distribution, masking, [x.parse()?, y.parse()?])?;
+    let alpha = [x.parse()?, y.parse()?];
+    let finish = Finish::new(distribution, masking, alpha)?;
     let mut lut = Lut::of_scene(&load("soap-bubble")?, 64, Some("1=100:800:48".parse()?))?;
     lut.finish = Some(finish);
     let folder = Path::new(folder);
@@ -57,11 +58,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (wi, given) = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let of_pair = |wo: Vec3| {
             let pdf = finish.lobe(wi, wo).map_or(0.0, |lobe| lobe.pdf);
-            (pdf, pdf * relative(&finish, (wi + wo).normalize()))
+            (pdf, pdf * relative(alpha, (wi + wo).normalize()))
         };
         if draw > 0.5 {
             let drawn = |u: [f32; 2]| {
-                let m = finish.visible_normal(wi, u);
+                let m = finish.draw_normal(wi, u);
                 (2.0 * wi.dot(m) * m - wi).normalize()
             };
             let wo = drawn([d, e]);
@@ -80,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let lobe = finish.lobe(wi, given);
             let value = lobe.map_or(0.0, |lobe| lobe.value);
             let rho = lut.sample(lobe.map_or(0.0, |lobe| lobe.cos_d), parameter);
-            let share = relative(&finish, (wi + given).normalize());
+            let share = relative(alpha, (wi + given).normalize());
             let slack = rho.map(|rho| value * (TEXEL + rho.abs() * share));
             let [r, g, b] = rho.map(|rho| rho * value);
             println!("{r},{g},{b},{pdf},{},{},{},{slack_of_pdf}", slack[0], slack[1], slack[2]);

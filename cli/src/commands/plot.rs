@@ -91,7 +91,7 @@ pub fn run(args: &PlotArgs) -> Result<()> {
                         args.table.display()
                     ))
                 })?;
-                tables::facets::lobes(mirror, &finish, name, theta.unwrap_or(&LIGHTS), args.phi)?
+                tables::facets::lobes(mirror, &finish.finish(), name, theta.unwrap_or(&LIGHTS), args.phi)?
             }
             PlotKind::Angles => {
                 return Err(Error::usage(format_args!(

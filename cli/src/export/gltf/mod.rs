@@ -27,7 +27,7 @@ use self::fit::{MAX_DEG, Parameters, angles, fit, round};
 use self::transmission::transmitted;
 use super::lut::exact_rgb;
 use crate::colour::difference::{Lab, Summary, delta_e, lab};
-use crate::scene::Scene;
+use crate::scene::{OwnedFinish, Scene};
 use crate::solve::planar_scene::PlanarScene;
 use crate::support::error::{Error, Result};
 use crate::support::text;
@@ -47,7 +47,7 @@ pub struct Fitted {
     /// The film of the scene.
     pub film: SingleFilm,
     /// The finish of the scene.
-    pub finish: Option<Finish>,
+    pub finish: Option<Finish<'static>>,
     /// The fitted parameters.
     pub parameters: Parameters,
     /// ΔE2000 of the fitted parameters.
@@ -73,11 +73,12 @@ impl Fitted {
                 "{name}: the film is too thick to interfere; leave iridescence out"
             )));
         }
+        let finish = scene.finish.as_ref().map(OwnedFinish::analytic).transpose()?;
         let exact = exact_rgb(&planar, &angles())?;
         let colours: Vec<Lab> = exact.iter().map(|rgb| lab(*rgb)).collect();
         let (parameters, residual) = fit(&film, &colours);
         let unfitted = Summary::of(&Parameters::of(&film).differences(&colours));
-        Ok(Self { name: scene.name.clone(), film, finish: scene.finish, parameters, residual, unfitted, exact })
+        Ok(Self { name: scene.name.clone(), film, finish, parameters, residual, unfitted, exact })
     }
 
     /// The text of a glTF 2.0 file: a sphere that wears the material.

@@ -12,12 +12,12 @@ use serde_json::{Value, json};
 use super::fit::round;
 
 /// Adds a finish to a material.
-pub fn add(material: &mut Value, finish: Option<Finish>) {
-    let Some(finish) = finish else { return };
-    let [x, y] = finish.alpha().map(f64::from);
+pub fn add(material: &mut Value, finish: Option<Finish<'_>>) {
+    let Some([x, y]) = finish.and_then(|finish| finish.alpha()) else { return };
+    let [x, y] = [x, y].map(f64::from);
     let (least, most) = (x.min(y), x.max(y));
     material["pbrMetallicRoughness"]["roughnessFactor"] = json!(round(least.sqrt()));
-    if !finish.is_isotropic() {
+    if least < most {
         material["extensions"]["KHR_materials_anisotropy"] = json!({
             "anisotropyStrength": round(((most - least) / (1.0 - least)).sqrt()),
             "anisotropyRotation": if x > y { 0.0 } else { round(FRAC_PI_2) },
@@ -27,11 +27,11 @@ pub fn add(material: &mut Value, finish: Option<Finish>) {
 
 /// A line of text on what becomes of a finish.
 #[must_use]
-pub fn words(finish: Finish) -> String {
-    let [x, y] = finish.alpha();
+pub fn words(finish: Finish<'_>) -> String {
+    let [x, y] = finish.alpha().unwrap_or_default();
     let rough = if finish.is_isotropic() { format!("{x}") } else { format!("{x} along x and {y} along y") };
     let other = match (finish.distribution(), finish.masking()) {
-        (Distribution::Beckmann, _) => "; glTF's facets are GGX, with longer tails than Beckmann's",
+        (Some(Distribution::Beckmann), _) => "; glTF's facets are GGX, with longer tails than Beckmann's",
         (_, Masking::Separable) => "; glTF's masking is correlated, brighter at grazing angles than separable masking",
         _ => "",
     };

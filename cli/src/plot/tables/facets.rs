@@ -21,7 +21,7 @@ const NEAR: i16 = 40;
 ///
 /// # Errors
 /// None of the wavelengths is visible.
-pub fn lobes(table: &MirrorTable, finish: &Finish, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
+pub fn lobes(table: &MirrorTable, finish: &Finish<'_>, name: &str, theta_deg: &[f64], phi_deg: f64) -> Result<Picture> {
     let weights = visible_weights(&table.wavelength_nm, table.metadata.illuminant(), Quadrature::Interpolated)?;
     let reflectance: Vec<f64> = table.unpolarised().collect();
     let luminance: Vec<f64> = reflectance
@@ -32,7 +32,8 @@ pub fn lobes(table: &MirrorTable, finish: &Finish, name: &str, theta_deg: &[f64]
         let (below, above, weight) = neighbours(&table.theta_deg, theta);
         luminance[below] + weight * (luminance[above] - luminance[below])
     };
-    let [x, y] = finish.alpha();
+    // Tabulated facets are drawn as if they were of this roughness.
+    let [x, y] = finish.alpha().unwrap_or([0.1; 2]);
     let curve = |(&theta, colour): (&f64, &&str)| {
         let wi = direction(theta.to_radians(), phi_deg.to_radians()).as_vec3();
         let point = |theta_o: f64| {
@@ -51,8 +52,12 @@ pub fn lobes(table: &MirrorTable, finish: &Finish, name: &str, theta_deg: &[f64]
         Series { label: format!("light at {theta}°"), colour: (*colour).to_owned(), points, dash: Dash::None }
     };
     let series: Vec<Series> = theta_deg.iter().zip(PALETTE.iter().cycle()).map(curve).collect();
-    let rough = if finish.is_isotropic() { format!("{x}") } else { format!("{x}, {y}") };
-    let title = format!("{name}, roughness {rough}: lobes in the plane φ = {phi_deg}°");
+    let rough = match finish.alpha() {
+        None => "tabulated facets".into(),
+        Some(_) if finish.is_isotropic() => format!("roughness {x}"),
+        Some(_) => format!("roughness {x}, {y}"),
+    };
+    let title = format!("{name}, {rough}: lobes in the plane φ = {phi_deg}°");
     let label = "Outgoing angle: light’s side < 0 < mirror side, °";
     Ok(line_chart(&title, label, "Luminance of f cos θ (1/sr)", &series, LineOptions::default()))
 }
