@@ -102,5 +102,5 @@ pub(super) fn scatter_table(
         table.worst_error(),
         imbalance.abs(),
     );
-    Ok(Made::Table(table.into(), summary, checkpoint))
+    Ok(Made::Table(Box::new(table.into()), summary, checkpoint))
 }

@@ -29,7 +29,7 @@ const NODES_IN_MEMORY: [u32; 2] = [5, 13];
 /// What the options ask for.
 pub(super) enum Made {
     /// A table, its summary, and the checkpoint with its finished parts if it has an output.
-    Table(Table, String, Option<Checkpoint>),
+    Table(Box<Table>, String, Option<Checkpoint>),
     /// A share of the parts of a table, in a checkpoint with this identity.
     Share(Checkpoint, Identity),
 }
@@ -42,7 +42,7 @@ pub(super) fn make_table(args: &EstimateArgs, scene: &Scene, output: Option<&Pat
             coherence => cell::scatter_table(args, scene, coherence, output),
         },
         Shape::Stack { .. } | Shape::Planes(_) => {
-            planar::mirror_table(args, scene).map(|(table, summary)| Made::Table(table, summary, None))
+            planar::mirror_table(args, scene).map(|(table, summary)| Made::Table(Box::new(table), summary, None))
         }
     }
 }
@@ -71,7 +71,7 @@ pub(super) fn make_table_in_memory(scene: &Scene, quiet: bool) -> Result<(Table,
         }
     }
     match make_table(&args, scene, None)? {
-        Made::Table(table, summary, _) => Ok((table, summary)),
+        Made::Table(table, summary, _) => Ok((*table, summary)),
         Made::Share(..) => unreachable!("no share is asked for"),
     }
 }

@@ -122,7 +122,7 @@ pub(super) fn wave_table(args: &EstimateArgs, scene: &Scene, output: Option<&Pat
             (table.into(), summary)
         }
     };
-    Ok(Made::Table(table, summary, checkpoint))
+    Ok(Made::Table(Box::new(table), summary, checkpoint))
 }
 
 /// Refuses options that waves do not have.
