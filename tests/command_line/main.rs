@@ -30,6 +30,7 @@ mod scenes;
 mod sheets;
 mod spreads;
 mod tables;
+mod tabulated_finishes;
 mod tilted;
 mod usage;
 mod user;

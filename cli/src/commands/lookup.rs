@@ -9,7 +9,7 @@ use crate::commands::args::{DirectionArg, LookupArgs, finish_choice};
 use crate::commands::csv_file::{number, write_csv};
 use crate::commands::table_source::TableSource;
 use crate::commands::thickness_option::one_surface;
-use crate::export::{Delta, Deltas, LobeWidth, RGB, Reflection};
+use crate::export::{Delta, Deltas, LobeWidth, RGB, Reflection, ReflectionKind};
 use crate::solve::precision::Precision;
 use crate::support::error::{Error, Result};
 use crate::support::input::read_bytes;
@@ -166,10 +166,19 @@ fn values(
         let mut header = ["theta_i_deg", "phi_i_deg", "theta_o_deg", "phi_o_deg"].map(str::to_owned).to_vec();
         header.extend(columns.iter().map(|column| format!("f_{column}")));
         header.extend(error.is_some().then(|| "luminance_std_error".to_owned()));
+        let facets = match spectral.kind() {
+            ReflectionKind::Lobe { finish, .. } => Some(finish.finish()),
+            _ => None,
+        };
+        header.extend(facets.is_some().then(|| "pdf".to_owned()));
         let header: Vec<&str> = header.iter().map(String::as_str).collect();
         let rows = both.map(|(wi, wo)| {
             let mut row = [angles(wi), angles(wo)].concat();
             row.extend(at(wi.vector(), wo.vector()).into_iter().map(|f| number(f, Precision::F32)));
+            if let Some(facets) = &facets {
+                let lobe = facets.lobe(wi.vector().as_vec3(), wo.vector().as_vec3());
+                row.push(number(lobe.map_or(0.0, |lobe| lobe.pdf.into()), Precision::F32));
+            }
             row
         });
         return write_csv(path, &header, rows);
