@@ -245,8 +245,7 @@ fn a_smooth_finish_is_a_mirror() {
 #[test]
 fn a_table_of_ggx_facets_is_ggx() {
     // Distance of the chord of a function of t from it: h² |D″|/8, with D″/D = 6 (1 − α²)²/(t (1 − α²) + α²)², and
-    // steps h = 4 t^¾/256 to first order, which is twice that at the second node and nearly that from the tenth on. With
-    // t/α² = x, D″ h²/8D is largest at x = 3: 6/8 (4/256)² 3^1.5/(4² α).
+    // steps h = 4 t^¾/256 to first order. With t/α² = x, D″ h²/8D is largest at x = 3: 6/8 (4/256)² 3^1.5/(4² α).
     let bound = |alpha: f64| 0.75 * (4.0f64 / 256.0).powi(2) * 3f64.powf(1.5) / (16.0 * alpha);
     for alpha in [0.1f32, 0.3, 0.7] {
         let exact = analytic(Distribution::Ggx, [alpha; 2]);

@@ -44,7 +44,10 @@ fn what_a_format_cannot_hold_is_refused_with_the_remedy() {
         ("export soap-bubble --to merl --roughness 0.5 -o a.binary", ["takes a table", "goniochrome estimate"]),
         ("export t.exr --to lut -o a.bsdf", ["writes .exr or .png", "name it so"]),
         ("export t.exr --to gltf -o a.json", ["writes .gltf", "name it so"]),
-        ("export t.exr --to order-lut --roughness 0.5 -o a.exr", ["--roughness is for", "leave it out of --to order-lut"]),
+        (
+            "export t.exr --to order-lut --roughness 0.5 -o a.exr",
+            ["--roughness is for", "leave it out of --to order-lut"],
+        ),
         ("export t.exr --to lut -o a.exr --shader a.txt", [".glsl", ".wgsl"]),
         ("export t.exr --to lut -o t.exr", ["would overwrite the input", "t.exr"]),
         ("export t.exr --to voxels -o a.exr", ["voxels", "possible values"]),

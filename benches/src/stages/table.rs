@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use glam::Vec3;
-use goniochrome::microfacet::{Distribution, Finish, Masking};
+use goniochrome::microfacet::{Distribution, FacetTable, Finish, Masking};
 use goniochrome::table::{
     FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
     ScatterLayout, ScatterSampler, ScatterTable,
@@ -17,6 +17,8 @@ const LOOKUPS: usize = 1024;
 const ROWS: usize = 90;
 /// Number of knots of the warp of `estimate`'s tables, along each axis.
 const KNOTS: usize = 33;
+/// Number of rings of tabulated facets.
+const RINGS: usize = 256;
 
 fn work(name: &'static str) -> Work {
     Work { stage: "table", name, unit: "look-ups", amount: LOOKUPS as f64 }
@@ -91,11 +93,19 @@ pub fn table(visit: Visit<'_>) {
         let finish = Finish::new(distribution, Masking::Correlated, [0.2, 0.3]).expect("a good roughness");
         finished(name, finish, &pairs, visit);
     }
+    let ggx = Finish::new(Distribution::Ggx, Masking::Correlated, [0.25; 2]).expect("a good roughness");
+    let density: Vec<f32> = (0..=RINGS)
+        .map(|ring| (FacetTable::sin_square(RINGS, ring) as f32).min(0.999_999))
+        .map(|t| ggx.density(Vec3::new(t.sqrt(), 0.0, (1.0 - t).sqrt())))
+        .collect();
+    let mut memory = vec![0.0; FacetTable::required_len([RINGS, 1])];
+    let facets = FacetTable::new([RINGS, 1], &density, &mut memory).expect("good facets");
+    finished("finish, tabulated", Finish::tabulated(facets, Masking::Correlated), &pairs, visit);
     orders(&pairs, visit);
 }
 
 /// RGB and density of a 2D table with a finish.
-fn finished(name: &'static str, finish: Finish, pairs: &[(Vec3, Vec3)], visit: Visit<'_>) {
+fn finished(name: &'static str, finish: Finish<'_>, pairs: &[(Vec3, Vec3)], visit: Visit<'_>) {
     let values: Vec<f32> = (0..3 * ROWS).map(|i| i as f32 / (3 * ROWS) as f32).collect();
     let arrays = FilmArrays { reflectance: &values, transmittance: &[], thickness_nm: &[0.0] };
     let table = FilmTable::new(&arrays, 3, 1.55, Some(finish)).expect("a good table");

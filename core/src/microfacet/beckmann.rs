@@ -132,8 +132,8 @@ mod tests {
 
     #[test]
     fn the_visible_area_is_that_of_beckmanns_facets() {
-        /// The polynomial's error, 5e-7; its rounding, half a unit and a quarter, to the power of 16, 1.4e-6; rounding of
-        /// the powers, 15 halves, 9e-7; of the argument, its square and the sum, 2e-7.
+        /// The polynomial's error, 5e-7; its rounding, half a unit and a quarter, to the power of 16, 1.4e-6; rounding
+        /// of the powers, 15 halves, 9e-7; of the argument, its square and the sum, 2e-7.
         const BOUND: f64 = 3e-6;
         let mut worst = 0.0f64;
         for i in 0..20_000 {

@@ -1,9 +1,11 @@
 //! Errors of finishes.
 
+use super::limits::{MAX_RINGS, MAX_SECTORS, MIN_ROUGHNESS};
+
 /// An error for which a finish or a table of facets is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FinishError {
-    /// A roughness is not from [`MIN_ROUGHNESS`](super::MIN_ROUGHNESS) to 1.
+    /// A roughness is not from [`MIN_ROUGHNESS`](MIN_ROUGHNESS) to 1.
     Roughness,
     /// A table of facets has too few or too many rings or sectors, or memory or densities of another length.
     Size,
@@ -16,12 +18,10 @@ pub enum FinishError {
 impl core::fmt::Display for FinishError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Roughness => write!(f, "a roughness must be from {} to 1", super::MIN_ROUGHNESS),
+            Self::Roughness => write!(f, "a roughness must be from {MIN_ROUGHNESS} to 1"),
             Self::Size => write!(
                 f,
-                "a table of facets has 1 to {} rings, 1 or 4 to {} sectors, and a number for each node",
-                super::MAX_RINGS,
-                super::MAX_SECTORS
+                "a table of facets has 1 to {MAX_RINGS} rings, 1 or 4 to {MAX_SECTORS} sectors, and a number for each node"
             ),
             Self::Density => write!(f, "densities of normals must be finite, not negative, and positive somewhere"),
             Self::Tilt => write!(f, "the facets have a mean slope; level them"),

@@ -226,8 +226,8 @@ impl<'a> Finish<'a> {
     /// Draws a normal that `wi` above the horizon sees, by `u` in [0, 1)².
     ///
     /// GGX and Beckmann facets are drawn as often as they are seen, with density D (wi·m)⁺ over
-    /// [`Finish::visible_area`] (Heitz & d'Eon 2014). Tabulated facets are drawn by D cos θ_m, and turned by half a turn
-    /// about z if `wi` does not see them.
+    /// [`Finish::visible_area`] (Heitz & d'Eon 2014). Tabulated facets are drawn by D cos θ_m, and turned by half a
+    /// turn about z if `wi` does not see them.
     #[must_use]
     pub fn draw_normal(&self, wi: Vec3, u: [f32; 2]) -> Vec3 {
         let u = u.map(|u| u.clamp(0.0, 1.0 - f32::EPSILON / 2.0));

@@ -12,8 +12,9 @@
 //! Directions are unit vectors in the surface's frame. All functions are in single precision; the caller owns no
 //! memory.
 
-mod error;
 mod exponential;
+mod limits;
+mod error;
 mod roughness;
 mod beckmann;
 mod table;
@@ -21,5 +22,5 @@ mod finish;
 
 pub use error::FinishError;
 pub use finish::{Distribution, Finish, Lobe, Masking};
-pub use roughness::MIN_ROUGHNESS;
-pub use table::{FacetTable, MAX_RINGS, MAX_SECTORS};
+pub use limits::{MAX_RINGS, MAX_SECTORS, MIN_ROUGHNESS};
+pub use table::FacetTable;

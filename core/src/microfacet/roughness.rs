@@ -1,10 +1,8 @@
 //! The roughness of a finish, and how facets of one stretched distribution are those of another.
 
+use super::limits::MIN_ROUGHNESS;
 use core::f32::consts::PI;
 use glam::Vec3;
-
-/// Smallest roughness: lobes of a tenth of a degree, below which single precision loses the half vector.
-pub const MIN_ROUGHNESS: f32 = 1e-3;
 
 /// Roughness α along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]

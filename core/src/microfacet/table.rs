@@ -8,14 +8,11 @@
 //! which the direction sees as much, e = 4 σ (σ − cos θ)/sin²θ. It is cubic between nodes at cos θ = (i/64)².
 
 use super::error::FinishError;
+use super::limits::{MAX_RINGS, MAX_SECTORS};
 use core::f32::consts::TAU;
 use glam::Vec3;
 use libm::{acos, cos, cosf, sin, sinf, sqrt, sqrtf};
 
-/// Maximum number of rings of a [`FacetTable`].
-pub const MAX_RINGS: usize = 1024;
-/// Maximum number of sectors of a [`FacetTable`].
-pub const MAX_SECTORS: usize = 128;
 /// Minimum number of sectors, except for 1.
 const MIN_SECTORS: usize = 4;
 /// Maximum mean slope: a surface's own normal is the mean of its facets.
@@ -175,22 +172,27 @@ impl<'a> FacetTable<'a> {
         let row = (at as usize).min(VIEWS - 1);
         let weights = cubic(at - row as f32);
         // e is an even function of √cos θ.
-        let rows = [if row == 0 { 1 } else { row - 1 }, row, row + 1, row + 2];
-        let along = |j: usize| (0..4).map(|k| weights[k] * self.seen[rows[k] * self.sectors + j]).sum::<f32>();
+        let rows = [if row == 0 { 1 } else { row - 1 }, row, row + 1, row + 2].map(|row| row * self.sectors);
+        let along = |j: usize| {
+            let [a, b, c, d] = rows.map(|row| self.seen.get(row + j).copied().unwrap_or(0.0));
+            (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d)
+        };
         let square = if self.sectors == 1 {
             along(0)
         } else {
             let (j, part) = self.sector(w);
-            let across = cubic(part);
-            (0..4).map(|k| across[k] * along((j + k + self.sectors - 1) % self.sectors)).sum()
+            let [a, b, c, d] = cubic(part);
+            let after = |j: usize| if j + 1 < self.sectors { j + 1 } else { 0 };
+            let before = if j == 0 { self.sectors - 1 } else { j - 1 };
+            (a * along(before) + b * along(j)) + (c * along(after(j)) + d * along(after(after(j))))
         };
         let seen = w.z * w.z + square * (w.x * w.x + w.y * w.y);
         // Interpolation may overshoot; the area of both directions together stays positive.
         0.5 * (w.z + sqrtf(seen.max(0.25 * w.z * w.z)))
     }
 
-    /// Density with which [`FacetTable::draw`] draws a normal `m` that `wi` sees, by D there; `m` has the squared length
-    /// that is given.
+    /// Density with which [`FacetTable::draw`] draws a normal `m` that `wi` sees, by D there. `m` has the squared
+    /// length that is given.
     #[inline(never)]
     pub(super) fn pdf(&self, wi: Vec3, m: Vec3, length_square: f32, density: f32) -> f32 {
         let across = wi.x * m.x + wi.y * m.y;

@@ -195,8 +195,8 @@ impl<'a> FilmTable<'a> {
         let wo = finish.sample(wi, u)?;
         let lobe = finish.lobe(wi, wo)?;
         let pdf = lobe.pdf;
-        // f cos θ_o over the density; where it is that of visible normals without D, as both may be too small for single
-        // precision.
+        // f cos θ_o over the density; where it is that of visible normals without D, as both may be too small for
+        // single precision.
         let share = match finish.distribution() {
             Some(_) => 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z,
             None => lobe.value * wo.z / pdf,
