@@ -507,8 +507,8 @@ typedef struct {
      */
     float wo[3];
     /*
-     Density per solid angle. It is 1 for a mirror-like surface without a finish, which has no density. 0 for a draw without light,
-     which has weight 0 and counts as a sample.
+     Density per solid angle. It is 1 for a mirror-like surface without a finish, which has no density. 0 for a draw
+     without light, which has weight 0 and counts as a sample.
      */
     float pdf;
     /*

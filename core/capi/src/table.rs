@@ -61,8 +61,8 @@ pub struct FacetLobe {
 pub struct Sample {
     /// Direction, a unit vector.
     pub wo: [f32; 3],
-    /// Density per solid angle. It is 1 for a mirror-like surface without a finish, which has no density. 0 for a draw without light,
-    /// which has weight 0 and counts as a sample.
+    /// Density per solid angle. It is 1 for a mirror-like surface without a finish, which has no density. 0 for a draw
+    /// without light, which has weight 0 and counts as a sample.
     pub pdf: f32,
     /// RGB of the BRDF times cos theta_o divided by the density; the reflectance of a mirror-like surface without a
     /// finish.

@@ -1,5 +1,5 @@
-//! Tables as bytes, for run time: a [`MirrorTable`], a [`FilmTable`], a [`ScatterTable`] with its [`ScatterSampler`], or
-//! an [`OrderTable`].
+//! Tables as bytes, for run time: a [`MirrorTable`], a [`FilmTable`], a [`ScatterTable`] with its [`ScatterSampler`],
+//! or an [`OrderTable`].
 //!
 //! [`Blob::read`] checks the bytes once and borrows them; nothing is copied. The bytes need no alignment.
 //!
@@ -35,8 +35,8 @@
 //! Incident directions and nodes are those of [`ScatterLayout`], columns running fastest; the warp is
 //! [`HalfVectorWarp`]'s. Scatter sides are at most 1024, T and U at least 2; knots are from 2 to 1025. The first number
 //! of an incident direction is in [0, 4·10³²]. Cumulative probabilities do not decrease and end in exactly 1. Densities
-//! of the warp are 0.001 at least; its integrals increase from 0 to exactly 1, and differ from trapezia of the densities
-//! by 3·2⁻²³ at most.
+//! of the warp are 0.001 at least; its integrals increase from 0 to exactly 1, and differ from trapezia of the
+//! densities by 3·2⁻²³ at most.
 //!
 //! The nodes of orders are those of [`OrderLayout`], α running fastest; [`OrderTable`] says what strengths are and how
 //! they are looked up. Sides are from 2 to 1024, and there are at most 2²⁰ orders. Strengths are not negative. m and n

@@ -59,12 +59,12 @@ pub struct PlotArgs {
     /// Tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
     #[arg(long, value_name = "NM")]
     pub thickness: Option<f64>,
-    /// Lobes of mirror-like tables: the roughness α of the facets, in (0, 1], along x and y [default: that of the table's
-    /// finish]
+    /// Lobes of mirror-like tables: the roughness α of the facets, in (0, 1], along x and y [default: that of the
+    /// table's finish]
     #[arg(long, value_name = "ALPHA[,ALPHA]", allow_hyphen_values = true)]
     pub roughness: Option<RoughnessArg>,
-    /// Lobes of mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else
-    /// ggx]
+    /// Lobes of mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's,
+    /// else ggx]
     #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
     pub distribution: Option<Distribution>,
     /// Spectrum, angles and map of diffraction orders: the order to draw, as M or M,N; repeat it for more [default: the

@@ -1,8 +1,8 @@
 //! A finish in a material: `roughnessFactor`, and `KHR_materials_anisotropy` for two roughnesses.
 //!
-//! glTF's facets are GGX, with correlated masking. Its roughness is the square root of our α. For two, the extension has
-//! α_b = roughness² along one axis and α_t = α_b + (1 − α_b) strength² along the other, which the rotation turns from
-//! the tangent.
+//! glTF's facets are GGX, with correlated masking. Its roughness is the square root of our α. For two, the extension
+//! has α_b = roughness² along one axis and α_t = α_b + (1 − α_b) strength² along the other, which the rotation turns
+//! from the tangent.
 
 use std::f64::consts::FRAC_PI_2;
 
