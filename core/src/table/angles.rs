@@ -48,13 +48,6 @@ pub(super) fn angle_of_cosine(cos: f32) -> f32 {
     libm::sqrtf(1.0 - cos) * COEFFICIENTS.into_iter().fold(0.0, |sum, c| sum * cos + c)
 }
 
-/// Angle θ_d between two unit vectors and their half vector: half of the angle between them.
-#[inline]
-pub(super) fn half_angle(wi: Vec3, wo: Vec3) -> f32 {
-    let length = |w: Vec3| libm::sqrtf(w.length_squared());
-    atan2(length(wi - wo), length(wi + wo))
-}
-
 /// Length of the tangential part of a vector.
 #[inline]
 pub(super) fn level(w: Vec3) -> f32 {
@@ -108,7 +101,6 @@ mod tests {
         ] {
             assert_eq!(atan2(y, x), angle, "{y} {x}");
         }
-        assert!(half_angle(Vec3::Z, Vec3::Z) == 0.0 && (half_angle(Vec3::X, Vec3::Z) - 0.25 * PI).abs() < 3e-7);
         assert_eq!((polar(Vec3::Z), polar(Vec3::ZERO), azimuth(-Vec3::Z)), (0.0, 0.0, 0.0));
     }
 }

@@ -1,7 +1,7 @@
 //! Mirror-like surfaces with all that such a table may hold: transmittance, a thickness that varies, a finish.
 
 use super::angle_axis::AngleAxis;
-use super::angles::{angle_of_cosine, half_angle};
+use super::angles::angle_of_cosine;
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::mirror::MirrorTable;
 use super::values::Values;
@@ -201,7 +201,7 @@ impl<'a> FilmTable<'a> {
             Some(_) => 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z,
             None => lobe.value * wo.z / pdf,
         };
-        let weight = self.rgb(self.reflectance, half_angle(wi, wo), thickness_nm).map(|rho| rho * share);
+        let weight = self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm).map(|rho| rho * share);
         (pdf > 0.0).then_some(FilmSample { wo, pdf: Some(pdf), weight })
     }
 
