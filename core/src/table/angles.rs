@@ -43,7 +43,7 @@ pub(super) fn angle_of_cosine(cos: f32) -> f32 {
         -0.050_174_305,
         0.088_978_99,
         -0.214_598_8,
-        1.570_796_3,
+        FRAC_PI_2,
     ];
     libm::sqrtf(1.0 - cos) * COEFFICIENTS.into_iter().fold(0.0, |sum, c| sum * cos + c)
 }

@@ -238,7 +238,7 @@ impl<'a> FilmTable<'a> {
             if self.thickness_nm.at(middle) <= nm { below = middle } else { above = middle }
         }
         let [thin, thick] = [below, above].map(|index| self.thickness_nm.at(index));
-        (below, ((nm - thin) / (thick - thin)).max(0.0).min(1.0))
+        (below, clamped((nm - thin) / (thick - thin)))
     }
 
     /// Reflectance and transmittance.
@@ -265,10 +265,17 @@ impl<'a> From<MirrorTable<'a>> for FilmTable<'a> {
     }
 }
 
+/// Number clamped to [0, 1]; NaN counts as 0.
+#[inline]
+fn clamped(x: f32) -> f32 {
+    let positive = x.max(0.0);
+    positive.min(1.0)
+}
+
 /// Angle θ of a cosine, which is clamped to [0, 1]; that of NaN is π/2.
 #[inline]
 fn angle(cos_theta: f32) -> f32 {
-    angle_of_cosine(cos_theta.max(0.0).min(1.0))
+    angle_of_cosine(clamped(cos_theta))
 }
 
 #[cfg(test)]
