@@ -13,12 +13,15 @@ const MEAN_OTHERS = 2;
  * smooth edges. Rays of `render` on a scattering body draw one direction each: its noise falls with the root of their
  * number.
  */
-const SIZE = { "beetle-pits": [128, 32, 1024], "silicon-pyramids": [128, 32, 1024] };
+const SIZE = {
+  "beetle-pits": [128, 32, 1024], "silicon-pyramids": [128, 32, 1024],
+  satin: [192, 32, 256], brushed: [192, 32, 256], gold: [192, 32, 256],
+};
 const SIZE_OTHERS = [256, 32, 32];
 /** Options of `render` for a page. */
-const OPTIONS = { soft: ["--spread=2"] };
+const OPTIONS = { soft: ["--spread=2"], satin: ["--roughness=0.1"], brushed: ["--roughness=0.1,0.4"] };
 /** The table of a page. */
-const TABLE = { soft: "disc" };
+const TABLE = { soft: "disc", satin: "beetle", brushed: "beetle" };
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -54,6 +57,14 @@ for (const light of ["white", "studio", "image"]) {
 test("mirror-like, sphere, studio", () => compare("beetle", "sphere", "studio", { azimuth: 20, elevation: 50 }));
 test("mirror-like, plane, studio, from below", () =>
   compare("beetle", "plane", "studio", { azimuth: 100, elevation: -40 }));
+for (const table of ["satin", "brushed", "gold"]) {
+  for (const light of ["white", "studio", "image", "lamp"]) {
+    test(`rough facets, ${table}, teapot, ${light}`, () => compare(table, "teapot", light));
+  }
+}
+test("rough facets, brushed, sphere, image", () => compare("brushed", "sphere", "image", { azimuth: 20, elevation: 50 }));
+test("rough facets, brushed, disc, lamp", () => compare("brushed", "disc", "lamp"));
+test("rough facets, gold, plane from below, studio", () => compare("gold", "plane", "studio", { elevation: -40 }));
 for (const light of ["white", "studio", "lamp"]) {
   test(`scattering, teapot, ${light}`, () => compare("beetle-pits", "teapot", light));
 }

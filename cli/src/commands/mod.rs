@@ -23,6 +23,7 @@ mod lookup;
 mod plot;
 mod spread_option;
 mod film_option;
+mod finish_option;
 mod render;
 mod view;
 mod figures;

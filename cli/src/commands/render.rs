@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::commands::args::{RenderArgs, finish_choice};
+use crate::commands::args::RenderArgs;
 use crate::commands::film_option::{is_sheet, map_file, thickness};
+use crate::commands::finish_option::finish;
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
 use crate::obj;
@@ -19,7 +20,6 @@ use crate::render::spread::spread_environment;
 use crate::render::surface::{MirrorChoice, Surface};
 use crate::render::tone::ToneMap;
 use crate::render::{Progress, Quality, Sampling, Stage, render};
-use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::{bar, note};
@@ -74,7 +74,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         return Err(Error::usage(what));
     }
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
-    let finish = finish(args, &table)?;
+    let finish = finish(args.roughness, args.distribution, &table)?;
     let mut is_sheet = is_sheet(args.body, &table)?;
     if is_sheet && finish.is_some() {
         is_sheet = false;
@@ -130,19 +130,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         RenderFormat::Exr => film.exr(&format!("{} on {} in {} light", table.name(), args.mesh, args.env))?,
     };
     output::write_file(&args.output, &bytes)
-}
-
-/// The finish of a table's surface: by the options, else the table's own.
-fn finish(args: &RenderArgs, table: &Table) -> Result<Option<OwnedFinish>> {
-    let choice = finish_choice(args.roughness, args.distribution);
-    match table {
-        Table::Mirror(table) => choice.of(&table.metadata),
-        _ if choice.is_given() => Err(Error::usage(
-            "--roughness, --distribution: are for mirror-like tables, and this one has directions of its own; leave them \
-             out",
-        )),
-        _ => Ok(None),
-    }
 }
 
 /// How the options say that pixels are sampled.

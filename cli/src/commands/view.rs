@@ -1,13 +1,14 @@
 //! The command `goniochrome view`.
 
 use crate::commands::args::PageArgs;
+use crate::commands::finish_option::finish;
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
 use crate::commands::thickness_option::one_surface;
+use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
-use crate::table::finish::is_finished;
 use crate::view::page;
 
 pub fn run(args: &PageArgs) -> Result<()> {
@@ -19,10 +20,18 @@ pub fn run(args: &PageArgs) -> Result<()> {
     output::check_destination(&args.output, &source.files())?;
     let table = one_surface(source.table(args.quiet)?, args.thickness)?;
     let spread = spread(args.spread, &table)?;
-    if is_finished(table.metadata()) {
-        note(args.quiet, format_args!("{}: the page shows a mirror, without the finish", args.output.display()));
+    let finish = finish(args.roughness, args.distribution, &table)?;
+    let shown = finish.as_ref().map(OwnedFinish::finish).filter(|finish| finish.alpha().is_some());
+    if finish.is_some() && shown.is_none() {
+        note(
+            args.quiet,
+            format_args!(
+                "{}: the page opens with a mirror, without the table's distribution of normals; --roughness makes it rough",
+                args.output.display()
+            ),
+        );
     }
-    let html =
-        page(&table, spread).map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
+    let html = page(&table, spread, shown)
+        .map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
     output::write_file(&args.output, html.as_bytes())
 }

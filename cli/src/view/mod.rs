@@ -9,6 +9,7 @@ mod shape;
 mod orders;
 mod table;
 
+use goniochrome::microfacet::Finish;
 use serde_json::{Value, json};
 
 use crate::plot::escape;
@@ -24,9 +25,10 @@ use crate::table::Table;
 pub const MAX_BYTES: usize = 48 << 20;
 
 /// Scripts of the page, each after those that it uses.
-const SCRIPTS: [&str; 12] = [
+const SCRIPTS: [&str; 15] = [
     include_str!("page/basics.js"),
     include_str!("page/colour.js"),
+    include_str!("page/finish.js"),
     include_str!("page/table.js"),
     include_str!("page/orders.js"),
     include_str!("page/shape.js"),
@@ -34,19 +36,24 @@ const SCRIPTS: [&str; 12] = [
     include_str!("page/exr.js"),
     include_str!("page/images.js"),
     include_str!("page/samples.js"),
+    include_str!("page/levels.js"),
+    include_str!("page/finished.js"),
     include_str!("page/renderer.js"),
     include_str!("page/charts.js"),
     include_str!("page/main.js"),
 ];
 
 /// Shaders of the page by name; `common` is put before each fragment shader.
-const SHADERS: [(&str, &str); 17] = [
+const SHADERS: [(&str, &str); 20] = [
     ("surface", include_str!("shaders/surface.vert")),
     ("screen", include_str!("shaders/screen.vert")),
     ("common", include_str!("shaders/common.glsl")),
     ("light", include_str!("shaders/light.glsl")),
     ("frame", include_str!("shaders/frame.glsl")),
     ("mirror", include_str!("shaders/mirror.frag")),
+    ("levels", include_str!("shaders/levels.glsl")),
+    ("level", include_str!("shaders/level.frag")),
+    ("finish", include_str!("shaders/finish.frag")),
     ("scatter", include_str!("shaders/scatter.frag")),
     ("prepare", include_str!("shaders/prepare.frag")),
     ("settle", include_str!("shaders/settle.frag")),
@@ -60,18 +67,17 @@ const SHADERS: [(&str, &str); 17] = [
     ("display", include_str!("shaders/display.frag")),
 ];
 
-/// The HTML page of a table, with the width of its diffraction orders.
+/// The HTML page of a table, with the width of its diffraction orders or the finish of its surface.
 ///
 /// # Errors
 /// A damaged table, a table without colours, or one that is too large for a page.
-pub fn page(table: &Table, spread: Option<Spread>) -> Result<String> {
+pub fn page(table: &Table, spread: Option<Spread>, finish: Option<Finish<'_>>) -> Result<String> {
     table.check()?;
-    let tangents = !matches!(table, Table::Mirror(_));
     let shaders: serde_json::Map<String, Value> =
         SHADERS.into_iter().map(|(name, text)| (name.to_owned(), text.into())).collect();
     let data = json!({
-        "table": table::packed(table)?,
-        "shapes": shape::packed(tangents),
+        "table": table::packed(table, finish)?,
+        "shapes": shape::packed(),
         "studio": studio(),
         "lamp": lamp(),
         "spread": spread.map(|width| json!({ "rows": width.rows(), "concentration": width.concentration() })),
@@ -147,7 +153,7 @@ mod tests {
     fn a_page_is_one_small_file_that_needs_no_network() {
         let orders = crate::table::orders::tests::sample().into();
         for table in [mirror(), crate::table::scatter::tests::sample().into(), orders] {
-            let html = page(&table, None).unwrap();
+            let html = page(&table, None, None).unwrap();
             assert!(html.len() < MAX_BYTES_2D, "{}: {}", table.name(), html.len());
             // A place in the page itself is not an address.
             let html = html.replace("url(#", "");
@@ -161,7 +167,7 @@ mod tests {
 
     #[test]
     fn names_of_scenes_stay_text() {
-        let html = page(&mirror(), None).unwrap();
+        let html = page(&mirror(), None, None).unwrap();
         assert!(html.contains("<title>&lt;/script&gt;&lt;b&gt;"));
         assert!(!html.contains("</script><b>"));
     }
@@ -170,6 +176,6 @@ mod tests {
     fn damaged_tables_are_refused() {
         let mut table = crate::table::mirror::tests::sample();
         table.rgb[0][0] = f32::NAN;
-        assert!(page(&table.into(), None).unwrap_err().to_string().contains("is not finite"));
+        assert!(page(&table.into(), None, None).unwrap_err().to_string().contains("is not finite"));
     }
 }

@@ -18,13 +18,13 @@ const SPHERE_LEVEL: u32 = 32;
 /// Segments around the disc: its edge lies less than a twentieth of a pixel inside the circle at 1024 pixels.
 const DISC_SEGMENTS: u32 = 256;
 
-/// All meshes of a page, with tangents only if the surface needs them.
-pub(super) fn packed(tangents: bool) -> Value {
+/// All meshes of a page.
+pub(super) fn packed() -> Value {
     json!({
-        "teapot": mesh(&TriangleMesh::teapot(TEAPOT_LEVEL), tangents),
-        "sphere": mesh(&TriangleMesh::sphere(SPHERE_LEVEL), tangents),
-        "plane": mesh(&TriangleMesh::plane(), tangents),
-        "disc": mesh(&disc(), tangents),
+        "teapot": mesh(&TriangleMesh::teapot(TEAPOT_LEVEL)),
+        "sphere": mesh(&TriangleMesh::sphere(SPHERE_LEVEL)),
+        "plane": mesh(&TriangleMesh::plane()),
+        "disc": mesh(&disc()),
     })
 }
 
@@ -44,17 +44,14 @@ fn disc() -> TriangleMesh {
 }
 
 /// A mesh, with positions relative to the centre of its bounding sphere, in its radii.
-fn mesh(mesh: &TriangleMesh, tangents: bool) -> Value {
+fn mesh(mesh: &TriangleMesh) -> Value {
     let (centre, radius) = mesh.bounding_sphere();
     let numbers = |list: &[DVec3]| pack::signed(list.iter().flat_map(|v| v.to_array()));
     let index = |i: &u32| u16::try_from(*i).expect("the meshes of a page have less than 65536 vertices");
-    let mut packed = json!({
+    json!({
         "positions": pack::signed(mesh.positions.iter().flat_map(|p| ((*p - centre) / radius).to_array())),
         "normals": numbers(&mesh.normals),
+        "tangents": numbers(&mesh.tangents),
         "triangles": pack::indices(mesh.triangles.iter().flatten().map(index)),
-    });
-    if tangents {
-        packed["tangents"] = numbers(&mesh.tangents);
-    }
-    packed
+    })
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use goniochrome::colour::{Quadrature, RgbSpace};
+use goniochrome::microfacet::{Distribution, Finish, Masking};
 use goniochrome::table::{FacetLobe, ScatterLayout, ScatterSampler, ScatterTable as Lookup};
 use serde_json::{Value, json};
 
@@ -25,10 +26,10 @@ const VIEWS_PER_STEP: u32 = 4;
 /// Largest number of directions of the viewer. Larger tables have fewer to a step.
 const MAX_VIEWS: usize = 16384;
 
-/// A table of either kind.
-pub(super) fn packed(table: &Table) -> Result<Value> {
+/// A table of any kind. A finish is that of a mirror-like one.
+pub(super) fn packed(table: &Table, finish: Option<Finish<'_>>) -> Result<Value> {
     match table {
-        Table::Mirror(mirror) => mirror_like(mirror, &facts(table)),
+        Table::Mirror(mirror) => mirror_like(mirror, finish, &facts(table)),
         Table::Scatter(scatter) => scattering(scatter, &facts(table)),
         Table::Orders(orders) => orders::packed(orders, &facts(table)),
     }
@@ -46,7 +47,7 @@ fn facts(table: &Table) -> Value {
     })
 }
 
-fn mirror_like(table: &MirrorTable, facts: &Value) -> Result<Value> {
+fn mirror_like(table: &MirrorTable, finish: Option<Finish<'_>>, facts: &Value) -> Result<Value> {
     let rgb = table.metadata.screen_rgb(table.colours()?);
     let shown = MirrorTable { theta_deg: table.theta_deg.clone(), rgb, ..MirrorTable::default() };
     let lookup = (0..=STEPS).flat_map(|step| shown.rgb_at(90.0 * f64::from(step) / f64::from(STEPS)));
@@ -58,6 +59,11 @@ fn mirror_like(table: &MirrorTable, facts: &Value) -> Result<Value> {
         "s": pack::floats(table.reflectance_s.iter().copied()),
         "p": pack::floats(table.reflectance_p.iter().copied()),
         "lookup": pack::floats(lookup),
+        "finish": {
+            "roughness": finish.and_then(|finish| finish.alpha()).unwrap_or([0.0; 2]),
+            "beckmann": finish.is_some_and(|finish| finish.distribution() == Some(Distribution::Beckmann)),
+            "separable": finish.is_some_and(|finish| finish.masking() == Masking::Separable),
+        },
     }))
 }
 

@@ -3,6 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use goniochrome::microfacet::Distribution;
+
+use crate::commands::args::values::{RoughnessArg, distribution, roughness_or_mirror};
 
 /// Arguments of `view`.
 #[derive(Debug, Args)]
@@ -19,6 +22,13 @@ pub struct PageArgs {
     /// Diffraction orders: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,
+    /// Mirror-like tables: the roughness α with which the page opens, in (0, 1], or two numbers along the tangent and
+    /// the binormal; 0 is a mirror [default: the table's finish]
+    #[arg(long, value_name = "ALPHA[,ALPHA]", value_parser = roughness_or_mirror, allow_hyphen_values = true)]
+    pub roughness: Option<RoughnessArg>,
+    /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
+    #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
+    pub distribution: Option<Distribution>,
     /// Print no progress and no notes on standard error
     #[arg(long, short)]
     pub quiet: bool,

@@ -9,6 +9,12 @@ const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 const radians = (degrees) => (degrees * Math.PI) / 180;
 const degrees = (radians) => (radians * 180) / Math.PI;
 
+/** The unit vector at angles in degrees. */
+function sphere(theta, phi) {
+  const sin = Math.sin(radians(theta));
+  return [sin * Math.cos(radians(phi)), sin * Math.sin(radians(phi)), Math.cos(radians(theta))];
+}
+
 /** The bytes of a base64 text. */
 function bytes(text) {
   const string = atob(text);

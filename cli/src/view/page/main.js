@@ -6,7 +6,9 @@ const table = new { mirror: MirrorTable, scatter: ScatterTable, orders: OrderTab
 data.shapes = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, new Shape(shape)]));
 const camera = new Camera(data.view);
 const stage = $("stage");
-const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false };
+/** Roughness of the surface along its tangent and across; 0 is a mirror. */
+const ownRoughness = table.finish ? data.table.finish.roughness.map((alpha) => Number(alpha.toPrecision(4))) : [0, 0];
+const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false, roughness: ownRoughness };
 // Discs are known from small lamps.
 if (table.diffracts) Object.assign(state, { shape: "disc", light: "lamp" });
 /** Lights that need no file. */
@@ -225,7 +227,12 @@ function pointAtDisc(event) {
 
 // ---- controls
 
+/** Roughness at a place of its slider, whose steps are small where the roughness is. */
+const roughnessAt = (place) => (place ** 2 < MIN_ROUGHNESS ? 0 : Number((place ** 2).toPrecision(2)));
+
 function setLabels() {
+  $("roughness-value").textContent = state.roughness[0];
+  $("across-value").textContent = state.roughness[1];
   $("exposure-value").textContent = `${state.exposure > 0 ? "+" : ""}${state.exposure.toFixed(1)} EV`;
   $("turn-value").textContent = `${state.turn.toFixed(0)}°`;
 }
@@ -235,7 +242,21 @@ function showState() {
     for (const radio of document.querySelectorAll(`input[name=${name}]`)) radio.checked = radio.value === state[name];
   }
   [$("exposure").value, $("turn").value, $("surroundings").checked] = [state.exposure, state.turn, state.surroundings];
+  [$("roughness").value, $("across").value] = state.roughness.map(Math.sqrt);
+  $("brushed").checked = state.roughness[0] !== state.roughness[1];
+  setFinish(state.roughness);
+}
+
+/** Makes the surface as rough as that. */
+function setFinish(roughness) {
+  state.roughness = roughness;
   setLabels();
+  if (!table.finish) return;
+  table.alpha = Finish.alpha(roughness);
+  $("across-row").hidden = !$("brushed").checked;
+  // Facets mix s and p.
+  $("legend").hidden = table.alpha !== null;
+  disc.drawn = false;
 }
 
 for (const name of ["shape", "light"]) {
@@ -254,10 +275,19 @@ for (const name of ["exposure", "turn"]) {
     else { redraw(false); keepAddress(); }
   });
 }
+for (const id of ["roughness", "across", "brushed"]) {
+  $(id).addEventListener("input", () => {
+    const along = id === "roughness" ? roughnessAt($(id).value) : state.roughness[0];
+    const across = id === "across" ? roughnessAt($(id).value) : state.roughness[1];
+    setFinish([along, $("brushed").checked ? across : along]);
+    $("across").value = Math.sqrt(state.roughness[1]);
+    changed();
+  });
+}
 $("surroundings").addEventListener("change", () => { state.surroundings = $("surroundings").checked; changed(); });
 $("reset").addEventListener("click", () => {
   camera.reset();
-  Object.assign(state, { exposure: 0, turn: 0 });
+  Object.assign(state, { exposure: 0, turn: 0, roughness: ownRoughness });
   pointed = { x: 0, y: 0 };
   showState();
   changed();
@@ -307,6 +337,7 @@ function keepAddress() {
     const kept = new URLSearchParams({ shape: state.shape, light: LIGHTS_BUILT_IN.includes(state.light) ? state.light : "studio" });
     for (const name of KEPT) kept.set(name, Number(camera[name].toFixed(3)));
     for (const name of ["exposure", "turn"]) if (state[name]) kept.set(name, state[name]);
+    if (state.roughness.join() !== ownRoughness.join()) kept.set("roughness", state.roughness.join());
     if (state.surroundings) kept.set("surroundings", "1");
     history.replaceState(null, "", `#${kept}`);
   }, 300);
@@ -325,6 +356,8 @@ function followAddress() {
   camera.zoom = number("zoom", 0.4, 4) ?? camera.zoom;
   state.exposure = number("exposure", -6, 6) ?? state.exposure;
   state.turn = number("turn", -180, 180) ?? state.turn;
+  const roughness = (kept.get("roughness") ?? "").split(",").map(Number);
+  if (table.finish && roughness.length === 2 && roughness.every((alpha) => alpha >= 0 && alpha <= 1)) state.roughness = roughness;
   if (kept.has("surroundings")) state.surroundings = kept.get("surroundings") === "1";
 }
 
@@ -336,6 +369,7 @@ const { facts } = data.table;
 $("grid").textContent = `${table.about.grid}; ${facts.model || "physical"} model, light ${facts.illuminant || "D65"}`;
 $("spectrum-title").textContent = table.about.spectrum;
 $("legend").hidden = table.turns;
+for (const control of document.querySelectorAll(".of-finish")) control.hidden = !table.finish;
 $("disc-title").textContent = table.about.disc;
 followAddress();
 showState();

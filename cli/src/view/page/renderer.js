@@ -60,6 +60,7 @@ class Renderer {
       };
     } else {
       this.tables = { table: this.texture(gl.RGB32F, table.lookup.length / 3, 1, table.lookup) };
+      this.finished = new Finished(this, data.shaders, table.finish);
     }
     this.bodies = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, this.body(shape)]));
     this.size = [0, 0];
@@ -142,7 +143,6 @@ class Renderer {
     const array = gl.createVertexArray();
     gl.bindVertexArray(array);
     [shape.positions, shape.normals, shape.tangents].forEach((values, i) => {
-      if (!values) return;
       gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
       gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
       gl.enableVertexAttribArray(i);
@@ -183,6 +183,7 @@ class Renderer {
       delete this.octahedra.image;
     }
     this.samples?.forgetImage();
+    this.finished?.levels.forgetImage();
     gl.deleteTexture(this.wide.image ?? null);
     delete this.wide.image;
     this.restart();
@@ -206,12 +207,12 @@ class Renderer {
     this.depth = gl.createRenderbuffer();
     gl.bindRenderbuffer(gl.RENDERBUFFER, this.depth);
     gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
-    this.targets = [0, 1, 2].map((i) => {
+    this.targets = [0, 1, 2].map(() => {
       const texture = this.texture(this.format, width, height, null);
       const buffer = gl.createFramebuffer();
       gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-      if (i === 0) gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.depth);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.depth);
       return { texture, buffer };
     });
     this.restart();
@@ -225,9 +226,9 @@ class Renderer {
   }
 
   /** A texture to draw into, with its buffer. */
-  drawable(width, height) {
+  drawable(width, height, format = this.gl.RGBA16F) {
     const { gl } = this;
-    const texture = this.texture(gl.RGBA16F, width, height, null, true);
+    const texture = this.texture(format, width, height, null, true);
     const buffer = gl.createFramebuffer();
     gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
@@ -312,13 +313,16 @@ class Renderer {
     const around = looksAround ? this.octahedron(state.light) : null;
     const cube = this.samples?.cube(state.light);
     this.samples?.prepare(this.drawn);
+    const alpha = this.finished && Finish.alpha(state.roughness);
+    if (alpha) this.finished.prepare(alpha, state.light);
     if (this.samples && this.spread) this.wide[state.light] ??= this.spreadLight(state.light);
     const seen = camera.at(width, height);
     // Roberts' R2 sequence. The first point is the middle of the pixel.
     const within = SHIFT.map((step) => (0.5 + this.drawn * step) % 1);
     const jitter = [(1 - 2 * within[0]) / width, (1 - 2 * within[1]) / height];
     gl.viewport(0, 0, width, height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[0].buffer);
+    const [latest, added] = this.targets.filter((target) => target !== this.sum);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, latest.buffer);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const aim = ({ at }) => {
@@ -334,11 +338,12 @@ class Renderer {
       this.screen();
     }
     gl.enable(gl.DEPTH_TEST);
-    const { at } = programs.surface;
-    gl.useProgram(programs.surface.program);
-    this.lighten(programs.surface, state, state.light === "white" ? null : this.wide[state.light]);
+    const program = alpha ? this.finished.program : programs.surface;
+    const { at } = program;
+    gl.useProgram(program.program);
+    this.lighten(program, state, state.light === "white" ? null : this.wide[state.light]);
     if (around) gl.uniform1i(at("light"), LIGHTS.image);
-    aim(programs.surface);
+    aim(program);
     gl.uniform3fv(at("eye"), seen.eye);
     gl.uniform2f(at("depths"), Math.max(seen.distance - 1.05, 0.02), seen.distance + 1.05);
     // The fourth place is that of the surroundings.
@@ -347,23 +352,21 @@ class Renderer {
     });
     if (this.orders) this.look(at, around);
     this.samples?.bind(at, this.drawn, cube);
+    if (alpha) this.finished.bind(alpha, this.drawn, state.light);
     const body = this.bodies[state.shape];
     gl.bindVertexArray(body.array);
     gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_SHORT, 0);
 
     gl.disable(gl.DEPTH_TEST);
-    const [from, to] = this.drawn % 2 === 0 ? [1, 2] : [2, 1];
-    if (this.drawn === 0) {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[from].buffer);
-      gl.clear(gl.COLOR_BUFFER_BIT);
+    if (this.drawn > 0) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, added.buffer);
+      gl.useProgram(programs.add.program);
+      this.bind(0, this.sum.texture, programs.add.at("sum"));
+      this.bind(1, latest.texture, programs.add.at("latest"));
+      this.screen();
     }
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[to].buffer);
-    gl.useProgram(programs.add.program);
-    this.bind(0, this.targets[from].texture, programs.add.at("sum"));
-    this.bind(1, this.targets[0].texture, programs.add.at("latest"));
-    this.screen();
+    this.sum = this.drawn > 0 ? added : latest;
     this.drawn += 1;
-    this.sum = this.targets[to].texture;
   }
 
   /** Sets the wavelengths at which the next picture looks. */
@@ -388,7 +391,7 @@ class Renderer {
     const { program, at } = this.programs.display;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.useProgram(program);
-    this.bind(0, this.sum, at("sum"));
+    this.bind(0, this.sum.texture, at("sum"));
     gl.uniform1f(at("factor"), 2 ** state.exposure);
     gl.uniform1f(at("samples"), this.drawn);
     this.screen();

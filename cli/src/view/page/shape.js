@@ -7,7 +7,7 @@ class Shape {
   constructor(data) {
     this.positions = signed(data.positions);
     this.normals = signed(data.normals);
-    this.tangents = data.tangents ? signed(data.tangents) : null;
+    this.tangents = signed(data.tangents);
     this.triangles = indices(data.triangles);
   }
 
@@ -35,8 +35,8 @@ class Shape {
     const mean = (list) => found.corners.reduce((sum, c, n) => plus(sum, vertex(list, c), found.shares[n]), [0, 0, 0]);
     const side = found.front ? 1 : -1;
     const normal = times(unit(mean(this.normals)), side);
-    const wanted = this.tangents ? mean(this.tangents) : cross([0, 0, 1], normal);
-    const across = plus(wanted, normal, -dot(wanted, normal));
+    const along = mean(this.tangents);
+    const across = plus(along, normal, -dot(along, normal));
     const tangent = Math.hypot(...across) > 1e-9 ? unit(across) : [1, 0, 0];
     return { point: plus(origin, direction, nearest), normal, tangent, binormal: cross(normal, tangent) };
   }

@@ -8,6 +8,9 @@ class MirrorTable {
     this.s = floats(data.s);
     this.p = floats(data.p);
     this.lookup = floats(data.lookup);
+    this.finish = new Finish(data.finish, this);
+    /** Roughness of the facets; `null` for a mirror. */
+    this.alpha = null;
     this.max = Math.max(1, this.s.reduce((a, b) => Math.max(a, b), 0), this.p.reduce((a, b) => Math.max(a, b), 0));
     this.label = "Reflectance";
     this.about = {
@@ -17,8 +20,8 @@ class MirrorTable {
     };
   }
 
-  /** Linear RGB of unpolarised light. */
-  rgb(theta) {
+  /** Linear RGB of unpolarised light that a mirror reflects. */
+  mirrored(theta) {
     const last = this.lookup.length / 3 - 1;
     const row = clamp((theta / 90) * last, 0, last);
     const below = Math.min(Math.floor(row), last - 1);
@@ -26,25 +29,41 @@ class MirrorTable {
     return [0, 1, 2].map((c) => at(below, c) + (row - below) * (at(below + 1, c) - at(below, c)));
   }
 
-  /** Curves over the wavelength. */
-  curves(theta) {
-    const [low, high, share] = place(theta, this.theta);
+  /** Linear RGB of unpolarised light: by facets, all that they reflect. */
+  rgb(theta, phi) {
+    return this.alpha ? this.finish.rgb(this.alpha, sphere(theta, phi)) : this.mirrored(theta);
+  }
+
+  /** Curves over the wavelength. Facets mix s and p. */
+  curves(theta, phi) {
+    const { alpha, finish } = this;
+    /** Shares of the table's angles. */
+    const shares = new Float64Array(this.theta.length);
+    const add = (theta, share) => {
+      const [low, high, weight] = place(theta, this.theta);
+      shares[low] += share * (1 - weight);
+      shares[high] += share * weight;
+    };
+    if (alpha) finish.each(alpha, sphere(theta, phi), ALBEDO_LOOKS[0], (cosine, share) => add(degrees(Math.acos(cosine)), share));
+    else add(theta, 1);
     const width = this.wavelength.length;
-    const curve = (of) => this.wavelength.map((_, i) => {
-      const [a, b] = [of[low * width + i], of[high * width + i]];
-      return a + share * (b - a);
-    });
+    const curve = (of) => this.wavelength.map((_, i) => shares.reduce((sum, share, row) => sum + share * of[row * width + i], 0));
     const [s, p] = [curve(this.s), curve(this.p)];
-    return [
-      { name: "mean", values: s.map((value, i) => 0.5 * (value + p[i])) },
-      { name: "s", values: s },
-      { name: "p", values: p },
-    ];
+    const mean = { name: "mean", values: s.map((value, i) => 0.5 * (value + p[i])) };
+    return alpha ? [mean] : [mean, { name: "s", values: s }, { name: "p", values: p }];
   }
 
   /** Linear RGB over the directions of the disc, whatever the direction of the reading. */
   disc() {
-    return (theta) => this.rgb(theta);
+    if (!this.alpha) return (theta) => this.mirrored(theta);
+    const { columns, rows, values } = this.finish.albedo(this.alpha);
+    return (theta, phi) => {
+      const [x, y] = [Math.cos(radians(theta)) * (columns - 1), Math.cos(radians(phi)) ** 2 * (rows - 1)];
+      const [left, below] = [Math.min(Math.floor(x), columns - 2), Math.max(Math.min(Math.floor(y), rows - 2), 0)];
+      const at = (column, row, c) => values[3 * (Math.min(row, rows - 1) * columns + column) + c];
+      const along = (row, c) => at(left, row, c) + (x - left) * (at(left + 1, row, c) - at(left, row, c));
+      return [0, 1, 2].map((c) => along(below, c) + (y - below) * (along(below + 1, c) - along(below, c)));
+    };
   }
 }
 
@@ -141,7 +160,7 @@ class ScatterTable {
    * are dots, as bright as their share of the brightest.
    */
   disc(theta, phi) {
-    const wi = ScatterTable.direction(theta, phi);
+    const wi = sphere(theta, phi);
     const origin = this.incident[1] === 1 ? Math.atan2(wi[1], wi[0]) : 0;
     const mixed = new Float32Array(3 * this.places);
     for (const [i, share] of this.incidentNodes(radians(theta), radians(phi))) {
@@ -157,7 +176,7 @@ class ScatterTable {
       return d && { at: [d[0] * polar, d[1] * polar], rgb: mixed.subarray(first + 3 * i, first + 3 * i + 3).map((x) => x / maxLobe) };
     }).filter((dot) => dot && dot.rgb.some((x) => x > 0));
     return (thetaOut, phiOut) => {
-      const wo = ScatterTable.direction(Math.min(thetaOut, 89.99), phiOut);
+      const wo = sphere(Math.min(thetaOut, 89.99), phiOut);
       const rgb = [0, 0, 0];
       for (const [node, share] of this.squareNodes(plus(wi, wo), origin)) {
         for (let c = 0; c < 3; c += 1) rgb[c] += (share / max) * mixed[3 * node + c];
@@ -169,12 +188,6 @@ class ScatterTable {
       }
       return rgb;
     };
-  }
-
-  /** The unit vector at angles in degrees. */
-  static direction(theta, phi) {
-    const sin = Math.sin(radians(theta));
-    return [sin * Math.cos(radians(phi)), sin * Math.sin(radians(phi)), Math.cos(radians(theta))];
   }
 
   /** Direction of a lobe, n and M by columns, for light from `wi`; `null` if there is none above the horizon. */

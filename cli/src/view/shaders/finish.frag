@@ -1,0 +1,78 @@
+// A mirror-like table on rough facets, by filtered importance sampling (Křivánek and Colbert, "Real-time shading with
+// filtered importance sampling", 2008).
+//
+// A picture looks at some of the GGX facets that the viewer sees, drawn by spherical caps (Dupuy and Benyoub, 2023).
+// Each mirrors ρ(θ_d) of light that is blurred over the solid angle for which the look stands. Facets of Beckmann's
+// distribution are weighted by the ratio of the densities. In even light the looks have exactly the albedo.
+uniform sampler2D table; // ρ in equal steps of cos θ_d
+uniform sampler2D albedo; // in equal steps of cos θ, and of cos² φ
+uniform vec2 alpha; // roughness along tangent and binormal
+uniform vec4 looks[LOOKS]; // cosine and sine of the azimuth on the cap, height over it; what the look stands for
+uniform float sharpness; // level of light that a look at facets straight ahead sees
+out vec4 colour;
+
+vec3 wo; // the viewer
+vec3 viewer; // as facets of roughness 1 see it
+mat3 back; // from the surface to the light
+float area, level; // visible facets of the viewer; level of light
+vec3 sum = vec3(0.0), even = vec3(0.0); // light that facets reflect; the same in light of radiance 1
+vec4 mean = vec4(0.0); // light that they see, and its weight
+
+// Linear between texels from the middle of the first to that of the last.
+vec3 between(sampler2D list, vec2 place) {
+    vec2 size = vec2(textureSize(list, 0));
+    return textureLod(list, (0.5 + place * (size - 1.0)) / size, 0.0).rgb;
+}
+
+// Area of the facets that a direction sees, projected along it: cos θ/G₁.
+float visibleArea(vec3 w) {
+    float root = length(alpha * w.xy);
+    if (!BECKMANN) return 0.5 * (w.z + length(vec2(w.z, root)));
+    // erf by Abramowitz and Stegun, 7.1.26.
+    float a = w.z / max(root, 1e-20), tail = exp(-a * a), t = 1.0 / (1.0 + 0.3275911 * a);
+    float poly = t * (0.2548296 + t * (-0.2844967 + t * (1.4214138 + t * (-1.453152 + t * 1.0614054))));
+    return 0.5 * (w.z * (2.0 - tail * poly) + root * 0.5641896 * tail);
+}
+
+void lookAlong(vec4 look) {
+    float z = look.z * (1.0 + viewer.z) - viewer.z;
+    vec3 h = vec3(sqrt(max(1.0 - z * z, 0.0)) * look.xy, z) + viewer;
+    vec3 m = vec3(alpha * h.xy, h.z);
+    float over = inversesqrt(dot(m, m)), blur = dot(h, h) * over * over;
+    m *= over;
+    float cosine = dot(wo, m);
+    vec3 wi = 2.0 * cosine * m - wo;
+    float towards = max(wi.z, 0.0), areaOfLight = visibleArea(vec3(wi.xy, towards));
+    float weight = look.w * towards / (SEPARABLE ? areaOfLight : areaOfLight * wo.z + area * towards - towards * wo.z);
+    if (BECKMANN) {
+        float slope = dot(h.xy, h.xy) / (h.z * h.z);
+        weight *= exp(-slope) * (1.0 + slope) * (1.0 + slope);
+    }
+    vec3 rho = texelFetch(table, ivec2(cosine * RHO_STEPS + 0.5, 0), 0).rgb;
+    vec4 seenHere = weight * vec4(seen(back * wi, level + log2(blur * sqrt(look.w))), 1.0);
+    sum += rho * seenHere.rgb;
+    even += rho * seenHere.a;
+    mean += seenHere;
+}
+
+void main() {
+    vec3 world = normalize(eye - vPoint);
+    vec3 n = facing(world);
+    vec3 t = normalize(vTangent - dot(vTangent, n) * n);
+    mat3 local = mat3(t, cross(n, t), n);
+    wo = world * local;
+    wo = wo.z < 1e-6 ? normalize(vec3(wo.xy, 1e-6)) : wo;
+    colour = vec4(between(albedo, vec2(wo.z, wo.x * wo.x / max(dot(wo.xy, wo.xy), 1e-12))), 1.0);
+    if (light == 0) return;
+    back = mat3(turned(local[0]), turned(local[1]), turned(local[2]));
+    viewer = vec3(alpha * wo.xy, wo.z);
+    float size = length(viewer);
+    viewer /= size;
+    area = visibleArea(wo);
+    float areaDrawn = 0.5 * (wo.z + size);
+    level = sharpness + 0.5 * log2(areaDrawn);
+    ALL_LOOKS
+    float scale = areaDrawn / float(LOOKS);
+    vec3 rest = colour.rgb - scale * even;
+    colour.rgb = scale * sum + rest * mean.rgb / max(mean.a, 1e-12);
+}
