@@ -50,6 +50,30 @@ fn a_table_of_orders_becomes_a_page_with_a_width() {
 }
 
 #[test]
+fn a_page_opens_with_the_finish_of_its_table_or_of_the_options() {
+    let scene = "[stack]\nambient = \"air\"\nsubstrate = \"Au\"\n\n[finish]\nroughness = [0.125, 0.5]\n";
+    let user = User::with(&[("satin.toml", scene)]);
+    user.ok("estimate satin.toml -o t.exr --angles 4 --wavelengths 400:700:100 -q");
+    let finish = |options: &str| {
+        let ran = user.ok(&format!("view t.exr -o view.html {options}"));
+        assert_eq!(ran.stderr, "", "{options}");
+        let page = text(&user, "view.html");
+        let start = page.find("\"finish\":{").expect("the page has a finish");
+        page[start..].split_inclusive('}').next().expect("the finish ends").to_owned()
+    };
+    let expected = |distribution: bool, roughness: &str| {
+        format!("\"finish\":{{\"beckmann\":{distribution},\"roughness\":{roughness},\"separable\":false}}")
+    };
+    assert_eq!(finish(""), expected(false, "[0.125,0.5]"));
+    assert_eq!(finish("--distribution beckmann"), expected(true, "[0.125,0.5]"));
+    assert_eq!(finish("--roughness 0.25"), expected(false, "[0.25,0.25]"));
+    assert_eq!(finish("--roughness 0"), expected(false, "[0.0,0.0]"));
+    user.refused("view t.exr -o view.html --roughness 2", 2, &["--roughness", "(0, 1]"]);
+    file::write(&user.at("cd.exr"), &compact_disc().into(), 1).unwrap();
+    user.refused("view cd.exr -o view.html --roughness 0.2", 2, &["--roughness", "mirror-like"]);
+}
+
+#[test]
 fn what_gives_no_page_is_refused() {
     let user = User::with(&[("text.exr", "no table")]);
     user.ok("estimate paper-fig4 -o t.exr --angles 4 --wavelengths 400:700:100 --quiet");
