@@ -45,9 +45,13 @@ class Finish {
     return Array.from({ length: LOOKS }, (_, i) => this.look(i / LOOKS + x, (i % 2) / 2 + 0.25 + y)).flat();
   }
 
-  /** The level of light that a look of a picture sees, straight ahead. */
+  /**
+   * The level of light that a look of a picture sees, straight ahead. Solid angles shrink more slowly than the number of
+   * looks grows, else single looks at a lamp would be seen.
+   */
   static sharpness([x, y], picture, side) {
-    return Math.log2(((SOFTNESS * side) / BLUR) * Math.sqrt((4 * Math.PI * x * y) / (LOOKS * (picture + 1))));
+    const looks = LOOKS * (picture + 1) ** (2 / 3);
+    return Math.log2(((SOFTNESS * side) / BLUR) * Math.sqrt((4 * Math.PI * x * y) / looks));
   }
 
   /** Area of the facets that a direction sees, projected along it: cos θ/G₁. */
