@@ -149,7 +149,7 @@ impl<'a> FacetTable<'a> {
         let [low, high] = [self.t(ring), self.t(ring + 1)];
         let part = ((t - low) / (high - low)).clamp(0.0, 1.0);
         let (first, second) = (ring * self.sectors, (ring + 1) * self.sectors);
-        let between = |j: usize| mix(self.density[first + j], self.density[second + j], part);
+        let between = |j: usize| mix(at(self.density, first + j), at(self.density, second + j), part);
         if self.sectors == 1 {
             return between(0);
         }
@@ -168,13 +168,13 @@ impl<'a> FacetTable<'a> {
     /// Visible area of a direction.
     #[inline(never)]
     pub(super) fn visible_area(&self, w: Vec3) -> f32 {
-        let at = sqrtf(w.z.clamp(0.0, 1.0)) * VIEWS as f32;
-        let row = (at as usize).min(VIEWS - 1);
-        let weights = cubic(at - row as f32);
+        let place = sqrtf(w.z.clamp(0.0, 1.0)) * VIEWS as f32;
+        let row = (place as usize).min(VIEWS - 1);
+        let weights = cubic(place - row as f32);
         // e is an even function of √cos θ.
         let rows = [if row == 0 { 1 } else { row - 1 }, row, row + 1, row + 2].map(|row| row * self.sectors);
         let along = |j: usize| {
-            let [a, b, c, d] = rows.map(|row| self.seen.get(row + j).copied().unwrap_or(0.0));
+            let [a, b, c, d] = rows.map(|row| at(self.seen, row + j));
             (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d)
         };
         let square = if self.sectors == 1 {
@@ -203,14 +203,17 @@ impl<'a> FacetTable<'a> {
 
     /// Draws a normal by D cos θ_m, and turns it by half a turn about z if `wi` does not see it.
     pub(super) fn draw(&self, wi: Vec3, u: [f32; 2]) -> Vec3 {
-        let ring = self.within.partition_point(|sum| *sum <= u[0]).clamp(1, self.rings) - 1;
-        let rows = [0, 1].map(|next| (ring + next) * self.sectors..(ring + next + 1) * self.sectors);
-        let [totals, nodes] = [self.turned, self.density].map(|of| [&of[rows[0].clone()], &of[rows[1].clone()]]);
+        let ring = self.within.partition_point(|sum| *sum <= u[0]).min(self.rings).saturating_sub(1);
         let last = self.sectors - 1;
-        let [low, high] = [self.within[ring], self.within[ring + 1]];
-        let part = linear_root([totals[0][last], totals[1][last]], (u[0] - low) / (high - low));
+        let ends_of = |of: &[f32], j: usize| [ring, ring + 1].map(|ring| at(of, ring * self.sectors + j));
+        let [low, high] = [ring, ring + 1].map(|ring| at(self.within, ring));
+        let part = linear_root(ends_of(self.turned, last), (u[0] - low) / (high - low));
         let t = mix(self.t(ring), self.t(ring + 1), part);
-        let to = |j: usize| mix(totals[0][j], totals[1][j], part);
+        let between = |of: &[f32], j: usize| {
+            let [low, high] = ends_of(of, j);
+            mix(low, high, part)
+        };
+        let to = |j: usize| between(self.turned, j);
         // The first sector whose end lies beyond.
         let wanted = u[1] * to(last);
         let (mut from, mut count) = (0, last);
@@ -224,7 +227,7 @@ impl<'a> FacetTable<'a> {
             }
         }
         let passed = if from == 0 { 0.0 } else { to(from - 1) };
-        let ends = [from, if from == last { 0 } else { from + 1 }].map(|j| mix(nodes[0][j], nodes[1][j], part));
+        let ends = [from, if from == last { 0 } else { from + 1 }].map(|j| between(self.density, j));
         let turned = linear_root(ends, (wanted - passed) / (to(from) - passed));
         let phi = TAU * (from as f32 + turned) / self.sectors as f32;
         let (sin, cos) = (sqrtf(t), sqrtf((1.0 - t).max(0.0)));
@@ -237,6 +240,12 @@ fn check_size([rings, sectors]: [usize; 2], memory: usize) -> Result<(), FinishE
     let is_one = sectors == 1 || (MIN_SECTORS..=MAX_SECTORS).contains(&sectors);
     let fits = (1..=MAX_RINGS).contains(&rings) && is_one && memory == FacetTable::required_len([rings, sectors]);
     fits.then_some(()).ok_or(FinishError::Size)
+}
+
+/// Value of an index; 0 beyond the end, which no checked table asks for: the library has no panics.
+#[inline]
+fn at(values: &[f32], index: usize) -> f32 {
+    values.get(index).copied().unwrap_or(0.0)
 }
 
 #[inline]
