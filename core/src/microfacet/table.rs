@@ -136,7 +136,7 @@ impl<'a> FacetTable<'a> {
     /// sin²θ_m of a ring.
     #[inline]
     fn t(&self, ring: usize) -> f32 {
-        let part = ring as f32 / self.rings as f32;
+        let part = single(ring) / single(self.rings);
         let square = part * part;
         square * square
     }
@@ -145,7 +145,7 @@ impl<'a> FacetTable<'a> {
     #[inline(never)]
     pub(super) fn density_along(&self, m: Vec3, length_square: f32) -> f32 {
         let t = ((m.x * m.x + m.y * m.y) / length_square).min(1.0);
-        let ring = ((sqrtf(sqrtf(t)) * self.rings as f32) as usize).min(self.rings - 1);
+        let ring = whole(sqrtf(sqrtf(t)) * single(self.rings)).min(self.rings - 1);
         let [low, high] = [self.t(ring), self.t(ring + 1)];
         let part = ((t - low) / (high - low)).clamp(0.0, 1.0);
         let (first, second) = (ring * self.sectors, (ring + 1) * self.sectors);
@@ -160,17 +160,17 @@ impl<'a> FacetTable<'a> {
     /// Sector of a vector's azimuth, and the part of it that is passed.
     #[inline]
     fn sector(&self, w: Vec3) -> (usize, f32) {
-        let at = turn(w.x, w.y) * self.sectors as f32;
-        let j = (at as usize).min(self.sectors - 1);
-        (j, at - j as f32)
+        let at = turn(w.x, w.y) * single(self.sectors);
+        let j = whole(at).min(self.sectors - 1);
+        (j, at - single(j))
     }
 
     /// Visible area of a direction.
     #[inline(never)]
     pub(super) fn visible_area(&self, w: Vec3) -> f32 {
         let place = sqrtf(w.z.clamp(0.0, 1.0)) * VIEWS as f32;
-        let row = (place as usize).min(VIEWS - 1);
-        let weights = cubic(place - row as f32);
+        let row = whole(place).min(VIEWS - 1);
+        let weights = cubic(place - single(row));
         // e is an even function of √cos θ.
         let rows = [if row == 0 { 1 } else { row - 1 }, row, row + 1, row + 2].map(|row| row * self.sectors);
         let along = |j: usize| {
@@ -246,6 +246,18 @@ fn check_size([rings, sectors]: [usize; 2], memory: usize) -> Result<(), FinishE
 #[inline]
 fn at(values: &[f32], index: usize) -> f32 {
     values.get(index).copied().unwrap_or(0.0)
+}
+
+/// A number of nodes; 32 bits convert faster than 64.
+#[inline]
+fn single(count: usize) -> f32 {
+    count as u32 as f32
+}
+
+/// Whole part of a number of nodes; 0 for NaN.
+#[inline]
+fn whole(at: f32) -> usize {
+    (at as i32).max(0) as usize
 }
 
 #[inline]
