@@ -55,7 +55,7 @@ impl<'a> FacetTable<'a> {
 
     /// Table of D in any unit at its nodes, `density[ring][sector]`, computed in `memory`, which has
     /// [`FacetTable::required_len`] elements. It takes time in proportion to the rings and to the square of the
-    /// sectors: 0.1 s for 96 rings of 72 sectors.
+    /// sectors: 0.2 s for 96 rings of 72 sectors.
     ///
     /// # Errors
     /// [`FinishError::Size`] unless there are 1 to [`MAX_RINGS`] rings, 1 or 4 to [`MAX_SECTORS`] sectors, a density
