@@ -183,8 +183,8 @@ impl<'a> FilmTable<'a> {
     }
 
     /// Draws wo for the unit vector `wi` and a thickness in nm: by a finish among the facets that `wi` sees, with `u`
-    /// in [0, 1)², else the mirror direction. `None` if `wi` is below the surface, or a facet reflects below it: that is
-    /// a sample without light, and counts.
+    /// in [0, 1)², else the mirror direction. `None` if `wi` is below the surface, or a facet reflects below it: that
+    /// is a sample without light, and counts.
     #[must_use]
     pub fn sample(&self, wi: Vec3, u: [f32; 2], thickness_nm: f32) -> Option<FilmSample> {
         let Some(finish) = &self.finish else {
