@@ -20,6 +20,8 @@ const SIZE = {
 const SIZE_OTHERS = [256, 32, 32];
 /** Options of `render` for a page. */
 const OPTIONS = { soft: ["--spread=2"], satin: ["--roughness=0.1"], brushed: ["--roughness=0.1,0.4"] };
+/** The thickness of a film in nm. */
+const THICKNESS = { soap: 333 };
 /** The table of a page. */
 const TABLE = { soft: "disc", satin: "beetle", brushed: "beetle" };
 
@@ -36,12 +38,14 @@ async function compare(table, shape, light, view = {}) {
     await page.setInputFiles("#file", at(environment));
     await page.waitForFunction(() => window.goniochrome.state.light === "image");
   }
+  const nm = THICKNESS[table];
+  if (nm) await page.evaluate((nm) => window.goniochrome.setThickness(nm), nm);
   const [side, count, rays] = SIZE[table] ?? SIZE_OTHERS;
   const body = await picture(page, { shape, light, surroundings: false, ...view }, side, 1);
   const shown = await picture(page, { surroundings: true }, side, count);
   const words = Object.entries(view).map(([name, value]) => `--${name}=${value}`);
   run("render", `${TABLE[table] ?? table}.exr`, "-o", "offline.png", "--mesh", shape, "--env", environment, "--size", `${side}x${side}`,
-    "--samples", String(rays), "--quiet", ...OPTIONS[table] ?? [], ...words);
+    "--samples", String(rays), "--quiet", ...OPTIONS[table] ?? [], ...nm ? [`--thickness=${nm}`] : [], ...words);
   const { mean, largest, lit, covered } = await difference(browser, shown, fileUrl("offline.png"), body);
   const parts = `covered ${covered.toFixed(2)}, of it lit ${lit.toFixed(2)}`;
   console.log(`${table} ${shape} ${light}: mean ${mean.toFixed(3)}, largest ${largest}; ${parts}`);
@@ -57,6 +61,9 @@ for (const light of ["white", "studio", "image"]) {
 test("mirror-like, sphere, studio", () => compare("beetle", "sphere", "studio", { azimuth: 20, elevation: 50 }));
 test("mirror-like, plane, studio, from below", () =>
   compare("beetle", "plane", "studio", { azimuth: 100, elevation: -40 }));
+for (const [shape, light] of [["sphere", "white"], ["sphere", "studio"], ["sphere", "image"], ["teapot", "studio"], ["plane", "lamp"]]) {
+  test(`sheet, ${shape}, ${light}`, () => compare("soap", shape, light));
+}
 for (const table of ["satin", "brushed", "gold"]) {
   for (const light of ["white", "studio", "image", "lamp"]) {
     test(`rough facets, ${table}, teapot, ${light}`, () => compare(table, "teapot", light));

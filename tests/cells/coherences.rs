@@ -106,6 +106,7 @@ fn table(mesh_scene: &MeshScene<'_>, incident_phi: u32, tracing: Tracing) -> Res
         target_error: None,
         weights: &[[0.0, 1.0, 0.0]],
         space: RgbSpace::Srgb,
+        share: None,
         reciprocal: false,
     };
     estimate(mesh_scene, &[WAVELENGTH_NM], &request, None, &|| ())

@@ -1,10 +1,10 @@
 //! The command `goniochrome view`.
 
 use crate::commands::args::PageArgs;
+use crate::commands::film_option::is_sheet;
 use crate::commands::finish_option::finish;
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
-use crate::commands::thickness_option::one_surface;
 use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::support::output;
@@ -18,7 +18,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
     }
     let source = TableSource::find(&args.table)?;
     output::check_destination(&args.output, &source.files())?;
-    let table = one_surface(source.table(args.quiet)?, args.thickness)?;
+    let table = source.table(args.quiet)?;
     let spread = spread(args.spread, &table)?;
     let finish = finish(args.roughness, args.distribution, &table)?;
     let shown = finish.as_ref().map(OwnedFinish::finish).filter(|finish| finish.alpha().is_some());
@@ -31,7 +31,8 @@ pub fn run(args: &PageArgs) -> Result<()> {
             ),
         );
     }
-    let html = page(&table, spread, shown)
+    let is_sheet = is_sheet(args.body, &table)?;
+    let html = page(&table, spread, shown, is_sheet)
         .map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;
     output::write_file(&args.output, html.as_bytes())
 }

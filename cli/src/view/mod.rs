@@ -67,16 +67,22 @@ const SHADERS: [(&str, &str); 20] = [
     ("display", include_str!("shaders/display.frag")),
 ];
 
-/// The HTML page of a table, with the width of its diffraction orders or the finish of its surface.
+/// The HTML page of a table, with the width of its diffraction orders or the finish of its surface, which light goes
+/// through if it is a sheet.
 ///
 /// # Errors
 /// A damaged table, a table without colours, or one that is too large for a page.
-pub fn page(table: &Table, spread: Option<Spread>, finish: Option<Finish<'_>>) -> Result<String> {
+pub fn page(
+    table: &Table,
+    spread: Option<Spread>,
+    finish: Option<Finish<'_>>,
+    is_sheet: bool,
+) -> Result<String> {
     table.check()?;
     let shaders: serde_json::Map<String, Value> =
         SHADERS.into_iter().map(|(name, text)| (name.to_owned(), text.into())).collect();
     let data = json!({
-        "table": table::packed(table, finish)?,
+        "table": table::packed(table, finish, is_sheet)?,
         "shapes": shape::packed(),
         "studio": studio(),
         "lamp": lamp(),
@@ -153,7 +159,7 @@ mod tests {
     fn a_page_is_one_small_file_that_needs_no_network() {
         let orders = crate::table::orders::tests::sample().into();
         for table in [mirror(), crate::table::scatter::tests::sample().into(), orders] {
-            let html = page(&table, None, None).unwrap();
+            let html = page(&table, None, None, false).unwrap();
             assert!(html.len() < MAX_BYTES_2D, "{}: {}", table.name(), html.len());
             // A place in the page itself is not an address.
             let html = html.replace("url(#", "");
@@ -167,7 +173,7 @@ mod tests {
 
     #[test]
     fn names_of_scenes_stay_text() {
-        let html = page(&mirror(), None, None).unwrap();
+        let html = page(&mirror(), None, None, true).unwrap();
         assert!(html.contains("<title>&lt;/script&gt;&lt;b&gt;"));
         assert!(!html.contains("</script><b>"));
     }
@@ -176,6 +182,6 @@ mod tests {
     fn damaged_tables_are_refused() {
         let mut table = crate::table::mirror::tests::sample();
         table.rgb[0][0] = f32::NAN;
-        assert!(page(&table.into(), None, None).unwrap_err().to_string().contains("is not finite"));
+        assert!(page(&table.into(), None, None, false).unwrap_err().to_string().contains("is not finite"));
     }
 }

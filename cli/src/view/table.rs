@@ -27,9 +27,9 @@ const VIEWS_PER_STEP: u32 = 4;
 const MAX_VIEWS: usize = 16384;
 
 /// A table of any kind. A finish is that of a mirror-like one.
-pub(super) fn packed(table: &Table, finish: Option<Finish<'_>>) -> Result<Value> {
+pub(super) fn packed(table: &Table, finish: Option<Finish<'_>>, is_sheet: bool) -> Result<Value> {
     match table {
-        Table::Mirror(mirror) => mirror_like(mirror, finish, &facts(table)),
+        Table::Mirror(mirror) => mirror_like(mirror, finish, is_sheet, &facts(table)),
         Table::Scatter(scatter) => scattering(scatter, &facts(table)),
         Table::Orders(orders) => orders::packed(orders, &facts(table)),
     }
@@ -47,10 +47,22 @@ fn facts(table: &Table) -> Value {
     })
 }
 
-fn mirror_like(table: &MirrorTable, finish: Option<Finish<'_>>, facts: &Value) -> Result<Value> {
-    let rgb = table.metadata.screen_rgb(table.colours()?);
-    let shown = MirrorTable { theta_deg: table.theta_deg.clone(), rgb, ..MirrorTable::default() };
-    let lookup = (0..=STEPS).flat_map(|step| shown.rgb_at(90.0 * f64::from(step) / f64::from(STEPS)));
+fn mirror_like(
+    table: &MirrorTable,
+    finish: Option<Finish<'_>>,
+    is_sheet: bool,
+    facts: &Value,
+) -> Result<Value> {
+    // In equal steps of the angle, for each thickness.
+    let steps = |colours: &[[f32; 3]]| {
+        let rgb = table.metadata.screen_rgb(colours);
+        let rows = rgb.chunks(table.theta_deg.len()).flat_map(|rgb| {
+            let shown =
+                MirrorTable { theta_deg: table.theta_deg.clone(), rgb: rgb.to_vec(), ..MirrorTable::default() };
+            (0..=STEPS).flat_map(move |step| shown.rgb_at(90.0 * f64::from(step) / f64::from(STEPS)))
+        });
+        pack::floats(rows)
+    };
     Ok(json!({
         "kind": "mirror",
         "facts": facts,
@@ -58,7 +70,9 @@ fn mirror_like(table: &MirrorTable, finish: Option<Finish<'_>>, facts: &Value) -
         "wavelength": table.wavelength_nm,
         "s": pack::floats(table.reflectance_s.iter().copied()),
         "p": pack::floats(table.reflectance_p.iter().copied()),
-        "lookup": pack::floats(lookup),
+        "lookup": steps(table.colours()?),
+        "through": is_sheet.then(|| steps(&table.rgb_transmitted)),
+        "thickness": table.thickness.as_ref().map(|axis| json!({ "layer": axis.layer, "nm": axis.nm })),
         "finish": {
             "roughness": finish.and_then(|finish| finish.alpha()).unwrap_or([0.0; 2]),
             "beckmann": finish.is_some_and(|finish| finish.distribution() == Some(Distribution::Beckmann)),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use goniochrome::microfacet::Distribution;
 
-use crate::commands::args::values::{RoughnessArg, distribution, roughness_or_mirror};
+use crate::commands::args::values::{BodyArg, RoughnessArg, distribution, roughness_or_mirror};
 
 /// Arguments of `view`.
 #[derive(Debug, Args)]
@@ -16,9 +16,9 @@ pub struct PageArgs {
     /// The page (.html): one file that needs no network
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// Tables over the thickness of a layer, by `estimate --vary`: the thickness in nm
-    #[arg(long, value_name = "NM")]
-    pub thickness: Option<f64>,
+    /// Mirror-like tables: whether light goes through [default: sheet for films in one clear medium, such as soap films]
+    #[arg(long, value_enum)]
+    pub body: Option<BodyArg>,
     /// Diffraction orders: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,

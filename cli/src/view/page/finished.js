@@ -2,7 +2,7 @@
 
 class Finished {
   constructor(renderer, shaders, finish) {
-    [this.renderer, this.finish] = [renderer, finish];
+    this.renderer = renderer;
     const { common, light, frame, surface, levels } = shaders;
     // Written out, looks take software renderers a fifth less time than a loop.
     const looks = Array.from({ length: LOOKS }, (_, i) => `lookAlong(looks[${i}]);`).join(" ");
@@ -14,8 +14,17 @@ class Finished {
     `;
     this.program = renderer.program(surface, common + constants + light + frame + levels + shaders.finish);
     this.levels = new Levels(renderer, shaders);
-    this.table = renderer.texture(this.levels.format, RHO_STEPS + 1, 1, opaque(finish.rho), true);
     this.albedo = null;
+    this.setFinish(finish);
+  }
+
+  /** Takes the reflectance of the facets. */
+  setFinish(finish) {
+    const { renderer, levels } = this;
+    this.finish = finish;
+    renderer.gl.deleteTexture(this.table ?? null);
+    this.table = renderer.texture(levels.format, RHO_STEPS + 1, 1, opaque(finish.rho), true);
+    this.prepared = null;
   }
 
   /** Prepares the albedo of a roughness, and a light. */

@@ -9,6 +9,14 @@ const stage = $("stage");
 /** Roughness of the surface along its tangent and across; 0 is a mirror. */
 const ownRoughness = table.finish ? data.table.finish.roughness.map((alpha) => Number(alpha.toPrecision(4))) : [0, 0];
 const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false, roughness: ownRoughness };
+/** Thicknesses of a layer that the table has; the page opens with the middle one. */
+const thicknesses = table.thickness?.nm;
+const middleThickness = thicknesses?.[thicknesses.length >> 1];
+if (thicknesses) {
+  const [first, last] = [thicknesses[0], thicknesses[thicknesses.length - 1]];
+  Object.assign($("thickness"), { min: first, max: last });
+  $("thickness-row").hidden = false;
+}
 // Discs are known from small lamps.
 if (table.diffracts) Object.assign(state, { shape: "disc", light: "lamp" });
 /** Lights that need no file. */
@@ -230,7 +238,18 @@ function pointAtDisc(event) {
 /** Roughness at a place of its slider, whose steps are small where the roughness is. */
 const roughnessAt = (place) => (place ** 2 < MIN_ROUGHNESS ? 0 : Number((place ** 2).toPrecision(2)));
 
+/** Makes the layer so thick. */
+function setThickness(nm) {
+  if (!thicknesses) return;
+  state.thickness = nm;
+  table.setThickness(nm);
+  renderer?.setTable(table);
+  disc.drawn = false;
+  setLabels();
+}
+
 function setLabels() {
+  if (thicknesses) $("thickness-value").textContent = `${state.thickness.toFixed(0)} nm`;
   $("roughness-value").textContent = state.roughness[0];
   $("across-value").textContent = state.roughness[1];
   $("exposure-value").textContent = `${state.exposure > 0 ? "+" : ""}${state.exposure.toFixed(1)} EV`;
@@ -242,6 +261,10 @@ function showState() {
     for (const radio of document.querySelectorAll(`input[name=${name}]`)) radio.checked = radio.value === state[name];
   }
   [$("exposure").value, $("turn").value, $("surroundings").checked] = [state.exposure, state.turn, state.surroundings];
+  if (thicknesses) {
+    setThickness(state.thickness ?? middleThickness);
+    $("thickness").value = state.thickness;
+  }
   [$("roughness").value, $("across").value] = state.roughness.map(Math.sqrt);
   $("brushed").checked = state.roughness[0] !== state.roughness[1];
   setFinish(state.roughness);
@@ -275,6 +298,10 @@ for (const name of ["exposure", "turn"]) {
     else { redraw(false); keepAddress(); }
   });
 }
+$("thickness").addEventListener("input", () => {
+  setThickness(Number($("thickness").value));
+  changed();
+});
 for (const id of ["roughness", "across", "brushed"]) {
   $(id).addEventListener("input", () => {
     const along = id === "roughness" ? roughnessAt($(id).value) : state.roughness[0];
@@ -287,7 +314,7 @@ for (const id of ["roughness", "across", "brushed"]) {
 $("surroundings").addEventListener("change", () => { state.surroundings = $("surroundings").checked; changed(); });
 $("reset").addEventListener("click", () => {
   camera.reset();
-  Object.assign(state, { exposure: 0, turn: 0, roughness: ownRoughness });
+  Object.assign(state, { exposure: 0, turn: 0, roughness: ownRoughness, thickness: middleThickness });
   pointed = { x: 0, y: 0 };
   showState();
   changed();
@@ -337,6 +364,7 @@ function keepAddress() {
     const kept = new URLSearchParams({ shape: state.shape, light: LIGHTS_BUILT_IN.includes(state.light) ? state.light : "studio" });
     for (const name of KEPT) kept.set(name, Number(camera[name].toFixed(3)));
     for (const name of ["exposure", "turn"]) if (state[name]) kept.set(name, state[name]);
+    if (state.thickness !== undefined) kept.set("thickness", Number(state.thickness.toFixed(1)));
     if (state.roughness.join() !== ownRoughness.join()) kept.set("roughness", state.roughness.join());
     if (state.surroundings) kept.set("surroundings", "1");
     history.replaceState(null, "", `#${kept}`);
@@ -356,6 +384,7 @@ function followAddress() {
   camera.zoom = number("zoom", 0.4, 4) ?? camera.zoom;
   state.exposure = number("exposure", -6, 6) ?? state.exposure;
   state.turn = number("turn", -180, 180) ?? state.turn;
+  if (thicknesses) state.thickness = number("thickness", thicknesses[0], thicknesses[thicknesses.length - 1]) ?? state.thickness;
   const roughness = (kept.get("roughness") ?? "").split(",").map(Number);
   if (table.finish && roughness.length === 2 && roughness.every((alpha) => alpha >= 0 && alpha <= 1)) state.roughness = roughness;
   if (kept.has("surroundings")) state.surroundings = kept.get("surroundings") === "1";
@@ -377,4 +406,6 @@ start();
 redraw();
 read();
 /** For tests, and for the curious. */
-window.goniochrome = { state, camera, table, get renderer() { return renderer; }, get reading() { return reading; } };
+window.goniochrome = {
+  state, camera, table, setThickness, get renderer() { return renderer; }, get reading() { return reading; },
+};

@@ -6,6 +6,9 @@ const ATTRIBUTES = ["position", "normal", "tangent"];
 /** Texels in a line of a long list; the shaders hold the same number. */
 const LINE = 2048;
 
+/** What `mirror.frag` draws. */
+const PARTS = { reflected: 0, through: 1, straight: 2 };
+
 class Renderer {
   /** Throws an error for the visitor if the browser cannot draw. */
   constructor(canvas, data, table) {
@@ -14,7 +17,9 @@ class Renderer {
     this.gl = canvas.getContext("webgl2", options);
     if (!this.gl) throw new Error("WebGL2 is missing or switched off in this browser");
     const { gl } = this;
-    if (gl.getExtension("EXT_color_buffer_float")) this.format = gl.RGBA32F;
+    // A sheet is drawn over what is seen through it.
+    const blends = !table.sheet || gl.getExtension("EXT_float_blend");
+    if (gl.getExtension("EXT_color_buffer_float")) this.format = blends ? gl.RGBA32F : gl.RGBA16F;
     else if (gl.getExtension("EXT_color_buffer_half_float")) this.format = gl.RGBA16F;
     else throw new Error("this graphics processor cannot draw into floats, which the page needs");
     this.orders = table.diffracts ? table : null;
@@ -59,11 +64,21 @@ class Renderer {
         response: wide([table.response.length / 4, 1], table.response),
       };
     } else {
-      this.tables = { table: this.texture(gl.RGB32F, table.lookup.length / 3, 1, table.lookup) };
       this.finished = new Finished(this, data.shaders, table.finish);
+      this.setTable(table);
     }
     this.bodies = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, this.body(shape)]));
     this.size = [0, 0];
+  }
+
+  /** Takes the values of a mirror-like table. */
+  setTable(table) {
+    const { gl } = this;
+    Object.values(this.tables).forEach((texture) => gl.deleteTexture(texture));
+    const list = (values) => this.texture(gl.RGB32F, values.length / 3, 1, values);
+    this.tables = { table: list(table.lookup), ...(table.sheet ? { through: list(table.through) } : {}) };
+    this.finished.setFinish(table.finish);
+    this.restart();
   }
 
   shader(type, text) {
@@ -355,7 +370,8 @@ class Renderer {
     if (alpha) this.finished.bind(alpha, this.drawn, state.light);
     const body = this.bodies[state.shape];
     gl.bindVertexArray(body.array);
-    gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_SHORT, 0);
+    if (this.tables.through && !alpha) this.drawSheet(body, at, state.surroundings);
+    else gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_SHORT, 0);
 
     gl.disable(gl.DEPTH_TEST);
     if (this.drawn > 0) {
@@ -367,6 +383,28 @@ class Renderer {
     }
     this.sum = this.drawn > 0 ? added : latest;
     this.drawn += 1;
+  }
+
+  /** Draws walls that light goes through: those that face away first, each over what is seen through it. */
+  drawSheet(body, at, surroundings) {
+    const { gl } = this;
+    const draw = (part) => {
+      gl.uniform1i(at("part"), part);
+      gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_SHORT, 0);
+    };
+    gl.disable(gl.DEPTH_TEST);
+    if (!surroundings) draw(PARTS.straight);
+    gl.enable(gl.BLEND);
+    gl.enable(gl.CULL_FACE);
+    for (const hidden of [gl.FRONT, gl.BACK]) {
+      gl.cullFace(hidden);
+      gl.blendFuncSeparate(gl.ZERO, gl.SRC_COLOR, gl.ZERO, gl.ONE);
+      draw(PARTS.through);
+      gl.blendFuncSeparate(gl.ONE, gl.ONE, gl.ZERO, gl.ONE);
+      draw(PARTS.reflected);
+    }
+    gl.disable(gl.CULL_FACE);
+    gl.disable(gl.BLEND);
   }
 
   /** Sets the wavelengths at which the next picture looks. */

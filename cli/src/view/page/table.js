@@ -5,19 +5,36 @@ class MirrorTable {
     this.turns = false;
     this.theta = data.theta;
     this.wavelength = data.wavelength;
-    this.s = floats(data.s);
-    this.p = floats(data.p);
-    this.lookup = floats(data.lookup);
-    this.finish = new Finish(data.finish, this);
+    /** Whether light goes through the surface. */
+    this.sheet = Boolean(data.through);
+    /** Thicknesses of a layer, for each of which there are values; `null` for one surface. */
+    this.thickness = data.thickness;
+    this.facets = data.finish;
+    const names = ["s", "p", "lookup", ...(this.sheet ? ["through"] : [])];
+    this.every = Object.fromEntries(names.map((name) => [name, floats(data[name])]));
     /** Roughness of the facets; `null` for a mirror. */
     this.alpha = null;
-    this.max = Math.max(1, this.s.reduce((a, b) => Math.max(a, b), 0), this.p.reduce((a, b) => Math.max(a, b), 0));
+    this.max = ["s", "p"].reduce((max, name) => this.every[name].reduce((a, b) => Math.max(a, b), max), 1);
+    this.setThickness(this.thickness?.nm[0] ?? 0);
     this.label = "Reflectance";
     this.about = {
-      grid: `mirror-like; ${this.theta.length} angles × ${this.wavelength.length} wavelengths`,
+      grid: `mirror-like; ${this.thickness ? `${this.thickness.nm.length} thicknesses × ` : ""}${this.theta.length} angles × ${this.wavelength.length} wavelengths`,
       spectrum: "Spectrum there",
       disc: "Every direction",
     };
+  }
+
+  /** Takes the values of a thickness, linear between those of the table. */
+  setThickness(nm) {
+    if (this.thickness) {
+      const [low, high, share] = place(nm, this.thickness.nm);
+      for (const [name, values] of Object.entries(this.every)) {
+        const length = values.length / this.thickness.nm.length;
+        const [thin, thick] = [low, high].map((row) => values.subarray(row * length, (row + 1) * length));
+        this[name] = thin.map((value, i) => value + share * (thick[i] - value));
+      }
+    } else Object.assign(this, this.every);
+    this.finish = new Finish(this.facets, this);
   }
 
   /** Linear RGB of unpolarised light that a mirror reflects. */
