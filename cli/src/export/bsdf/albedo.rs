@@ -7,8 +7,6 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use super::grid::BsdfGrid;
-
 /// Largest factor by which a channel is scaled. Where colours out of gamut cancel, there is no albedo to keep.
 const MAX_SCALE: f64 = 2.0;
 /// The two points of Gauss's quadrature on [0, 1], exact up to cubics.
@@ -21,8 +19,7 @@ fn share([from, to]: [f64; 2], part: f64) -> f64 {
 }
 
 /// The albedo of one channel of the file, interpolated between its samples.
-pub fn interpolated(grid: &BsdfGrid, wi: DVec3, origin: f64, samples: &[f32]) -> f64 {
-    let [across, along] = &grid.nodes;
+pub fn interpolated([across, along]: [&[(f64, f64)]; 2], wi: DVec3, origin: f64, samples: &[f32]) -> f64 {
     let mut total = 0.0;
     for (row, v) in along.windows(2).enumerate() {
         let height = v[1].0 - v[0].0;
@@ -79,13 +76,13 @@ mod tests {
             };
             let samples: Vec<f32> =
                 nodes[1].iter().flat_map(|v| nodes[0].iter().map(move |u| (u.0, v.0))).map(cosine).collect();
-            let grid = BsdfGrid { theta: vec![theta], phi: vec![0.0], nodes: nodes.clone(), density: density() };
-            let albedo = interpolated(&grid, wi, 0.0, &samples);
+            let nodes = [&nodes[0][..], &nodes[1][..]];
+            let albedo = interpolated(nodes, wi, 0.0, &samples);
             // Interpolation of a curved function: (π/SIDE)²/8 and similar terms.
             assert!((albedo - 1.0).abs() < 2e-3, "{theta}: {albedo}");
             let mut scaled = samples;
             keep(&mut scaled, 1.0, albedo);
-            assert!((interpolated(&grid, wi, 0.0, &scaled) - 1.0).abs() < 1e-6);
+            assert!((interpolated(nodes, wi, 0.0, &scaled) - 1.0).abs() < 1e-6);
         }
     }
 

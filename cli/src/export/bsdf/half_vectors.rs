@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use goniochrome::table::{GridNode, HalfVectorWarp, ScatterLayout, ScatterTable as Lookup, tent_solid_angles};
 
-use super::contents::{Contents, over_u, raise};
+use super::contents::{Contents, OverSquare, raise};
 use super::grid::MAX_VALUES;
 use crate::export::Reflection;
 use crate::export::gaussian::Gaussian;
@@ -113,6 +113,7 @@ pub(super) fn contents(
         0 => vec![0.0],
         turn => (0..=turn).map(|i| TAU * i as f64 / turn as f64 - PI).collect(),
     };
+    let rows = theta.len();
     let (slices, area) = (theta.len() * phi.len(), side * side);
     let mut luminance = filled(0.0, slices * area, "the .bsdf file")?;
     let mut values = filled(0.0, slices * channels * area, "the .bsdf file")?;
@@ -133,12 +134,13 @@ pub(super) fn contents(
     Ok(Contents {
         theta,
         phi,
-        densities: [of_u, of_v],
+        across: of_u,
+        along: vec![of_v; slices / rows],
         side,
         luminance,
         values,
-        density_of_facets: over_u(|_| 1.0),
-        visible_area: over_u(|theta| 0.25 * theta.cos().max(least)),
+        density_of_facets: OverSquare::isotropic(|_| 1.0),
+        visible_area: OverSquare::isotropic(|theta| 0.25 * theta.cos().max(least)),
     })
 }
 
@@ -284,7 +286,7 @@ mod tests {
 
     /// f cos θ_o in each channel as readers of a file interpolate it.
     fn read(contents: &Contents, channels: usize, wi: DVec3, wo: DVec3) -> Vec<f64> {
-        let densities = contents.densities.each_ref().map(Vec::as_slice);
+        let densities = [&contents.across[..], &contents.along[0]];
         let mut memory = vec![0.0; HalfVectorWarp::required_len(densities.map(<[f32]>::len))];
         let warp = HalfVectorWarp::new(densities, &mut memory).unwrap();
         let [x, y] = warp.warped(wi.as_vec3(), wo.as_vec3(), 0.0).place.map(f64::from);

@@ -4,7 +4,7 @@
 //! φ_i for isotropic tables. `vndf` warps a uniform square onto it, and `luminance` refines the warp. `spectra` (or
 //! `rgb`) holds f cos θ_o · 4σ/D on the square before the warp, so that f cos θ_o = spectra · `ndf`/(4 `sigma`). The
 //! parameters θ_i, φ_i are the table's incident directions; f is taken as reciprocal, since renderers take them as the
-//! viewer's. The warp is the same for all of them; `luminance` alone makes samples follow the BRDF.
+//! viewer's. The warp is the same for all θ_i; `luminance` alone makes samples follow the BRDF.
 
 pub mod density;
 pub mod grid;
@@ -42,11 +42,16 @@ pub fn encode(table: &Table, width: LobeWidth, rgb: Option<Gamut>) -> Result<Vec
     let reflection = if rgb == Some(Gamut::Clip) { reflection.clipped() } else { reflection };
     let contents = match reflection.kind() {
         ReflectionKind::Lobe { finish, .. } => {
-            reflection.check_isotropic()?;
-            // Of tabulated facets: the roughness of the GGX facets of which a grazing direction sees as much.
-            let finish = finish.finish();
-            let alpha = finish.alpha().map_or_else(|| 2.0 * finish.visible_area(Vec3::X), |[alpha, _]| alpha);
-            let alpha = f64::from(alpha).clamp(LEAST_ROUGHNESS, 1.0);
+            let facets = finish.finish();
+            let alpha = match facets.alpha() {
+                Some(alpha) => alpha,
+                // Of tabulated facets: the roughness of the GGX facets of which a grazing direction sees as much.
+                None => {
+                    reflection.check_isotropic()?;
+                    [2.0 * facets.visible_area(Vec3::X); 2]
+                }
+            };
+            let alpha = alpha.map(|alpha| f64::from(alpha).clamp(LEAST_ROUGHNESS, 1.0));
             resampled::contents(&reflection, BsdfGrid::of_lobe(alpha, reflection.channels))?
         }
         ReflectionKind::Scatter(lookup, gaussian) => half_vectors::contents(&reflection, lookup, *gaussian)?,

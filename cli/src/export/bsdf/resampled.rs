@@ -8,7 +8,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
 use super::albedo;
-use super::contents::{Contents, over_u, raise};
+use super::contents::{Contents, OverSquare, raise};
+use super::density::Density;
 use super::grid::BsdfGrid;
 use crate::export::Reflection;
 use crate::export::reflection::{Evaluator, ReflectionKind};
@@ -17,7 +18,7 @@ use crate::support::error::Result;
 use crate::support::memory::filled;
 use crate::support::parallel;
 
-/// Computes f cos θ_o in each channel; returns whether wo is above the horizon.
+/// Computes f cos θ_o in each channel, for facets over their density D at `m`; returns whether wo is above the horizon.
 ///
 /// Renderers do not evaluate directions below the horizon, but interpolate across it. There f cos θ_o is continued
 /// without a kink: that of facets as an odd function of cos θ_o, lobes of orders by their formula.
@@ -29,8 +30,7 @@ fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]
         if let ReflectionKind::Lobe { finish, .. } = reflection.kind() {
             let finish = finish.finish();
             let raised = wo.with_z(wo.z.abs()).as_vec3();
-            let both = finish.density(m.as_vec3()) * finish.shadowing(wi.as_vec3(), raised);
-            let lobe = f64::from(both) * wo.z;
+            let lobe = f64::from(finish.shadowing(wi.as_vec3(), raised)) * wo.z;
             out.iter_mut().for_each(|value| *value *= lobe);
         }
     }
@@ -44,13 +44,22 @@ struct Slice<'f> {
 }
 
 /// Computes the slice of an incident direction.
-fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], slice: Slice<'_>) {
+fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, number: usize, slice: Slice<'_>) {
+    let column = number / grid.theta.len();
+    let [theta, phi] = [grid.theta[number % grid.theta.len()], grid.phi[column]];
     let reflection = evaluator.reflection();
     let wi = direction(theta, phi);
     let origin = if grid.isotropic() { phi } else { 0.0 };
     let mut values = vec![0.0; reflection.channels];
     let area = slice.luminance.len();
-    let [across, along] = &grid.nodes;
+    let [across, along] = [&grid.across.nodes, &grid.along[column].nodes];
+    // D may be too small for single precision, so that nothing is divided by it.
+    let (density, scale) = match reflection.kind() {
+        ReflectionKind::Lobe { finish, .. } => {
+            (Some(finish.finish()), 4.0 * f64::from(finish.finish().visible_area(wi.as_vec3())))
+        }
+        _ => (None, 1.0),
+    };
     let places = along.iter().flat_map(|v| across.iter().map(move |u| (*u, *v)));
     for (i, ((u, density_u), (v, density_v))) in places.enumerate() {
         let theta_m = u * u * FRAC_PI_2;
@@ -61,34 +70,27 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, [theta, phi]: [f64; 2], 
         // Of all densities for all channels, the root of the sum of squares has the smallest sum of variances. It is
         // also positive where components of colours out of gamut cancel each other.
         let strength = if above { values.iter().map(|value| value * value).sum::<f64>().sqrt() } else { 0.0 };
-        slice.luminance[i] = (strength * jacobian / (density_u * density_v)) as f32;
-        let scale = match reflection.kind() {
-            ReflectionKind::Lobe { finish, .. } => {
-                let finish = finish.finish();
-                let density = finish.density(m.as_vec3());
-                if density > 0.0 { 4.0 * f64::from(finish.visible_area(wi.as_vec3()) / density) } else { 0.0 }
-            }
-            _ => 1.0,
-        };
+        let facets = density.map_or(1.0, |finish| f64::from(finish.density(m.as_vec3())));
+        slice.luminance[i] = (strength * facets * jacobian / (density_u * density_v)) as f32;
         for (c, value) in values.iter().enumerate() {
             slice.spectra[c * area + i] = (value * scale) as f32;
         }
     }
     if let Some(exact) = evaluator.albedo_of_orders(wi) {
         for (channel, exact) in slice.spectra.chunks_mut(area).zip(exact) {
-            albedo::keep(channel, exact, albedo::interpolated(grid, wi, origin, channel));
+            albedo::keep(channel, exact, albedo::interpolated([across, along], wi, origin, channel));
         }
     }
     raise(slice.luminance);
 }
 
-/// Moves the samples of a smooth function of one incident azimuth so that interpolation between them is right on
+/// Moves the samples of a smooth function so that interpolation between them is right on
 /// average, instead of at the samples: linear interpolation of f errs by f″h²/12 on average over a step h, along each
 /// axis. The largest errors become a quarter of what they were.
 fn balance(samples: &mut [f32], grid: &BsdfGrid, channels: usize) -> Result<()> {
     let mut exact = filled(0.0, samples.len(), "the .bsdf file")?;
     exact.copy_from_slice(samples);
-    let (side, theta) = (grid.side(), &grid.theta);
+    let (side, theta, phi) = (grid.side(), &grid.theta, &grid.phi);
     let (area, last) = (side * side, side - 1);
     // Places of a sample's neighbours: half of f″h² of two steps of different length.
     let bend = |[before, at, after]: [usize; 3], [step, next]: [f64; 2]| {
@@ -97,19 +99,25 @@ fn balance(samples: &mut [f32], grid: &BsdfGrid, channels: usize) -> Result<()> 
     };
     let work = samples.chunks_mut(area).enumerate();
     let fill = |(plane, samples): (usize, &mut [f32])| {
-        let row = plane / channels;
+        let (row, column) = (plane / channels % theta.len(), plane / channels / theta.len());
         for (place, sample) in samples.iter_mut().enumerate() {
             let (u, v, at) = (place % side, place / side, plane * area + place);
             let mut sum = 0.0;
             if u > 0 && u < last {
                 sum += bend([at - 1, at, at + 1], [1.0; 2]);
             }
-            // v is periodic: its last row repeats the first.
-            let [before, after] = [if v == 0 { last - 1 } else { v - 1 }, if v == last { 1 } else { v + 1 }];
-            sum += bend([before, v, after].map(|v| plane * area + v * side + u), [1.0; 2]);
+            // v is periodic: its last row repeats the first. Where half vectors turn with the light, nodes end there.
+            if grid.isotropic() || (v > 0 && v < last) {
+                let [before, after] = [if v == 0 { last - 1 } else { v - 1 }, if v == last { 1 } else { v + 1 }];
+                sum += bend([before, v, after].map(|v| plane * area + v * side + u), [1.0; 2]);
+            }
             if row > 0 && row + 1 < theta.len() {
                 let steps = [theta[row] - theta[row - 1], theta[row + 1] - theta[row]];
                 sum += bend([at - channels * area, at, at + channels * area], steps);
+            }
+            if column > 0 && column + 1 < phi.len() {
+                let turn = theta.len() * channels * area;
+                sum += bend([at - turn, at, at + turn], [phi[column] - phi[column - 1]; 2]);
             }
             // Light does not become negative.
             let least = if *sample < 0.0 { f32::NEG_INFINITY } else { 0.0 };
@@ -136,8 +144,7 @@ pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Conten
         work,
         || reflection.evaluator(),
         |evaluator, (i, slice)| {
-            let incident = [grid.theta[i % grid.theta.len()], grid.phi[i / grid.theta.len()]];
-            fill(evaluator, &grid, incident, slice);
+            fill(evaluator, &grid, i, slice);
         },
     );
     if let ReflectionKind::Lobe { .. } = reflection.kind() {
@@ -145,12 +152,25 @@ pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Conten
     }
     let (density_of_facets, visible_area) = match reflection.kind() {
         ReflectionKind::Lobe { finish, .. } => {
-            let (at, finish) = (|theta| direction(theta, 0.0).as_vec3(), finish.finish());
-            (over_u(|theta| finish.density(at(theta)).into()), over_u(|theta| finish.visible_area(at(theta)).into()))
+            let finish = finish.finish();
+            let density = |theta, phi| finish.density(direction(theta, phi).as_vec3()).into();
+            let visible_area = |theta, phi| finish.visible_area(direction(theta, phi).as_vec3()).into();
+            match finish.alpha() {
+                Some(alpha) if !grid.isotropic() => {
+                    let alpha = alpha.map(f64::from);
+                    (OverSquare::of_facets(alpha, density), OverSquare::of_facets(alpha, visible_area))
+                }
+                _ => {
+                    let at_x = |of: &dyn Fn(f64, f64) -> f64| OverSquare::isotropic(|theta| of(theta, 0.0));
+                    (at_x(&density), at_x(&visible_area))
+                }
+            }
         }
-        _ => (over_u(|_| 1.0), over_u(|_| 0.25)),
+        _ => (OverSquare::isotropic(|_| 1.0), OverSquare::isotropic(|_| 0.25)),
     };
-    let densities = grid.density.map(|density| density.0.iter().map(|d| *d as f32).collect());
+    let singles = |density: &Density| density.0.iter().map(|d| *d as f32).collect::<Vec<_>>();
+    let across = singles(&grid.across.density);
+    let along = grid.along.iter().map(|axis| singles(&axis.density)).collect();
     let (theta, phi) = (grid.theta, grid.phi);
-    Ok(Contents { theta, phi, densities, side, luminance, values: spectra, density_of_facets, visible_area })
+    Ok(Contents { theta, phi, across, along, side, luminance, values: spectra, density_of_facets, visible_area })
 }
