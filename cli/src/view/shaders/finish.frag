@@ -7,7 +7,7 @@
 uniform sampler2D table; // ρ in equal steps of cos θ_d
 uniform sampler2D albedo; // in equal steps of cos θ, and of cos² φ
 uniform vec2 alpha; // roughness along tangent and binormal
-uniform vec4 looks[LOOKS]; // cosine and sine of the azimuth on the cap, height over it; what the look stands for
+uniform vec4 looks[LOOKS]; // cosine and sine of the azimuth on the cap, height over it; how many looks it stands for
 uniform float sharpness; // level of light that a look at facets straight ahead sees
 out vec4 colour;
 
@@ -43,13 +43,14 @@ void lookAlong(vec4 look) {
     float cosine = dot(wo, m);
     vec3 wi = 2.0 * cosine * m - wo;
     float towards = max(wi.z, 0.0), areaOfLight = visibleArea(vec3(wi.xy, towards));
-    float weight = look.w * towards / (SEPARABLE ? areaOfLight : areaOfLight * wo.z + area * towards - towards * wo.z);
+    float weight = towards / (SEPARABLE ? areaOfLight : areaOfLight * wo.z + area * towards - towards * wo.z);
     if (BECKMANN) {
         float slope = dot(h.xy, h.xy) / (h.z * h.z);
-        weight *= exp(-slope) * (1.0 + slope) * (1.0 + slope);
+        weight *= look.w * exp(-slope) * (1.0 + slope) * (1.0 + slope);
+        blur *= sqrt(look.w);
     }
     vec3 rho = texelFetch(table, ivec2(cosine * RHO_STEPS + 0.5, 0), 0).rgb;
-    vec4 seenHere = weight * vec4(seen(back * wi, level + log2(blur * sqrt(look.w))), 1.0);
+    vec4 seenHere = weight * vec4(seen(back * wi, level + log2(blur)), 1.0);
     sum += rho * seenHere.rgb;
     even += rho * seenHere.a;
     mean += seenHere;
