@@ -29,9 +29,8 @@ class Finish {
   }
 
   /**
-   * A place of the unit square as a look at GGX facets: cosine and sine of its azimuth on their cap, height over it, and
-   * by how many of them it stands for more than others. Straight ahead, looks are spread as the slopes of Beckmann's
-   * facets are, if these are wanted.
+   * A look at GGX facets from a place of the unit square: cosine and sine of its azimuth on their cap, height over it,
+   * and how many looks it stands for. For Beckmann's facets, looks straight ahead are spread as the slopes of these are.
    */
   look(x, y) {
     const square = -Math.log1p(-(y % 1));
@@ -46,8 +45,8 @@ class Finish {
   }
 
   /**
-   * The level of light that a look of a picture sees, straight ahead. Solid angles shrink more slowly than the number of
-   * looks grows, else single looks at a lamp would be seen.
+   * The level of light that a look of a picture sees, straight ahead. Solid angles shrink more slowly than the number
+   * of looks grows, else single looks at a lamp would be seen.
    */
   static sharpness([x, y], picture, side) {
     const looks = LOOKS * (picture + 1) ** (2 / 3);
