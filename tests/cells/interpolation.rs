@@ -50,7 +50,8 @@ fn differences(name: &str) -> Vec<[f64; 2]> {
     let (coherence, precision) = (Coherence::None, Precision::F32);
     let tracing = Tracing { coherence, rays: default_rays(&mesh_scene), seed: 0, precision, threads: 2 };
     let (target_error, weights, space) = (None, &weights[..], RgbSpace::Srgb);
-    let request = TableRequest { incident, half_vectors, tracing, target_error, weights, space, share: None, reciprocal: false };
+    let request =
+        TableRequest { incident, half_vectors, tracing, target_error, weights, space, share: None, reciprocal: false };
     let table = estimate(&mesh_scene, &WAVELENGTH_NM, &request, None, &|| ()).unwrap();
     let mut memory = vec![0.0; HalfVectorWarp::required_len([table.warp[0].len(), table.warp[1].len()])];
     let warp = HalfVectorWarp::new([&table.warp[0], &table.warp[1]], &mut memory).unwrap();

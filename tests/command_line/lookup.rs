@@ -23,14 +23,20 @@ fn a_mirror_is_listed_with_its_reflectance() {
     let user = user();
     let csv = user.ok("lookup film.exr --wi 30,20 --csv -").stdout;
     assert_eq!(csv.lines().next(), Some("theta_i_deg,phi_i_deg,lobe,channel,theta_o_deg,phi_o_deg,power"));
-    assert_eq!(csv.lines().count(), 1 + 7 + 3, "seven wavelengths, then R, G and B: {csv}");
-    assert!(column(&csv, "theta_o_deg").iter().all(|theta| (theta - 30.0).abs() < 1e-6), "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 2 * (7 + 3), "two directions; seven wavelengths, then R, G and B: {csv}");
+    let theta = column(&csv, "theta_o_deg");
+    let (mirrored, straight) = theta.split_at(10);
+    assert!(mirrored.iter().all(|theta| (theta - 30.0).abs() < 1e-6), "{csv}");
+    assert!(straight.iter().all(|theta| (theta - 150.0).abs() < 1e-6), "{csv}");
+    // Both lie in the plane of incidence, on the other side of the normal.
     assert!(column(&csv, "phi_o_deg").iter().all(|phi| (phi + 160.0).abs() < 1e-6), "{csv}");
     // 30° is one of the table's angles.
     let spectrum = user.ok("spectrum paper-fig4 --theta 30 --wavelengths 400:700:50").stdout;
-    let mean: Vec<f64> =
-        column(&spectrum, "R_s").iter().zip(column(&spectrum, "R_p")).map(|(s, p)| 0.5 * (s + p)).collect();
-    assert!(largest_difference(&column(&csv, "power")[..7], &mean) < SINGLE, "{csv} {spectrum}");
+    for (of, first) in [("R", 0), ("T", 10)] {
+        let polarised = column(&spectrum, &format!("{of}_s")).into_iter().zip(column(&spectrum, &format!("{of}_p")));
+        let mean: Vec<f64> = polarised.map(|(s, p)| 0.5 * (s + p)).collect();
+        assert!(largest_difference(&column(&csv, "power")[first..][..7], &mean) < SINGLE, "{csv} {spectrum}");
+    }
     let text = user.ok("lookup film.exr --wi 30,20 --wo 30,-158").stdout;
     // 2° of azimuth at sin 30° = 1/2.
     assert!(text.contains("mirror") && text.contains("1.00° from the viewer"), "{text}");

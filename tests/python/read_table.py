@@ -3,11 +3,12 @@
 
     python3 tests/python/read_table.py table.exr
 
-A 2D table of a mirror-like surface gives rho[angle, wavelength], the angles and the wavelengths; over a thickness rho[thickness, angle, wavelength]. A 4D table of a cell
-gives s[theta_i, phi_i, phi_m, theta_m, wavelength] = f cos theta_i cos theta_o in 1/sr, the angles of incidence, the
-angles of the half vectors, the wavelengths, rho[theta_i, phi_i, lobe, wavelength] and the numbers of the lobes. A table
-of orders gives the unpolarised strengths of the reflected
-orders, strength[order, beta, alpha, wavelength], the numbers m and n of the orders, the angles and the wavelengths.
+A 2D table of a mirror-like surface gives rho[angle, wavelength], the angles and the wavelengths; over a thickness
+rho[thickness, angle, wavelength]. A 4D table of a cell gives s[theta_i, phi_i, phi_m, theta_m, wavelength] =
+f cos theta_i cos theta_o in 1/sr, the angles of incidence, the angles of the half vectors, the wavelengths,
+rho[theta_i, phi_i, lobe, wavelength] and the numbers of the lobes. A table of orders gives the unpolarised strengths of
+the reflected orders, strength[order, beta, alpha, wavelength], the numbers m and n of the orders, the angles and the
+wavelengths.
 """
 
 import sys

@@ -232,8 +232,8 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Closes the file by a seal, and makes it the output. `seal` makes its bytes of the number of records and the bytes
-    /// that each holds, which [`Checkpoint::restore`] has learned.
+    /// Closes the file by a seal, and makes it the output. `seal` makes its bytes of the number of records and the
+    /// bytes that each holds, which [`Checkpoint::restore`] has learned.
     ///
     /// # Errors
     /// A disk that is full or broken; the checkpoint stays.

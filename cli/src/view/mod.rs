@@ -72,12 +72,7 @@ const SHADERS: [(&str, &str); 20] = [
 ///
 /// # Errors
 /// A damaged table, a table without colours, or one that is too large for a page.
-pub fn page(
-    table: &Table,
-    spread: Option<Spread>,
-    finish: Option<Finish<'_>>,
-    is_sheet: bool,
-) -> Result<String> {
+pub fn page(table: &Table, spread: Option<Spread>, finish: Option<Finish<'_>>, is_sheet: bool) -> Result<String> {
     table.check()?;
     let shaders: serde_json::Map<String, Value> =
         SHADERS.into_iter().map(|(name, text)| (name.to_owned(), text.into())).collect();

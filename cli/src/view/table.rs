@@ -47,18 +47,12 @@ fn facts(table: &Table) -> Value {
     })
 }
 
-fn mirror_like(
-    table: &MirrorTable,
-    finish: Option<Finish<'_>>,
-    is_sheet: bool,
-    facts: &Value,
-) -> Result<Value> {
+fn mirror_like(table: &MirrorTable, finish: Option<Finish<'_>>, is_sheet: bool, facts: &Value) -> Result<Value> {
     // In equal steps of the angle, for each thickness.
     let steps = |colours: &[[f32; 3]]| {
         let rgb = table.metadata.screen_rgb(colours);
         let rows = rgb.chunks(table.theta_deg.len()).flat_map(|rgb| {
-            let shown =
-                MirrorTable { theta_deg: table.theta_deg.clone(), rgb: rgb.to_vec(), ..MirrorTable::default() };
+            let shown = MirrorTable { theta_deg: table.theta_deg.clone(), rgb: rgb.to_vec(), ..MirrorTable::default() };
             (0..=STEPS).flat_map(move |step| shown.rgb_at(90.0 * f64::from(step) / f64::from(STEPS)))
         });
         pack::floats(rows)

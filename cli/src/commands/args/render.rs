@@ -57,12 +57,12 @@ pub struct RenderArgs {
     /// [default: 1, for sheets 3]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub reflections: Option<u32>,
-    /// Mirror-like tables: whether light goes through [default: sheet for films in one clear medium, such as soap films]
+    /// Mirror-like tables: whether light goes through [default: sheet for films in one clear medium]
     #[arg(long, value_enum)]
     pub body: Option<BodyArg>,
-    /// Tables over the thickness of a layer, by `estimate --vary`: one thickness in nm; drain (a film that drains, thin at
-    /// the top); noise (swirls); or a greyscale picture over the texture coordinates, from the first thickness (0) to the
-    /// last (1)
+    /// Tables over the thickness of a layer, by `estimate --vary`: one thickness in nm; drain (a film that drains, thin
+    /// at the top); noise (swirls); or a greyscale picture over the texture coordinates, from the first thickness (0)
+    /// to the last (1)
     #[arg(long, value_name = "NM|drain|noise|FILE")]
     pub thickness: Option<String>,
     /// Diffraction orders and facet lobes: the standard deviation of their width, in degrees; 0 is sharp

@@ -16,7 +16,7 @@ pub struct PageArgs {
     /// The page (.html): one file that needs no network
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// Mirror-like tables: whether light goes through [default: sheet for films in one clear medium, such as soap films]
+    /// Mirror-like tables: whether light goes through [default: sheet for films in one clear medium]
     #[arg(long, value_enum)]
     pub body: Option<BodyArg>,
     /// Diffraction orders: the standard deviation of their width, in degrees; 0 is sharp

@@ -7,7 +7,7 @@ use goniochrome::colour::Quadrature;
 use crate::colour::visible_weights;
 use crate::commands::args::{EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
-use crate::commands::make_table::Made;
+use crate::commands::make_table::made::Made;
 use crate::commands::make_table::metadata::scatter_metadata;
 use crate::commands::make_table::shared::{made_share, scatter_layout, sides, ticking};
 use crate::commands::notes::{note_on_front, note_on_scene};

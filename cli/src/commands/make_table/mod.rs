@@ -1,5 +1,6 @@
 //! The table of a scene, as `estimate` makes it.
 
+mod made;
 mod metadata;
 mod shared;
 mod planar;
@@ -10,11 +11,12 @@ use std::path::Path;
 
 use crate::commands::args::{Bins, EstimateArgs};
 use crate::scene::{Periods, Scene, Shape};
-use crate::solve::checkpoint::{Checkpoint, Identity};
 use crate::solve::grid::Wavelengths;
 use crate::solve::scatter::Coherence;
 use crate::support::error::Result;
 use crate::table::Table;
+
+pub(super) use made::Made;
 
 /// Starting rays for a cell's table that is only drawn: the presets then take seconds.
 const RAYS_IN_MEMORY: u32 = 512;
@@ -25,14 +27,6 @@ const STEP_IN_MEMORY_NM: f64 = 20.0;
 const ERROR_IN_MEMORY: f64 = 5e-3;
 /// Numbers of directions of the light, β × α, of a table of orders that is only drawn.
 const NODES_IN_MEMORY: [u32; 2] = [5, 13];
-
-/// What the options ask for.
-pub(super) enum Made {
-    /// A table, its summary, and the checkpoint with its finished parts if it has an output.
-    Table(Box<Table>, String, Option<Checkpoint>),
-    /// A share of the parts of a table, in a checkpoint with this identity.
-    Share(Checkpoint, Identity),
-}
 
 /// Makes the table of a scene, or a share of it.
 pub(super) fn make_table(args: &EstimateArgs, scene: &Scene, output: Option<&Path>) -> Result<Made> {

@@ -7,7 +7,7 @@ use goniochrome::table::ScatterLayout;
 use indicatif::ProgressBar;
 
 use crate::commands::args::EstimateArgs;
-use crate::commands::make_table::Made;
+use crate::commands::make_table::made::Made;
 use crate::solve::cell_table::Sides;
 use crate::solve::checkpoint::{Checkpoint, Identity};
 use crate::support::error::{Error, Result};

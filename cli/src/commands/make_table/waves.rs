@@ -8,7 +8,7 @@ use goniochrome::table::OrderLayout;
 use crate::colour::visible_weights;
 use crate::commands::args::{Bins, EstimateArgs, ModelArg};
 use crate::commands::cell_options::listed_wavelengths;
-use crate::commands::make_table::Made;
+use crate::commands::make_table::made::Made;
 use crate::commands::make_table::metadata::wave_metadata;
 use crate::commands::make_table::shared::{made_share, scatter_layout, sides, ticking};
 use crate::commands::notes::note_on_scene;

@@ -13,8 +13,8 @@
 //! - `"wrap"` takes a map that joins already.
 //!
 //! `level` (true; false with `"wrap"`) subtracts the least-squares plane. `smooth_nm` is the standard deviation of a
-//! Gaussian low pass. `grid` counts the squares of the mesh, at most 512 a side and at most the pixels of a period; each
-//! vertex is the mean over its part of the period.
+//! Gaussian low pass. `grid` counts the squares of the mesh, at most 512 a side and at most the pixels of a period;
+//! each vertex is the mean over its part of the period.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -8,8 +8,8 @@
 //! | `transmitted.R`, `transmitted.s.T.550,000000nm`, … | the transmittance; left out where the medium behind absorbs |
 //!
 //! `goniochrome.theta_deg` holds the angles in degrees at full precision, `goniochrome.wavelength_nm` the wavelengths:
-//! decimal numbers separated by spaces. `goniochrome.thickness_nm` holds the thicknesses of the lines, from the top, and
-//! `goniochrome.varied_layer` says whose they are. `tests/python/read_table.py` reads them in NumPy. Lines are
+//! decimal numbers separated by spaces. `goniochrome.thickness_nm` holds the thicknesses of the lines, from the top,
+//! and `goniochrome.varied_layer` says whose they are. `tests/python/read_table.py` reads them in NumPy. Lines are
 //! ZIP-compressed one by one.
 
 use std::collections::BTreeMap;
