@@ -29,9 +29,14 @@ const PROBABILITY: f32 = 4e-6;
 fn relative([x, y]: [f32; 2], m: Vec3) -> f32 {
     let least = x.min(y);
     let squared = (m.x / x).powi(2) + (m.y / y).powi(2);
-    // D falls as exp(−s²), or as 1/(1 + s²)², with s² up to 60, where the exponential ends.
+    // D falls as exp(−s²), or as 1/(1 + s²)², with s² up to 60, where the library's exponential ends.
     let exponent = (squared / (m.z * m.z)).min(60.0);
     10.0 * ROUNDING + 2.0 * exponent.sqrt() * (ROUNDING / least + ROUNDING * exponent.sqrt()) / (m.z * m.z).max(0.01)
+}
+
+/// Largest density that the library takes for 0 where its exponential ends, at s² = 60.
+fn end([x, y]: [f32; 2], m: Vec3) -> f32 {
+    (-60f32).exp() / (std::f32::consts::PI * x * y * m.z.powi(4))
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -57,8 +62,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let &[a, b, c, parameter, d, e, f, draw] = numbers.as_slice() else { return Err("expected 8 numbers".into()) };
         let (wi, given) = (Vec3::new(a, b, c), Vec3::new(d, e, f));
         let of_pair = |wo: Vec3| {
-            let pdf = finish.lobe(wi, wo).map_or(0.0, |lobe| lobe.pdf);
-            (pdf, pdf * relative(alpha, (wi + wo).normalize()))
+            let m = (wi + wo).normalize();
+            let Some(lobe) = finish.lobe(wi, wo) else { return (0.0, 0.0) };
+            (lobe.pdf, lobe.pdf * relative(alpha, m) + 0.25 * end(alpha, m) / finish.visible_area(wi))
         };
         if draw > 0.5 {
             let drawn = |u: [f32; 2]| {
@@ -82,7 +88,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let value = lobe.map_or(0.0, |lobe| lobe.value);
             let rho = lut.sample(lobe.map_or(0.0, |lobe| lobe.cos_d), parameter);
             let share = relative(alpha, (wi + given).normalize());
-            let slack = rho.map(|rho| value * (TEXEL + rho.abs() * share));
+            let ended = lobe.map_or(0.0, |_| end(alpha, (wi + given).normalize()) * finish.shadowing(wi, given));
+            let slack = rho.map(|rho| value * (TEXEL + rho.abs() * share) + rho.abs() * ended);
             let [r, g, b] = rho.map(|rho| rho * value);
             println!("{r},{g},{b},{pdf},{},{},{},{slack_of_pdf}", slack[0], slack[1], slack[2]);
         }

@@ -27,7 +27,7 @@ float goniochrome_visible_area(vec3 w) {
 float goniochrome_density(vec3 m) {
     vec2 slope = m.xy / GONIOCHROME_ROUGHNESS;
     float stretched = dot(slope, slope), square = m.z * m.z;
-    float shape = GONIOCHROME_BECKMANN ? exp(-min(stretched / square, 60.0)) / (square * square)
+    float shape = GONIOCHROME_BECKMANN ? exp(-stretched / square) / (square * square)
                                        : 1.0 / ((stretched + square) * (stretched + square));
     return shape / (GONIOCHROME_PI * GONIOCHROME_ROUGHNESS.x * GONIOCHROME_ROUGHNESS.y);
 }

@@ -30,7 +30,7 @@ fn goniochrome_density(m: vec3<f32>) -> f32 {
     let square = m.z * m.z;
     let area = GONIOCHROME_PI * GONIOCHROME_ROUGHNESS.x * GONIOCHROME_ROUGHNESS.y;
     if (GONIOCHROME_BECKMANN) {
-        return exp(-min(stretched / square, 60.0)) / (square * square * area);
+        return exp(-stretched / square) / (square * square * area);
     }
     return 1.0 / ((stretched + square) * (stretched + square) * area);
 }
