@@ -30,7 +30,7 @@ class Finish {
 
   /**
    * A look at GGX facets from a place of the unit square: cosine and sine of its azimuth on their cap, height over it,
-   * and how many looks it stands for. For Beckmann's facets, looks straight ahead are spread as the slopes of these are.
+   * and how many looks it stands for. For Beckmann's facets, looks straight ahead are spread as their slopes are.
    */
   look(x, y) {
     const square = -Math.log1p(-(y % 1));
