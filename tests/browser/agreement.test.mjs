@@ -5,7 +5,9 @@ import { writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { at, difference, fileUrl, launch, picture, run, skyHdr, visit } from "./browser.mjs";
 
-/** Largest mean difference of 8-bit values on the body. Scattering bodies and facets see light that is blurred a little. */
+/**
+ * Largest mean difference of 8-bit values on the body. Scattering bodies and facets see light that is blurred a little.
+ */
 const MEAN = { "beetle-pits": 3, "silicon-pyramids": 3, satin: 3, brushed: 3, gold: 3 };
 const MEAN_OTHERS = 2;
 /**

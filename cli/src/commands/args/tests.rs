@@ -11,6 +11,7 @@ fn commands_that_have_the_option_ask_for_wavelengths() {
         "spectrum s",
         "colour s",
         "estimate s -o t.exr",
+        "merge p -o t.exr",
         "scatter s",
         "orders s",
         "compare s",
