@@ -24,8 +24,10 @@ const SIZE_OTHERS = [256, 32, 32];
 const OPTIONS = { soft: ["--spread=2"], satin: ["--roughness=0.1"], brushed: ["--roughness=0.1,0.4"] };
 /** The thickness of a film in nm. */
 const THICKNESS = { soap: 333 };
+/** How a page's film varies over the body. */
+const MAPS = { draining: "drain", swirls: "noise" };
 /** The table of a page. */
-const TABLE = { soft: "disc", satin: "beetle", brushed: "beetle" };
+const TABLE = { draining: "soap", swirls: "soap", soft: "disc", satin: "beetle", brushed: "beetle" };
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -47,7 +49,7 @@ async function compare(table, shape, light, view = {}) {
   const shown = await picture(page, { surroundings: true }, side, count);
   const words = Object.entries(view).map(([name, value]) => `--${name}=${value}`);
   run("render", `${TABLE[table] ?? table}.exr`, "-o", "offline.png", "--mesh", shape, "--env", environment, "--size", `${side}x${side}`,
-    "--samples", String(rays), "--quiet", ...OPTIONS[table] ?? [], ...nm ? [`--thickness=${nm}`] : [], ...words);
+    "--samples", String(rays), "--quiet", ...OPTIONS[table] ?? [], ...nm || MAPS[table] ? [`--thickness=${nm ?? MAPS[table]}`] : [], ...words);
   const { mean, largest, lit, covered } = await difference(browser, shown, fileUrl("offline.png"), body);
   const parts = `covered ${covered.toFixed(2)}, of it lit ${lit.toFixed(2)}`;
   console.log(`${table} ${shape} ${light}: mean ${mean.toFixed(3)}, largest ${largest}; ${parts}`);
@@ -66,6 +68,8 @@ test("mirror-like, plane, studio, from below", () =>
 for (const [shape, light] of [["sphere", "white"], ["sphere", "studio"], ["sphere", "image"], ["teapot", "studio"], ["plane", "lamp"]]) {
   test(`sheet, ${shape}, ${light}`, () => compare("soap", shape, light));
 }
+test("sheet, draining, sphere, studio", () => compare("draining", "sphere", "studio"));
+test("sheet, swirls, teapot, studio", () => compare("swirls", "teapot", "studio"));
 for (const table of ["satin", "brushed", "gold"]) {
   for (const light of ["white", "studio", "image", "lamp"]) {
     test(`rough facets, ${table}, teapot, ${light}`, () => compare(table, "teapot", light));

@@ -22,7 +22,7 @@ mod thickness_option;
 mod lookup;
 mod plot;
 mod spread_option;
-mod film_option;
+mod body_option;
 mod finish_option;
 mod render;
 mod view;

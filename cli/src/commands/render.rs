@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::commands::args::RenderArgs;
-use crate::commands::film_option::{is_sheet, map_file, thickness};
+use crate::commands::body_option::is_sheet;
 use crate::commands::finish_option::finish;
 use crate::commands::spread_option::spread;
 use crate::commands::table_source::TableSource;
+use crate::commands::thickness_option::{map_file, thickness};
 use crate::obj;
 use crate::render::body::{Body, BodyShape, BvhMemory};
 use crate::render::camera::Camera;

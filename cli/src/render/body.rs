@@ -58,7 +58,7 @@ pub struct SurfaceHit {
     /// Place of the hit in the world.
     pub point: DVec3,
     /// The triangle of a mesh that is hit.
-    triangle: u32,
+    pub triangle: u32,
     /// The frame of the surface at the hit, not yet turned to the viewer.
     pub frame: ShadingFrame,
 }
@@ -104,16 +104,16 @@ impl<'a> Body<'a> {
         self.heights
     }
 
-    /// The texture coordinates u, to the right, and v, upwards, of a hit: those of the mesh; for a disc those of a
+    /// The texture coordinates u, to the right, and v, upwards, of a point of a triangle: those of the mesh; for a disc those of a
     /// picture that lies on it; for other bodies azimuth and height over the horizon of the direction from the middle,
     /// as on a map of the earth, with −x at its edges.
     #[must_use]
-    pub fn texture_place(&self, hit: &SurfaceHit) -> [f64; 2] {
+    pub fn texture_place(&self, triangle: u32, point: DVec3) -> [f64; 2] {
         match &self.intersector {
-            Intersector::Disc => [hit.point.x, hit.point.y].map(|x| 0.5 + 0.5 * x),
-            Intersector::Mesh(mesh, _) if !mesh.textures.is_empty() => mesh.texture_place(hit.triangle, hit.point),
+            Intersector::Disc => [point.x, point.y].map(|x| 0.5 + 0.5 * x),
+            Intersector::Mesh(mesh, _) if !mesh.textures.is_empty() => mesh.texture_place(triangle, point),
             Intersector::Sphere | Intersector::Mesh(..) => {
-                let from_middle = hit.point - self.bounds.0;
+                let from_middle = point - self.bounds.0;
                 let azimuth = from_middle.y.atan2(from_middle.x);
                 let elevation = from_middle.z.atan2(from_middle.x.hypot(from_middle.y));
                 [0.5 + azimuth / TAU, 0.5 + elevation / PI]

@@ -30,7 +30,8 @@ impl MirrorLike {
     pub fn at(&self, body: &Body<'_>, hit: &SurfaceHit) -> Between {
         let Some((thickness_nm, map)) = &self.thickness else { return Between::default() };
         let [first, last] = [thickness_nm[0], thickness_nm[thickness_nm.len() - 1]];
-        let (below, above, weight) = neighbours(thickness_nm, first + map.at(body, hit) * (last - first));
+        let (below, above, weight) =
+            neighbours(thickness_nm, first + map.at(body, hit.triangle, hit.point) * (last - first));
         Between { below, above, weight: weight as f32 }
     }
 

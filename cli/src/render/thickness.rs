@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fastnoise_lite::{DomainWarpType, FastNoiseLite, FractalType, NoiseType};
 use glam::DVec3;
 
-use super::body::{Body, SurfaceHit};
+use super::body::Body;
 use crate::support::grey_map::GreyMap;
 
 /// Thickness over a body, as a share of the way from the first thickness of a table to the last.
@@ -51,19 +51,19 @@ impl Default for Swirls {
 }
 
 impl ThicknessMap {
-    /// The share at a hit, in [0, 1].
+    /// The share at a point of a triangle of a body, in [0, 1]; bodies that are no mesh have no triangles.
     #[must_use]
-    pub fn at(&self, body: &Body<'_>, hit: &SurfaceHit) -> f64 {
+    pub fn at(&self, body: &Body<'_>, triangle: u32, point: DVec3) -> f64 {
         match self {
             Self::Even(share) => *share,
-            Self::Picture(map) => f64::from(texel(map, body.texture_place(hit))).clamp(0.0, 1.0),
+            Self::Picture(map) => f64::from(texel(map, body.texture_place(triangle, point))).clamp(0.0, 1.0),
             Self::Drain => {
                 let [bottom, top] = body.heights();
-                if top > bottom { ((top - hit.point.z) / (top - bottom)).clamp(0.0, 1.0).sqrt() } else { 0.5 }
+                if top > bottom { ((top - point.z) / (top - bottom)).clamp(0.0, 1.0).sqrt() } else { 0.5 }
             }
             Self::Noise(swirls) => {
                 let (centre, radius) = body.bounds();
-                swirls.at((hit.point - centre) / radius)
+                swirls.at((point - centre) / radius)
             }
         }
     }
@@ -106,7 +106,7 @@ mod tests {
         let mut memory = BvhMemory::default();
         let body = Body::new(&BodyShape::Sphere, &mut memory).unwrap();
         let eye = 3.0 * DVec3::from(eye).normalize();
-        map.at(&body, &body.intersect(eye, -eye.normalize()).unwrap())
+        map.at(&body, 0, body.intersect(eye, -eye.normalize()).unwrap().point)
     }
 
     #[test]

@@ -17,6 +17,7 @@ use crate::render::camera::View;
 use crate::render::lamp::{EDGE, Lamp, SURROUNDINGS};
 use crate::render::spread::Spread;
 use crate::render::studio::{CEILING, FLOOR, HORIZON, SOFT_BOXES};
+use crate::render::thickness::ThicknessMap;
 use crate::support::error::{Error, Result};
 use crate::support::text;
 use crate::table::Table;
@@ -67,18 +68,31 @@ const SHADERS: [(&str, &str); 20] = [
     ("display", include_str!("shaders/display.frag")),
 ];
 
-/// The HTML page of a table, with the width of its diffraction orders or the finish of its surface, which light goes
-/// through if it is a sheet.
+/// How a page shows a table.
+#[derive(Clone, Debug, Default)]
+pub struct PageChoice<'f> {
+    /// Width of diffraction orders and facet lobes.
+    pub spread: Option<Spread>,
+    /// Finish of a mirror-like surface.
+    pub finish: Option<Finish<'f>>,
+    /// Whether light goes through a mirror-like surface.
+    pub is_sheet: bool,
+    /// Where a film is how thick; without it a slider says how thick it is everywhere.
+    pub thickness: Option<ThicknessMap>,
+}
+
+/// The HTML page of a table.
 ///
 /// # Errors
 /// A damaged table, a table without colours, or one that is too large for a page.
-pub fn page(table: &Table, spread: Option<Spread>, finish: Option<Finish<'_>>, is_sheet: bool) -> Result<String> {
+pub fn page(table: &Table, choice: &PageChoice<'_>) -> Result<String> {
+    let PageChoice { spread, finish, is_sheet, thickness } = choice;
     table.check()?;
     let shaders: serde_json::Map<String, Value> =
         SHADERS.into_iter().map(|(name, text)| (name.to_owned(), text.into())).collect();
     let data = json!({
-        "table": table::packed(table, finish, is_sheet)?,
-        "shapes": shape::packed(),
+        "table": table::packed(table, *finish, *is_sheet)?,
+        "shapes": shape::packed(thickness.as_ref())?,
         "studio": studio(),
         "lamp": lamp(),
         "spread": spread.map(|width| json!({ "rows": width.rows(), "concentration": width.concentration() })),
@@ -154,7 +168,7 @@ mod tests {
     fn a_page_is_one_small_file_that_needs_no_network() {
         let orders = crate::table::orders::tests::sample().into();
         for table in [mirror(), crate::table::scatter::tests::sample().into(), orders] {
-            let html = page(&table, None, None, false).unwrap();
+            let html = page(&table, &PageChoice::default()).unwrap();
             assert!(html.len() < MAX_BYTES_2D, "{}: {}", table.name(), html.len());
             // A place in the page itself is not an address.
             let html = html.replace("url(#", "");
@@ -168,7 +182,7 @@ mod tests {
 
     #[test]
     fn names_of_scenes_stay_text() {
-        let html = page(&mirror(), None, None, true).unwrap();
+        let html = page(&mirror(), &PageChoice { is_sheet: true, ..PageChoice::default() }).unwrap();
         assert!(html.contains("<title>&lt;/script&gt;&lt;b&gt;"));
         assert!(!html.contains("</script><b>"));
     }
@@ -177,6 +191,6 @@ mod tests {
     fn damaged_tables_are_refused() {
         let mut table = crate::table::mirror::tests::sample();
         table.rgb[0][0] = f32::NAN;
-        assert!(page(&table.into(), None, None, false).unwrap_err().to_string().contains("is not finite"));
+        assert!(page(&table.into(), &PageChoice::default()).unwrap_err().to_string().contains("is not finite"));
     }
 }

@@ -19,6 +19,10 @@ pub struct PageArgs {
     /// Mirror-like tables: whether light goes through [default: sheet for films in one clear medium]
     #[arg(long, value_enum)]
     pub body: Option<BodyArg>,
+    /// Tables over the thickness of a layer, by `estimate --vary`: where the film is how thick, as in `render`
+    /// [default: one thickness, by a slider]
+    #[arg(long, value_name = "NM|drain|noise|FILE")]
+    pub thickness: Option<String>,
     /// Diffraction orders: the standard deviation of their width, in degrees; 0 is sharp
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub spread: f64,

@@ -9,12 +9,15 @@ const stage = $("stage");
 /** Roughness of the surface along its tangent and across; 0 is a mirror. */
 const ownRoughness = table.finish ? data.table.finish.roughness.map((alpha) => Number(alpha.toPrecision(4))) : [0, 0];
 const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false, roughness: ownRoughness };
-/** Thicknesses of a layer that the table has; the page opens with the middle one. */
-const thicknesses = table.thickness?.nm;
-const middleThickness = thicknesses?.[thicknesses.length >> 1];
-if (thicknesses) {
-  const [first, last] = [thicknesses[0], thicknesses[thicknesses.length - 1]];
-  Object.assign($("thickness"), { min: first, max: last });
+/** First and last thickness of the layer that varies; `null` for one surface. */
+const range = table.thickness && [table.thickness.nm[0], table.thickness.nm[table.thickness.nm.length - 1]];
+/** Whether the thickness varies over the bodies; the slider then makes it more or less everywhere. */
+const isMapped = Boolean(data.shapes.sphere.shares);
+const ownThickness = range && (isMapped ? 0 : (range[0] + range[1]) / 2);
+Object.assign(state, { thickness: ownThickness, layer: 0 });
+if (range) {
+  const [first, last] = range;
+  Object.assign($("thickness"), isMapped ? { min: first - last, max: last - first } : { min: first, max: last });
   $("thickness-row").hidden = false;
 }
 // Discs are known from small lamps.
@@ -111,6 +114,10 @@ function read() {
     $("crosshair").hidden = !renderer;
     // Beside the body the last reading stays.
     if (hit) reading = anglesOf(hit, unit(plus(origin, hit.point, -1)));
+    if (hit && isMapped) {
+      table.setThickness(clamp(range[0] + hit.share * (range[1] - range[0]) + state.thickness, ...range));
+      disc.drawn = false;
+    }
   }
   showReading();
 }
@@ -238,18 +245,22 @@ function pointAtDisc(event) {
 /** Roughness at a place of its slider, whose steps are small where the roughness is. */
 const roughnessAt = (place) => (place ** 2 < MIN_ROUGHNESS ? 0 : Number((place ** 2).toPrecision(2)));
 
-/** Makes the layer so thick. */
+/** Makes the layer so thick, or so much thicker than it is somewhere. */
 function setThickness(nm) {
-  if (!thicknesses) return;
+  if (!range) return;
+  const [first, last] = range;
   state.thickness = nm;
-  table.setThickness(nm);
-  renderer?.setTable(table);
+  state.layer = isMapped ? nm / (last - first) : table.layerOf(nm);
+  table.setThickness(isMapped ? (first + last) / 2 + nm : nm);
+  renderer?.finished.setFinish(table.finish);
   disc.drawn = false;
   setLabels();
 }
 
 function setLabels() {
-  if (thicknesses) $("thickness-value").textContent = `${state.thickness.toFixed(0)} nm`;
+  const nm = Math.round(state.thickness ?? 0);
+  const sign = isMapped ? (nm > 0 ? "+" : nm === 0 ? "±" : "") : "";
+  if (range) $("thickness-value").textContent = `${sign}${nm} nm`;
   $("roughness-value").textContent = state.roughness[0];
   $("across-value").textContent = state.roughness[1];
   $("exposure-value").textContent = `${state.exposure > 0 ? "+" : ""}${state.exposure.toFixed(1)} EV`;
@@ -261,8 +272,8 @@ function showState() {
     for (const radio of document.querySelectorAll(`input[name=${name}]`)) radio.checked = radio.value === state[name];
   }
   [$("exposure").value, $("turn").value, $("surroundings").checked] = [state.exposure, state.turn, state.surroundings];
-  if (thicknesses) {
-    setThickness(state.thickness ?? middleThickness);
+  if (range) {
+    setThickness(state.thickness);
     $("thickness").value = state.thickness;
   }
   [$("roughness").value, $("across").value] = state.roughness.map(Math.sqrt);
@@ -314,7 +325,7 @@ for (const id of ["roughness", "across", "brushed"]) {
 $("surroundings").addEventListener("change", () => { state.surroundings = $("surroundings").checked; changed(); });
 $("reset").addEventListener("click", () => {
   camera.reset();
-  Object.assign(state, { exposure: 0, turn: 0, roughness: ownRoughness, thickness: middleThickness });
+  Object.assign(state, { exposure: 0, turn: 0, roughness: ownRoughness, thickness: ownThickness });
   pointed = { x: 0, y: 0 };
   showState();
   changed();
@@ -364,7 +375,7 @@ function keepAddress() {
     const kept = new URLSearchParams({ shape: state.shape, light: LIGHTS_BUILT_IN.includes(state.light) ? state.light : "studio" });
     for (const name of KEPT) kept.set(name, Number(camera[name].toFixed(3)));
     for (const name of ["exposure", "turn"]) if (state[name]) kept.set(name, state[name]);
-    if (state.thickness !== undefined) kept.set("thickness", Number(state.thickness.toFixed(1)));
+    if (range && state.thickness !== ownThickness) kept.set("thickness", Number(state.thickness.toFixed(1)));
     if (state.roughness.join() !== ownRoughness.join()) kept.set("roughness", state.roughness.join());
     if (state.surroundings) kept.set("surroundings", "1");
     history.replaceState(null, "", `#${kept}`);
@@ -384,7 +395,7 @@ function followAddress() {
   camera.zoom = number("zoom", 0.4, 4) ?? camera.zoom;
   state.exposure = number("exposure", -6, 6) ?? state.exposure;
   state.turn = number("turn", -180, 180) ?? state.turn;
-  if (thicknesses) state.thickness = number("thickness", thicknesses[0], thicknesses[thicknesses.length - 1]) ?? state.thickness;
+  if (range) state.thickness = number("thickness", Number($("thickness").min), Number($("thickness").max)) ?? state.thickness;
   const roughness = (kept.get("roughness") ?? "").split(",").map(Number);
   if (table.finish && roughness.length === 2 && roughness.every((alpha) => alpha >= 0 && alpha <= 1)) state.roughness = roughness;
   if (kept.has("surroundings")) state.surroundings = kept.get("surroundings") === "1";

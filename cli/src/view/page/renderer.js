@@ -2,7 +2,7 @@
 // smooth.
 
 const LIGHTS = { white: 0, studio: 1, image: 2, lamp: 3 };
-const ATTRIBUTES = ["position", "normal", "tangent"];
+const ATTRIBUTES = ["position", "normal", "tangent", "share"];
 /** Texels in a line of a long list; the shaders hold the same number. */
 const LINE = 2048;
 
@@ -65,20 +65,13 @@ class Renderer {
       };
     } else {
       this.finished = new Finished(this, data.shaders, table.finish);
-      this.setTable(table);
+      const rows = table.thickness?.nm.length ?? 1;
+      const list = (values) => this.texture(gl.RGB32F, values.length / 3 / rows, rows, values);
+      const { lookup, through } = table.every;
+      this.tables = { table: list(lookup), ...(through ? { through: list(through) } : {}) };
     }
     this.bodies = Object.fromEntries(Object.entries(data.shapes).map(([name, shape]) => [name, this.body(shape)]));
     this.size = [0, 0];
-  }
-
-  /** Takes the values of a mirror-like table. */
-  setTable(table) {
-    const { gl } = this;
-    Object.values(this.tables).forEach((texture) => gl.deleteTexture(texture));
-    const list = (values) => this.texture(gl.RGB32F, values.length / 3, 1, values);
-    this.tables = { table: list(table.lookup), ...(table.sheet ? { through: list(table.through) } : {}) };
-    this.finished.setFinish(table.finish);
-    this.restart();
   }
 
   shader(type, text) {
@@ -163,6 +156,13 @@ class Renderer {
       gl.enableVertexAttribArray(i);
       gl.vertexAttribPointer(i, 3, gl.SHORT, true, 0, 0);
     });
+    // Without an array, the share is 0.
+    if (shape.shares) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, shape.shares, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(3);
+      gl.vertexAttribPointer(3, 1, gl.UNSIGNED_SHORT, true, 0, 0);
+    }
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, shape.triangles, gl.STATIC_DRAW);
     gl.bindVertexArray(null);
@@ -365,6 +365,7 @@ class Renderer {
     Object.entries(this.tables).forEach(([name, texture], i) => {
       this.bind(i < 3 ? i : 4, texture, at(name), name === "strengths" ? gl.TEXTURE_3D : gl.TEXTURE_2D);
     });
+    gl.uniform1f(at("layer"), state.layer);
     if (this.orders) this.look(at, around);
     this.samples?.bind(at, this.drawn, cube);
     if (alpha) this.finished.bind(alpha, this.drawn, state.light);

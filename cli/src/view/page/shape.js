@@ -8,6 +8,8 @@ class Shape {
     this.positions = signed(data.positions);
     this.normals = signed(data.normals);
     this.tangents = signed(data.tangents);
+    /** Shares of the way from the first thickness of a film to the last; `null` for one thickness. */
+    this.shares = data.shares ? indices(data.shares) : null;
     this.triangles = indices(data.triangles);
   }
 
@@ -38,7 +40,8 @@ class Shape {
     const along = mean(this.tangents);
     const across = plus(along, normal, -dot(along, normal));
     const tangent = Math.hypot(...across) > 1e-9 ? unit(across) : [1, 0, 0];
-    return { point: plus(origin, direction, nearest), normal, tangent, binormal: cross(normal, tangent) };
+    const share = this.shares ? found.corners.reduce((sum, c, n) => sum + (found.shares[n] * this.shares[c]) / 65535, 0) : 0;
+    return { point: plus(origin, direction, nearest), share, normal, tangent, binormal: cross(normal, tangent) };
   }
 }
 

@@ -24,6 +24,13 @@ class MirrorTable {
     };
   }
 
+  /** The place of a thickness in the range of the table's rows. */
+  layerOf(nm) {
+    if (!this.thickness) return 0;
+    const [low, , share] = place(nm, this.thickness.nm);
+    return (low + share) / (this.thickness.nm.length - 1);
+  }
+
   /** Takes the values of a thickness, linear between those of the table. */
   setThickness(nm) {
     if (this.thickness) {

@@ -3,9 +3,11 @@
 in vec3 position;
 in vec3 normal;
 in vec3 tangent;
+in float share; // of the way from the first thickness of a film to the last
 uniform vec3 eye, right, up, backward;
 uniform vec2 scale, jitter, depths;
 out vec3 vPoint, vNormal, vTangent;
+out float vShare;
 
 void main() {
     vec3 along = position - eye;
@@ -18,4 +20,5 @@ void main() {
     vPoint = position;
     vNormal = normal;
     vTangent = tangent;
+    vShare = share;
 }
