@@ -104,9 +104,9 @@ impl<'a> Body<'a> {
         self.heights
     }
 
-    /// The texture coordinates u, to the right, and v, upwards, of a point of a triangle: those of the mesh; for a disc those of a
-    /// picture that lies on it; for other bodies azimuth and height over the horizon of the direction from the middle,
-    /// as on a map of the earth, with −x at its edges.
+    /// The texture coordinates u, to the right, and v, upwards, of a point of a triangle: those of the mesh; for a disc
+    /// those of a picture that lies on it; for other bodies azimuth and height over the horizon of the direction from
+    /// the middle, as on a map of the earth, with −x at its edges.
     #[must_use]
     pub fn texture_place(&self, triangle: u32, point: DVec3) -> [f64; 2] {
         match &self.intersector {
