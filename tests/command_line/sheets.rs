@@ -119,6 +119,9 @@ fn opaque_bodies_have_no_transmittance_and_films_on_glass_are_no_sheets() {
         user.ok(&format!("estimate {scene} -o {scene}.exr --wavelengths 400:700:20 -q"));
         assert_eq!(table(&user, &format!("{scene}.exr")).is_transparent(), transparent, "{scene}");
     }
+    let said = |scene: &str| user.ok(&format!("export {scene}.exr --to merl --roughness 0.3 -o a.binary")).stderr;
+    assert!(said("soap-bubble").contains("merl holds reflected light alone"));
+    assert!(!said("anodised-titanium").contains("reflected light alone"));
     user.refused("render oil-on-water.exr -o a.png --body sheet -q", 2, &["--body sheet", "both sides"]);
     user.refused("render anodised-titanium.exr -o a.png --body sheet -q", 2, &["--body sheet"]);
     user.ok("estimate soap-bubble --model paper --wavelengths 400:700:20 -o paper.exr -q");

@@ -54,6 +54,9 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     if let Some(residual) = residual {
         note(args.quiet, format_args!("{output}: {residual}"));
     }
+    if matches!(&table, Table::Mirror(mirror) if mirror.is_transparent()) {
+        note(args.quiet, format_args!("{output}: {} holds reflected light alone", spelled(args.to)));
+    }
     Ok(())
 }
 
