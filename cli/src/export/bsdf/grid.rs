@@ -88,7 +88,7 @@ impl BsdfGrid {
     /// The grid for a lobe of a roughness α along x and y around the mirror direction, in a number of channels.
     ///
     /// Facets of two roughnesses are symmetric in x and in y. One quarter of the turn of φ_i is enough, the one into
-    /// which Mitsuba mirrors directions. Nodes over v turn with φ_i, see [`turned`].
+    /// which Mitsuba mirrors directions. Nodes over v turn with φ_i, see `turned`.
     #[must_use]
     pub fn of_lobe(alpha: [f64; 2], channels: usize) -> Self {
         let least = alpha[0].min(alpha[1]);
