@@ -78,33 +78,32 @@ impl<'t> Deltas<'t> {
 
 /// ρ(θ) in the mirror direction, spectral and RGB; of a sheet also what goes straight on.
 fn mirror(table: &MirrorTable, wi: DVec3) -> Vec<Delta> {
+    let reflected: Vec<f32> = table.unpolarised().map(|power| power as f32).collect();
     let mirrored = DVec3::new(-wi.x, -wi.y, wi.z);
-    let mut deltas =
-        of_power(table, [&table.reflectance_s[..], &table.reflectance_p], &table.rgb, "mirror", wi.z, mirrored);
+    let mut deltas = of_power(table, &reflected, &table.rgb, "mirror", wi.z, mirrored);
     // Into another medium light is refracted, by an index that the table does not hold.
     if table.is_transparent() && table.metadata.get(MetadataKey::Backing) == Some("ambient") {
-        let powers = [&table.transmittance_s[..], &table.transmittance_p];
-        deltas.extend(of_power(table, powers, &table.rgb_transmitted, "straight", wi.z, -wi));
+        let passed: Vec<f32> = table.unpolarised_transmittance().map(|power| power as f32).collect();
+        deltas.extend(of_power(table, &passed, &table.rgb_transmitted, "straight", wi.z, -wi));
     }
     deltas
 }
 
-/// The mean of s and p at an angle, and the colour there, as light that leaves in a direction.
+/// A power and its colour at an angle, as light that leaves in a direction.
 fn of_power(
     table: &MirrorTable,
-    [s, p]: [&[f32]; 2],
+    spectra: &[f32],
     rgb: &[[f32; 3]],
     name: &str,
     cos_theta: f64,
     direction: DVec3,
 ) -> Vec<Delta> {
     let theta: Vec<f64> = table.theta_deg.iter().map(|theta| theta.to_radians()).collect();
-    let spectra: Vec<f32> = s.iter().zip(p).map(|(s, p)| 0.5 * (s + p)).collect();
     let channels = table.wavelength_nm.iter().map(f64::to_string);
     let channels = channels.chain(RGB.into_iter().filter(|_| !rgb.is_empty()).map(str::to_owned));
     let mut power = vec![0.0; table.wavelength_nm.len() + 3];
     let (spectral, colour) = power.split_at_mut(table.wavelength_nm.len());
-    between_angles(&theta, &spectra, cos_theta.acos(), spectral);
+    between_angles(&theta, spectra, cos_theta.acos(), spectral);
     if !rgb.is_empty() {
         between_angles(&theta, rgb.as_flattened(), cos_theta.acos(), colour);
     }

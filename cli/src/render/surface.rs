@@ -135,8 +135,7 @@ fn channels_and_values(table: &Table, spectral: bool) -> Result<(Channels, Vec<f
 /// The transmittance of a table in the channels of its reflectance.
 fn transmitted(table: &MirrorTable, spectral: bool) -> Vec<f32> {
     if spectral {
-        let polarised = table.transmittance_s.iter().zip(&table.transmittance_p);
-        polarised.map(|(s, p)| 0.5 * (s + p)).collect()
+        table.unpolarised_transmittance().map(|power| power as f32).collect()
     } else {
         table.metadata.screen_rgb(&table.rgb_transmitted).into_flattened()
     }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::solve::checkpoint::{NUMBER_BYTES, SUM_BYTES};
-use crate::solve::share::Share;
+use crate::solve::share::{MAX_SHARES, Share};
 use crate::support::error::{Error, Result};
 
 /// Largest seal in bytes.
@@ -96,8 +96,12 @@ impl SealedPart {
         if Sha256::new().chain_update(&head).chain_update(&text).finalize()[..] != *sum {
             return Err(no_part());
         }
-        let record = (NUMBER_BYTES + SUM_BYTES) as u64 + seal.record_bytes;
-        if seal.head_bytes + seal.records * record != seal_at {
+        // A seal that no run has made may hold any numbers.
+        let record = seal.record_bytes.checked_add((NUMBER_BYTES + SUM_BYTES) as u64);
+        let records = record.and_then(|record| record.checked_mul(seal.records));
+        let end = records.and_then(|records| records.checked_add(seal.head_bytes));
+        let [number, of] = seal.share;
+        if end != Some(seal_at) || !(1..=of).contains(&number) || of > MAX_SHARES {
             return Err(no_part());
         }
         Ok(Self { path: path.to_owned(), head, seal })
@@ -121,6 +125,9 @@ impl SealedPart {
     /// # Errors
     /// A file that cannot be read or is damaged, or an error of `take`.
     pub fn records(&self, mut take: impl FnMut(usize, &[u8]) -> Result<()>) -> Result<()> {
+        if self.seal.records == 0 {
+            return Ok(());
+        }
         let failed = |what: &str| Error::failed(format_args!("{}: {what}", self.path.display()));
         let unreadable = |error: std::io::Error| failed(&format!("cannot read: {error}"));
         let mut file = File::open(&self.path).map_err(unreadable)?;

@@ -169,8 +169,12 @@ impl MirrorTable {
 
     /// Unpolarised reflectance, the mean of s and p, `[row][wavelength]`.
     pub fn unpolarised(&self) -> impl Iterator<Item = f64> {
-        let polarised = self.reflectance_s.iter().zip(&self.reflectance_p);
-        polarised.map(|(&s, &p)| 0.5 * (f64::from(s) + f64::from(p)))
+        means(&self.reflectance_s, &self.reflectance_p)
+    }
+
+    /// Unpolarised transmittance like [`MirrorTable::unpolarised`]; nothing in a table without.
+    pub fn unpolarised_transmittance(&self) -> impl Iterator<Item = f64> {
+        means(&self.transmittance_s, &self.transmittance_p)
     }
 
     /// Linear RGB at any angle, interpolated between its neighbours and constant beyond the ends; that of the first
@@ -211,6 +215,11 @@ pub fn neighbours(axis: &[f64], at: f64) -> (usize, usize, f64) {
     }
     let (low, high) = (axis[above - 1], axis[above]);
     (above - 1, above, (at - low) / (high - low))
+}
+
+/// Means of the powers of s and p.
+fn means(s: &[f32], p: &[f32]) -> impl Iterator<Item = f64> {
+    s.iter().zip(p).map(|(&s, &p)| 0.5 * (f64::from(s) + f64::from(p)))
 }
 
 /// Values of a row of blocks, between two of its blocks.
