@@ -6,6 +6,7 @@ use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 
 /// A kind of operation that is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,11 +145,26 @@ impl<const PRECISE: bool> Lanes for Counted<PRECISE> {
         // A comparison and a choice.
         Self::done(Operation::Simple, Self::done(Operation::Simple, chosen).0)
     }
-    fn mask_le(self, other: Self) -> u32 {
-        u32::from(Self::done(Operation::Simple, self.0).0 <= other.0)
+    fn mask_le(self, other: Self) -> u64 {
+        u64::from(Self::done(Operation::Simple, self.0).0 <= other.0)
     }
     fn any_above(self, bound: f64) -> bool {
         Self::done(Operation::Simple, self.0).0 > bound
+    }
+}
+
+impl RayLanes for Counted<false> {
+    type Wavevector = Counted<true>;
+    type Direction = Self;
+
+    fn wavevector(index: Counted<true>) -> Counted<true> {
+        index
+    }
+    fn precise(wavevector: Counted<true>) -> Counted<true> {
+        wavevector
+    }
+    fn spread(direction: Self) -> Self {
+        direction
     }
 }
 

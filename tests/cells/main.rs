@@ -11,5 +11,6 @@ mod order_error;
 #[path = "../random.rs"]
 mod random;
 mod reciprocity;
+mod registers;
 mod rippled_films;
 mod scene;

@@ -5,7 +5,7 @@ use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::ComplexLanes;
-use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
@@ -37,7 +37,7 @@ impl Histogram for Total {
 ///
 /// # Panics
 /// If a result is wrong.
-pub fn cell<V: Lanes>(visit: Visit<'_>) {
+pub fn cell<V: RayLanes>(visit: Visit<'_>) {
     let scene = load("bumpy-soap-film").expect("a preset");
     let mesh_scene = MeshScene::new(&scene).expect("a cell");
     let mut buffer = mesh_scene.buffer();

@@ -6,6 +6,7 @@ use goniochrome::measure::orders::{Order, Orders, max_order};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::{ComplexLanes, Polarised};
 use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::sobol::sobol;
 use goniochrome::trace::waves::{Limits, Slot, trace};
@@ -127,7 +128,7 @@ pub fn orders(
     in_lanes!(request.precision, V => run::<V>(mesh_scene, wi, wavelength_nm, request, progress))
 }
 
-fn run<V: Lanes>(
+fn run<V: RayLanes>(
     mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
@@ -157,7 +158,7 @@ fn run<V: Lanes>(
 }
 
 /// Light from one direction at one group of wavelengths.
-struct OrderLight<'l, V: Lanes> {
+struct OrderLight<'l, V: RayLanes> {
     cell: MeshCell<'l>,
     media: MediaLanes<'l, V>,
     wavelengths: &'l [f64],
@@ -167,13 +168,13 @@ struct OrderLight<'l, V: Lanes> {
 }
 
 /// Sums over the starting rays of one batch.
-struct OrderSums<V: Lanes> {
+struct OrderSums<V: RayLanes> {
     orders: Vec<Order<V>>,
     lost: V,
     in_flight: V,
 }
 
-impl<V: Lanes> OrderLight<'_, V> {
+impl<V: RayLanes> OrderLight<'_, V> {
     /// Traces all batches and adds their orders to `found`.
     fn add(&self, request: &OrdersRequest, progress: &(dyn Fn() + Sync), found: &mut Diffraction) -> Result<()> {
         let blank = self.blank(request)?;
@@ -259,7 +260,7 @@ impl<V: Lanes> OrderLight<'_, V> {
 
 /// Adds to `found` the efficiencies of the coherent sum over all batches, with standard errors from the spread of the
 /// batches.
-fn summarise<V: Lanes>(batches: &[OrderSums<V>], wavelengths: &[f64], rays: f64, found: &mut Vec<Diffracted>) {
+fn summarise<V: RayLanes>(batches: &[OrderSums<V>], wavelengths: &[f64], rays: f64, found: &mut Vec<Diffracted>) {
     for (place, first) in batches[0].orders.iter().enumerate() {
         let mut whole = *first;
         for batch in &batches[1..] {

@@ -1,7 +1,8 @@
 //! The limits of interfering waves in a mesh: the slots in which they wait to merge with equal waves, and the power
 //! below which they are dropped.
 
-use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::simd::lanes::{F32, F64};
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::trace::coherent_mesh::{WaveField, WaveState};
 use goniochrome::trace::waves::{Limits, Slot};
 
@@ -15,7 +16,7 @@ pub(crate) const WAVE_LIMITS: Limits = Limits { in_flight: 1e-13, generations: 1
 ///
 /// In single precision waves below 1e-12 in flight are dropped: their amplitude of 1e-6 moves a reflectance R by
 /// 2e-6 √R, less than the error of planes in single precision.
-pub(crate) fn ray_limits<V: Lanes>() -> Limits {
+pub(crate) fn ray_limits<V: RayLanes>() -> Limits {
     let in_flight = if V::UNIT_ROUNDOFF > f64::EPSILON { 1e-12 } else { WAVE_LIMITS.in_flight };
     Limits { in_flight, ..WAVE_LIMITS }
 }

@@ -16,6 +16,7 @@ use crate::optics::medium::MediaLanes;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
+use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::{RealLanes, VectorLanes};
 use crate::trace::coherent_mesh::{ExitWave, MAX_WAVEVECTOR_DIFFERENCE, WaveField, hero};
 use crate::trace::incoherent_mesh::{Coherency, ExitPath};
@@ -44,9 +45,9 @@ impl<G: DirectionGrid> DirectionGrid for &G {
 }
 
 /// Cell of the direction in each lane. Lanes may have any precision.
-fn cells_of_lanes<V: Lanes>(grid: &impl DirectionGrid, directions: RealLanes<V>) -> [u32; MAX_LANES] {
+fn cells_of_lanes<V: Lanes>(grid: &impl DirectionGrid, directions: RealLanes<V>) -> [u32; MAX_DIRECTIONS] {
     let first = directions.lane(0);
-    let mut cells = [grid.index(first) as u32; MAX_LANES];
+    let mut cells = [grid.index(first) as u32; MAX_DIRECTIONS];
     for (lane, cell) in cells.iter_mut().enumerate().take(V::WIDTH).skip(1) {
         let direction = directions.lane(lane);
         if direction != first {
@@ -111,8 +112,10 @@ impl DirectionGrid for DirectionBins {
     }
 }
 
-/// Number of lanes of the widest type.
-const MAX_LANES: usize = 16;
+/// Largest number of lanes of directions.
+const MAX_DIRECTIONS: usize = 16;
+/// Largest number of lanes whose exits are counted.
+pub const MAX_LANES: usize = 64;
 
 /// Cosine of 40°, the largest angle in the hero lane between exits of one starting ray that interfere.
 ///
@@ -125,9 +128,9 @@ const MIN_INTERFERING_COSINE: f64 = 0.766_044_443_118_978;
 
 /// Exits of one starting ray in one direction, until the starting ray is complete.
 #[derive(Clone, Copy, Debug)]
-pub struct ExitRecord<V: Lanes> {
+pub struct ExitRecord<V: RayLanes> {
     side: Side,
-    cells: [u32; MAX_LANES],
+    cells: [u32; MAX_DIRECTIONS],
     /// Whether this is a path, which adds as power: it has no point, wavevector or field.
     is_path: bool,
     /// Unit direction in the hero lane.
@@ -135,7 +138,7 @@ pub struct ExitRecord<V: Lanes> {
     /// Point to which the field is referred.
     point_nm: DVec3,
     /// Real part of the wavevector in units of k₀.
-    wavevector: RealLanes<V::Precise>,
+    wavevector: RealLanes<V::Wavevector>,
     /// Field, scaled to the power that it carries.
     field: WaveField<V>,
     /// Unpolarised power of the exit alone.
@@ -144,17 +147,17 @@ pub struct ExitRecord<V: Lanes> {
     added: V,
 }
 
-impl<V: Lanes> ExitRecord<V> {
+impl<V: RayLanes> ExitRecord<V> {
     /// Empty record, to initialise memory.
     #[must_use]
     pub fn none() -> Self {
         Self {
             side: Side::Above,
-            cells: [0; MAX_LANES],
+            cells: [0; MAX_DIRECTIONS],
             is_path: true,
             direction: DVec3::ZERO,
             point_nm: DVec3::ZERO,
-            wavevector: RealLanes::<V::Precise>::splat(DVec3::ZERO),
+            wavevector: RealLanes::<V::Wavevector>::splat(DVec3::ZERO),
             field: Polarised::both(VectorLanes::zero()),
             power: V::zero(),
             added: V::zero(),
@@ -174,8 +177,8 @@ impl<V: Lanes> ExitRecord<V> {
 
     /// Adds the cross term of two waves to both, in proportion to their powers.
     fn interfere(&mut self, other: &mut Self, per_wavelength: V::Precise) {
-        let step = RealLanes::<V::Precise>::splat(other.point_nm - self.point_nm);
-        let turns = (self.wavevector + other.wavevector).dot(step) * per_wavelength * V::Precise::splat(0.5);
+        let half_step = RealLanes::<V::Wavevector>::splat(0.5 * (other.point_nm - self.point_nm));
+        let turns = V::precise((self.wavevector + other.wavevector).dot(half_step)) * per_wavelength;
         let phase = propagate::<V>(ComplexLanes::real(turns));
         // Unpolarised light is half s and half p: half of 2 Re(E_a·E_b*) for each.
         let Polarised { s, p } = self.field.zip(other.field, |a, b| {
@@ -192,7 +195,7 @@ impl<V: Lanes> ExitRecord<V> {
 
 /// Buffer for the exits of one starting ray.
 #[derive(Debug)]
-pub struct ExitBuffer<'m, V: Lanes, G> {
+pub struct ExitBuffer<'m, V: RayLanes, G> {
     memory: &'m mut [ExitRecord<V>],
     count: usize,
     grid: G,
@@ -206,14 +209,23 @@ pub trait Histogram {
     /// Adds the power of one lane to a bin of the hemisphere on `side`. The power of one exit may be negative, where
     /// several weaken it by interference: clamp sums over all starting rays, never single powers.
     fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64);
+
+    /// Adds the powers of the lanes from `first` on, which leave in one bin.
+    fn add_lanes(&mut self, first: usize, side: Side, bin: usize, powers: &[f64]) {
+        for (lane, &power) in (first..).zip(powers) {
+            if power.abs() > 0.0 {
+                self.add(lane, side, bin, power);
+            }
+        }
+    }
 }
 
-impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
+impl<'m, V: RayLanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
     /// Empty buffer. `memory` should have as many records as one starting ray may need; further exits add their power
     /// to the nearest direction. If no exit on their side has a record, they are dropped, and [`ExitBuffer::flush`]
     /// returns their power.
     pub fn new(memory: &'m mut [ExitRecord<V>], grid: G, media: &MediaLanes<'_, V>) -> Self {
-        const { assert!(V::WIDTH <= MAX_LANES) };
+        const { assert!(V::Wavevector::WIDTH <= MAX_DIRECTIONS && V::WIDTH <= MAX_LANES) };
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
         Self { memory, count: 0, grid, per_wavelength, dropped: V::zero() }
     }
@@ -227,6 +239,11 @@ impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
     /// Lets the starting ray's waves interfere and passes the unpolarised power of each exit to `histogram`. Returns
     /// the power of exits that were dropped.
     pub fn flush(&mut self, histogram: &mut impl Histogram) -> V {
+        self.flush_lanes(V::one(), histogram)
+    }
+
+    /// [`ExitBuffer::flush`] of the lanes in which `kept` is above 0; the others are dark.
+    pub fn flush_lanes(&mut self, kept: V, histogram: &mut impl Histogram) -> V {
         let mut exits = self.memory.get_mut(..self.count).unwrap_or(&mut []);
         for wave in exits.iter_mut().filter(|exit| !exit.is_path) {
             let Polarised { s, p } = wave.field.map(VectorLanes::norm_sqr);
@@ -240,20 +257,27 @@ impl<'m, V: Lanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
                     }
                 }
             }
-            let powers = exit.power + exit.added;
-            for (lane, &cell) in exit.cells.iter().enumerate().take(V::WIDTH) {
-                let power = powers.lane(lane);
-                if power.abs() > 0.0 {
-                    histogram.add(lane, exit.side, cell as usize, power);
+            let powers = V::zero().select_lt(kept, exit.power + exit.added, V::zero());
+            if powers.abs().any_above(0.0) {
+                let mut numbers = [0.0; MAX_LANES];
+                powers.store(&mut numbers);
+                let cells = exit.cells.get(..V::Wavevector::WIDTH).unwrap_or(&[]);
+                let mut lane = 0;
+                for of_cell in cells.chunk_by(|a, b| a == b) {
+                    let end = if lane + of_cell.len() == cells.len() { V::WIDTH } else { lane + of_cell.len() };
+                    if let (Some(&cell), Some(powers)) = (of_cell.first(), numbers.get(lane..end)) {
+                        histogram.add_lanes(lane, exit.side, cell as usize, powers);
+                    }
+                    lane = end;
                 }
             }
             exits = tail;
         }
-        self.dropped
+        V::zero().select_lt(kept, self.dropped, V::zero())
     }
 }
 
-impl<V: Lanes, G: DirectionGrid> ExitBuffer<'_, V, G> {
+impl<V: RayLanes, G: DirectionGrid> ExitBuffer<'_, V, G> {
     /// Next unused record. If there is none, the exit adds its power to the record of the nearest direction on its
     /// side, so that power is kept whatever the grid.
     fn push(&mut self, side: Side, direction: DVec3, power: V) -> Option<&mut ExitRecord<V>> {
@@ -272,10 +296,10 @@ impl<V: Lanes, G: DirectionGrid> ExitBuffer<'_, V, G> {
     }
 }
 
-impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<'_, V, G> {
+impl<V: RayLanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<'_, V, G> {
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
         let ExitWave { side, power, point_nm, .. } = wave;
-        let direction = wave.wavevector.direction(hero::<V>()).normalize_or_zero();
+        let direction = wave.wavevector.direction(hero::<V::Wavevector>()).normalize_or_zero();
         let same = |exit: &&mut ExitRecord<V>| exit.is_same_wave(side, direction);
         if let Some(exit) = self.memory.iter_mut().take(self.count).find(same) {
             let phase = propagate(phase_of(&wave, exit.point_nm - point_nm, self.per_wavelength));
@@ -292,10 +316,10 @@ impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuffer<
     }
 }
 
-impl<V: Lanes, G: DirectionGrid> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V, G> {
+impl<V: RayLanes, G: DirectionGrid> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<'_, V, G> {
     fn exit(&mut self, path: ExitPath<V>, light: Coherency<V>) {
         let cells = cells_of_lanes(&self.grid, path.direction);
-        if let Some(exit) = self.push(path.side, path.direction.lane(hero::<V>()), light.power()) {
+        if let Some(exit) = self.push(path.side, path.direction.lane(hero::<V::Direction>()), light.power()) {
             (exit.is_path, exit.cells) = (true, cells);
         }
     }
@@ -307,17 +331,17 @@ impl<V: Lanes, G: DirectionGrid> Sink<ExitPath<V>, Coherency<V>> for ExitBuffer<
 /// The squared sum, divided by the squared number of starting rays, is the bin's power. Power is not conserved, since
 /// directions that differ within a bin do not really interfere.
 #[derive(Debug)]
-pub struct BinFields<'m, V: Lanes, G> {
+pub struct BinFields<'m, V: RayLanes, G> {
     /// Fields of the bins above, then of those below.
     fields: &'m mut [WaveField<V>],
     grid: G,
     per_wavelength: V::Precise,
-    incident: VectorLanes<V::Precise>,
+    incident: VectorLanes<V::Wavevector>,
     /// Phase factor exp(i k₀ q_in·x) at the first hit of the present starting ray.
     arrival: ComplexLanes<V>,
 }
 
-impl<'m, V: Lanes, G: DirectionGrid> BinFields<'m, V, G> {
+impl<'m, V: RayLanes, G: DirectionGrid> BinFields<'m, V, G> {
     /// Number of fields that a grid needs, for both hemispheres.
     #[must_use]
     pub fn required_len(grid: &G) -> usize {
@@ -329,7 +353,7 @@ impl<'m, V: Lanes, G: DirectionGrid> BinFields<'m, V, G> {
         fields: &'m mut [WaveField<V>],
         grid: G,
         media: &MediaLanes<'_, V>,
-        incident: VectorLanes<V::Precise>,
+        incident: VectorLanes<V::Wavevector>,
     ) -> Self {
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
         Self { fields, grid, per_wavelength, incident, arrival: ComplexLanes::one() }
@@ -337,22 +361,23 @@ impl<'m, V: Lanes, G: DirectionGrid> BinFields<'m, V, G> {
 
     /// Begins a starting ray whose first hit is `point_nm`.
     pub fn begin(&mut self, point_nm: DVec3) {
-        self.arrival = propagate(self.incident.dot_real(point_nm).scale(self.per_wavelength));
+        self.arrival = propagate(self.incident.dot_real(point_nm).map(V::precise).scale(self.per_wavelength));
     }
 }
 
-impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for BinFields<'_, V, G> {
+impl<V: RayLanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for BinFields<'_, V, G> {
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
         let phase = propagate::<V>(phase_of(&wave, -wave.point_nm, self.per_wavelength));
         let field = scaled_to_power(field, wave.power, phase * self.arrival);
         let bins = cells_of_lanes(&self.grid, wave.wavevector.map(|q| q.re));
         let hemisphere = if wave.side == Side::Above { 0 } else { self.grid.count() };
-        for lane in 0..V::WIDTH {
+        let last = V::Wavevector::WIDTH - 1;
+        for lane in 0..=last {
             // Each bin is treated once, for all lanes in it.
             if bins[..lane].contains(&bins[lane]) {
                 continue;
             }
-            let mask = V::from_fn(|other| f64::from(u8::from(bins[other] == bins[lane])));
+            let mask = V::from_fn(|other| f64::from(u8::from(bins[other.min(last)] == bins[lane])));
             if let Some(sum) = self.fields.get_mut(hemisphere + bins[lane] as usize) {
                 *sum = sum.zip(field, |sum, e| sum + e.scale(ComplexLanes::real(mask)));
             }
@@ -363,12 +388,12 @@ impl<V: Lanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for BinFields<'
 /// Phase of a ray over a step, in turns. The amplitude is not changed: where it varies across the ray, as in an
 /// absorbing substrate or behind a tilted facet of an absorbing body, the power of the ray's tube counts, wherever the
 /// phase is referred to.
-fn phase_of<V: Lanes>(wave: &ExitWave<V>, step_nm: DVec3, per_wavelength: V::Precise) -> ComplexLanes<V::Precise> {
-    ComplexLanes::real(wave.wavevector.dot_real(step_nm).re * per_wavelength)
+fn phase_of<V: RayLanes>(wave: &ExitWave<V>, step_nm: DVec3, per_wavelength: V::Precise) -> ComplexLanes<V::Precise> {
+    ComplexLanes::real(V::precise(wave.wavevector.dot_real(step_nm).re) * per_wavelength)
 }
 
 /// Field times a phase factor, scaled so that its square is the power of the ray, in an absorbing substrate too.
-fn scaled_to_power<V: Lanes>(field: WaveField<V>, power: Polarised<V>, phase: ComplexLanes<V>) -> WaveField<V> {
+fn scaled_to_power<V: RayLanes>(field: WaveField<V>, power: Polarised<V>, phase: ComplexLanes<V>) -> WaveField<V> {
     field.zip(power, |e, power| {
         let square = e.norm_sqr();
         let scale = V::zero().select_lt(square, (power.max(V::zero()) / square).sqrt(), V::zero());

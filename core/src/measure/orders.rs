@@ -17,6 +17,7 @@ use crate::optics::medium::MediaLanes;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
+use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::VectorLanes;
 use crate::trace::coherent_mesh::{ExitWave, WaveField};
 use crate::trace::waves::Sink;
@@ -105,18 +106,18 @@ impl<'m, V: Lanes> Orders<'m, V> {
     }
 }
 
-impl<V: Lanes> Sink<ExitWave<V>, WaveField<V>> for Orders<'_, V> {
+impl<V: RayLanes> Sink<ExitWave<V>, WaveField<V>> for Orders<'_, V> {
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
         if wave.side == Side::Below {
             return;
         }
-        let outgoing_normal = V::narrow(wave.wavevector.dot_real(wave.normal).re);
+        let outgoing_normal = V::narrowed(wave.wavevector.dot_real(wave.normal).re);
         for order in self.orders.iter_mut() {
             let phase = propagate::<V>((-order.wavevector.dot_real(wave.point_nm)).scale(self.per_wavelength));
             let tilt = V::narrow(order.wavevector.dot_real(wave.normal).re) / outgoing_normal;
             let travels = V::zero().select_lt(order.cos_theta, V::one(), V::zero());
             let obliquity = (self.cos_theta_i / order.cos_theta.max(V::splat(f64::from(f32::MIN_POSITIVE)))).sqrt();
-            let weight = travels * obliquity * V::splat(0.5) * (V::one() + tilt) * wave.tube_area;
+            let weight = travels * obliquity * V::splat(0.5) * (V::one() + tilt) * V::spread(wave.tube_area);
             let factor = (phase * self.arrival).scale(weight);
             order.amplitude = order.amplitude.zip(field, |sum, e| sum + e.scale(factor));
         }

@@ -5,7 +5,8 @@
 //! erf, x by bisection and Newton steps on its cumulative distribution.
 
 use super::exponential::decay;
-use libm::{erff, logf, sqrtf};
+use crate::simd::lanes::sqrtf;
+use libm::{erff, logf};
 use wide::f32x4;
 
 /// 1/√π.

@@ -4,9 +4,10 @@ use super::beckmann;
 use super::error::FinishError;
 use super::roughness::Roughness;
 use super::table::FacetTable;
+use crate::simd::lanes::sqrtf;
 use core::f32::consts::TAU;
 use glam::Vec3;
-use libm::{cosf, sinf, sqrtf};
+use libm::{cosf, sinf};
 use wide::f32x4;
 
 /// Smallest cosine of a direction above the horizon. Below, the end of Beckmann's exponential over cos⁴θ_m would be no

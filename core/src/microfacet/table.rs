@@ -9,9 +9,10 @@
 
 use super::error::FinishError;
 use super::limits::{MAX_RINGS, MAX_SECTORS};
+use crate::simd::lanes::{sqrt, sqrtf};
 use core::f32::consts::TAU;
 use glam::Vec3;
-use libm::{acos, cos, cosf, sin, sinf, sqrt, sqrtf};
+use libm::{acos, cos, cosf, sin, sinf};
 
 /// Minimum number of sectors, except for 1.
 const MIN_SECTORS: usize = 4;

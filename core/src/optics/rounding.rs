@@ -21,7 +21,7 @@ use core::f64::consts::TAU;
 use crate::optics::interface::Wave;
 use crate::optics::stack::{Amplitudes, Observer, PreparedStack, Response};
 use crate::simd::complex::{ComplexLanes, Polarised};
-use crate::simd::lanes::Lanes;
+use crate::simd::lanes::{Lanes, sqrt};
 
 /// Unit roundoffs of R or T for an amplification of 1. With this value none of 14 000 stacks, half of them filters,
 /// critical angles, grazing incidence or plasmons, has an error of more than 1.5 times the estimate.
@@ -64,7 +64,7 @@ impl<V: Lanes> PreparedStack<'_, V> {
         }
         let turns = V::narrow(longest / self.wavelength_nm());
         let path = turns * V::splat(phases * 2.0 * TAU * ROUNDINGS_OF_A_PATH);
-        let at_critical_angle = V::narrow(kept_off) * V::splat(2.0 * libm::sqrt(2.0 * lanes));
+        let at_critical_angle = V::narrow(kept_off) * V::splat(2.0 * sqrt(2.0 * lanes));
         at_critical_angle.max(amplification * (path + V::splat(lanes * ROUNDINGS_OF_A_PLANE)))
     }
 }

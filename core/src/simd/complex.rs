@@ -56,6 +56,12 @@ impl<V: Lanes> ComplexLanes<V> {
         Self { re: V::narrow(precise.re), im: V::narrow(precise.im) }
     }
 
+    /// Applies f to both parts.
+    #[inline]
+    pub fn map<U>(self, f: impl Fn(V) -> U) -> ComplexLanes<U> {
+        ComplexLanes { re: f(self.re), im: f(self.im) }
+    }
+
     /// The complex conjugate.
     #[inline]
     pub fn conj(self) -> Self {

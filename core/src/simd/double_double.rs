@@ -225,7 +225,7 @@ impl Lanes for DoubleDouble {
         Self::select((self - bound).high, then, otherwise)
     }
     #[inline]
-    fn mask_le(self, other: Self) -> u32 {
+    fn mask_le(self, other: Self) -> u64 {
         Lanes::mask_le((self - other).high, Lanes::zero())
     }
     #[inline]

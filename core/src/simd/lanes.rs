@@ -56,6 +56,21 @@ impl OrderedKeys {
     }
 }
 
+/// √x, correctly rounded. `libm` has an instruction for it that takes hundreds of cycles beside wide registers, since it
+/// keeps their upper halves.
+#[inline]
+pub(crate) fn sqrt(x: f64) -> f64 {
+    let [root, _] = wide::f64x2::splat(x).sqrt().to_array();
+    root
+}
+
+/// [`sqrt`] in single precision.
+#[inline]
+pub(crate) fn sqrtf(x: f32) -> f32 {
+    let [root, ..] = wide::f32x4::splat(x).sqrt().to_array();
+    root
+}
+
 /// Prefetches memory that will be read soon, where the machine can.
 #[inline]
 pub(crate) fn prefetch<T>(place: &T) {
@@ -136,11 +151,17 @@ pub trait Lanes:
     /// `then` where self < bound, otherwise `otherwise`.
     fn select_lt(self, bound: Self, then: Self, otherwise: Self) -> Self;
     /// A mask whose bit i is set if lane i of self does not exceed that of `other`; never for NaN.
-    fn mask_le(self, other: Self) -> u32;
+    fn mask_le(self, other: Self) -> u64;
     /// True if any lane exceeds `bound`.
     fn any_above(self, bound: f64) -> bool;
 
-    /// Sum over lanes.
+    /// Writes the numbers of as many lanes as `numbers` has room for.
+    #[inline]
+    fn store(self, numbers: &mut [f64]) {
+        numbers.iter_mut().take(Self::WIDTH).enumerate().for_each(|(lane, number)| *number = self.lane(lane));
+    }
+
+    /// Sum over lanes, in the precision of the lanes or more.
     fn sum(self) -> f64 {
         (0..Self::WIDTH).map(|lane| self.lane(lane)).sum()
     }
@@ -213,12 +234,20 @@ macro_rules! delegate_to_wide {
             self.simd_lt(bound).select(then, otherwise)
         }
         #[inline]
-        fn mask_le(self, other: Self) -> u32 {
-            self.simd_le(other).to_bitmask()
+        fn mask_le(self, other: Self) -> u64 {
+            self.simd_le(other).to_bitmask().into()
         }
         #[inline]
         fn any_above(self, bound: f64) -> bool {
             self.simd_gt(Self::splat(bound as $scalar)).any()
+        }
+        #[inline]
+        fn sum(self) -> f64 {
+            self.reduce_add() as f64
+        }
+        #[inline]
+        fn store(self, numbers: &mut [f64]) {
+            numbers.iter_mut().zip(self.to_array()).for_each(|(number, x)| *number = x as f64);
         }
     };
 }
@@ -377,7 +406,7 @@ impl Lanes for F64Pair {
         )
     }
     #[inline]
-    fn mask_le(self, other: Self) -> u32 {
+    fn mask_le(self, other: Self) -> u64 {
         self.0.mask_le(other.0) | (self.1.mask_le(other.1) << F64::WIDTH)
     }
     #[inline]
@@ -387,10 +416,10 @@ impl Lanes for F64Pair {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn matches_scalar<V: Lanes>() {
+    pub(crate) fn matches_scalar<V: Lanes>() {
         let a = V::from_fn(|i| 0.75 * (i as f64) - 2.0);
         let b = V::from_fn(|i| 1.5 + i as f64);
         for i in 0..V::WIDTH {
@@ -412,9 +441,9 @@ mod tests {
             close(a.min(b), x.min(y));
             assert_eq!(V::narrow(a.widen()), a);
             close(a.select_lt(V::zero(), a, b), if x < 0.0 { x } else { y });
-            assert_eq!(a.mask_le(b) >> i & 1, u32::from(x <= y));
+            assert_eq!(a.mask_le(b) >> i & 1, u64::from(x <= y));
             assert_eq!(a.mask_le(a + V::splat(f64::NAN)), 0);
-            assert_eq!(a.mask_le(V::splat(0.0)) >> i & 1, u32::from(x <= 0.0));
+            assert_eq!(a.mask_le(V::splat(0.0)) >> i & 1, u64::from(x <= 0.0));
         }
         assert!(b.any_above(V::WIDTH as f64) && !b.any_above(V::WIDTH as f64 + 0.5));
     }

@@ -3,6 +3,9 @@
 //! All of the crate's numerics that run at several wavelengths at once are generic over [`lanes::Lanes`].
 
 pub mod lanes;
+pub mod common;
+pub mod registers;
+pub mod ray_lanes;
 pub mod double_double;
 pub mod complex;
 pub mod vector;

@@ -1,5 +1,6 @@
 //! Angles of directions, fast, and the least cosines of tables.
 
+use crate::simd::lanes::sqrtf;
 use core::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec3;
 
@@ -45,13 +46,13 @@ pub(super) fn angle_of_cosine(cos: f32) -> f32 {
         -0.214_598_8,
         FRAC_PI_2,
     ];
-    libm::sqrtf(1.0 - cos) * COEFFICIENTS.into_iter().fold(0.0, |sum, c| sum * cos + c)
+    sqrtf(1.0 - cos) * COEFFICIENTS.into_iter().fold(0.0, |sum, c| sum * cos + c)
 }
 
 /// Length of the tangential part of a vector.
 #[inline]
 pub(super) fn level(w: Vec3) -> f32 {
-    libm::sqrtf(w.x * w.x + w.y * w.y)
+    sqrtf(w.x * w.x + w.y * w.y)
 }
 
 /// Azimuth φ of a vector, in [−π, π]; 0 along the normal.

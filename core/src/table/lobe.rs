@@ -1,6 +1,7 @@
 //! Lobes of flat facets, which reflect light into exact directions.
 
 use super::angles::MIN_COS;
+use crate::simd::lanes::sqrtf;
 use glam::{Mat3, Vec3};
 
 /// Direction into which flat facets reflect, as a function of the direction of the light.
@@ -68,7 +69,7 @@ impl FacetLobe {
 /// Square root; `None` of a negative number or NaN.
 #[inline]
 fn root(square: f32) -> Option<f32> {
-    (square >= 0.0).then(|| libm::sqrtf(square))
+    (square >= 0.0).then(|| sqrtf(square))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::error::{MAX_MAGNITUDE, TableError};
 use super::layout::GridNode;
 use super::order_layout::{OrderLayout, Periodicity};
 use super::values::Values;
+use crate::simd::lanes::sqrtf;
 use glam::Vec3;
 
 /// Efficiency over strength of an order: 4 cos θ_i cos θ_o/(cos θ_i + cos θ_o)², for the cosines of the light and of
@@ -285,7 +286,7 @@ impl<'a> OrderView<'a> {
         let up_squared = 1.0 - x * x - y * y;
         // NaN travels nowhere.
         let travels = up_squared > 0.0;
-        travels.then(|| Vec3::new(x, y, libm::sqrtf(up_squared)))
+        travels.then(|| Vec3::new(x, y, sqrtf(up_squared)))
     }
 
     /// Strength of an order for light from the viewer's direction, evanescent or not; 0 if the table has no such order

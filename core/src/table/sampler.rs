@@ -6,6 +6,7 @@ use super::scatter::{ScatterTable, divisor};
 use super::tents::tent_solid_angles;
 use super::values::Values;
 use super::warp::HalfVectorWarp;
+use crate::simd::lanes::sqrtf;
 use glam::Vec3;
 
 /// Importance sampler of a [`ScatterTable`], without its lobes.
@@ -305,15 +306,15 @@ fn share(part: f64, whole: f64, lit: usize) -> f64 {
 
 /// Draws from a tent over (−1, 1) by a uniform number.
 fn tent(u: f32) -> f32 {
-    if u < 0.5 { libm::sqrtf(2.0 * u) - 1.0 } else { 1.0 - libm::sqrtf(2.0 - 2.0 * u) }
+    if u < 0.5 { sqrtf(2.0 * u) - 1.0 } else { 1.0 - sqrtf(2.0 - 2.0 * u) }
 }
 
 /// Draws from the tent of a column; the first and the last have its inner half alone.
 fn end_tent(u: f32, first: bool, last: bool) -> f32 {
     if first {
-        1.0 - libm::sqrtf(1.0 - u)
+        1.0 - sqrtf(1.0 - u)
     } else if last {
-        libm::sqrtf(u) - 1.0
+        sqrtf(u) - 1.0
     } else {
         tent(u)
     }

@@ -3,6 +3,7 @@
 use super::angles::{level, polar};
 use super::layout::ScatterLayout;
 use super::warp::{HalfVectorWarp, Piece, plain_solid_angle};
+use crate::simd::lanes::sqrtf;
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 
@@ -41,7 +42,7 @@ pub fn tent_solid_angles(
 ) {
     let [columns, rows] = layout.square_sides();
     let theta = polar(wi);
-    let edge = |theta: f32| libm::sqrtf(theta * FRAC_2_PI).min(1.0);
+    let edge = |theta: f32| sqrtf(theta * FRAC_2_PI).min(1.0);
     let [all, some] = [edge(0.5 * (FRAC_PI_2 - theta).max(0.0)), edge(0.5 * (FRAC_PI_2 + theta))];
     for Piece { interval: column, from, to } in warp.pieces(0, columns - 1) {
         for (from, to, cut) in [(from, to.min(all), false), (from.max(all), to.min(some), true)] {

@@ -3,6 +3,7 @@
 use super::angles::{azimuth, level, polar};
 use super::error::TableError;
 use super::values::Values;
+use crate::simd::lanes::sqrtf;
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 
@@ -115,7 +116,7 @@ impl<'a> HalfVectorWarp<'a> {
     #[inline]
     pub fn warped(&self, wi: Vec3, wo: Vec3, origin: f32) -> Warped {
         let sum = wi + wo;
-        let u = libm::sqrtf(polar(sum) * FRAC_2_PI).min(1.0);
+        let u = sqrtf(polar(sum) * FRAC_2_PI).min(1.0);
         let turns = (azimuth(sum) - origin) * (1.0 / TAU) + 0.5;
         let v = turns - libm::floorf(turns);
         let [(x, density_u), (y, density_v)] = [self.axes[0].place(u), self.axes[1].place(v)];
@@ -260,7 +261,7 @@ impl Axis<'_> {
         let [from, to, before] = self.interval(index);
         // The root of from·t + ½ (to − from) t² = rest, without cancellation; its discriminant is the density's square.
         let rest = (place - before) * self.intervals as f32;
-        let density = libm::sqrtf((from * from + 2.0 * rest * (to - from)).max(0.0));
+        let density = sqrtf((from * from + 2.0 * rest * (to - from)).max(0.0));
         let part = (2.0 * rest / (from + density)).clamp(0.0, 1.0);
         ((index as f32 + part) / self.intervals as f32, density.max(from.min(to)).min(from.max(to)))
     }

@@ -1,11 +1,12 @@
 //! Waves in a polygon mesh, which interfere: tilted facets, polarisation in three dimensions, dispersion in each lane.
 //! [`crate::trace::incoherent_mesh`] has the paths that do not interfere.
 //!
-//! A ray is a plane wave with its own wavevector in each lane; one hero lane decides which facet it meets. It carries
-//! the electric field, a complex vector for each incident polarisation, at the ray's own point of the facet. Two rays
-//! of one facet, side and wavevector are one plane wave: the field of the second is propagated to the point of the
-//! first by exp(i k₀ q·Δx) and added. The field is referred to a point of the path and not to a distant anchor: this
-//! keeps strongly absorbing waves, which grow sideways as fast as they decay, within range.
+//! A ray is a plane wave with its own wavevector in each lane, or with one for all where no medium disperses
+//! ([`RayLanes`]); one hero lane decides which facet it meets. It carries the electric field, a complex vector for each
+//! incident polarisation, at the ray's own point of the facet. Two rays of one facet, side and wavevector are one plane
+//! wave: the field of the second is propagated to the point of the first by exp(i k₀ q·Δx) and added. The field is
+//! referred to a point of the path and not to a distant anchor: this keeps strongly absorbing waves, which grow
+//! sideways as fast as they decay, within range.
 //!
 //! At a facet the field is split along ŝ = N × q/|q_t| and p̂ = ŝ × q/η. Fresnel's formulas act on each part, and the
 //! cross-section of the tube of light that the ray represents changes by |cos θ_t/cos θ_i|.
@@ -13,12 +14,13 @@
 use crate::geometry::mesh_cell::{FacetHit, MeshCell, NextEvent, Sides};
 use crate::geometry::side::Side;
 use crate::optics::coating::coated;
-use crate::optics::interface::{Below, Wave};
+use crate::optics::interface::{Below, Wave, fresnel};
 use crate::optics::medium::{MediaLanes, MediumIndex};
 use crate::optics::stack::Response;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::propagate;
+use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::VectorLanes;
 use crate::trace::plane_of_incidence::s_axis_of_wave;
 use crate::trace::waves::{Propagated, Slot, Split, Target, Waves};
@@ -29,28 +31,28 @@ pub type WaveField<V> = Polarised<VectorLanes<V>>;
 
 /// State of a ray that is about to be split at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WaveState<V: Lanes> {
+pub struct WaveState<V: RayLanes> {
     /// Facet, side, and the point to which the field is referred.
     pub(crate) at: FacetHit,
     /// Wavevector in units of k₀.
-    pub(crate) wavevector: VectorLanes<V::Precise>,
+    pub(crate) wavevector: VectorLanes<V::Wavevector>,
     /// J, cross-section of the ray's tube in units of the incident one.
-    pub(crate) tube_area: V,
+    pub(crate) tube_area: V::Direction,
 }
 
 /// Ray that leaves the cell. Its field is referred to `point_nm`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ExitWave<V: Lanes> {
+pub struct ExitWave<V: RayLanes> {
     /// Side on which the ray leaves.
     pub side: Side,
     /// Wavevector in units of k₀.
-    pub wavevector: VectorLanes<V::Precise>,
+    pub wavevector: VectorLanes<V::Wavevector>,
     /// Point where the ray last met the surface, not wrapped into the period.
     pub point_nm: DVec3,
     /// Unit normal of the facet there, towards the side on which the ray leaves it; +z if it met none.
     pub normal: DVec3,
     /// J, cross-section of the ray's tube in units of the incident one.
-    pub tube_area: V,
+    pub tube_area: V::Direction,
     /// Index of the medium in which the ray leaves.
     pub medium: MediumIndex,
     /// Power of the ray for each incident polarisation, in units of the incident power.
@@ -59,7 +61,7 @@ pub struct ExitWave<V: Lanes> {
 
 /// Polygon mesh in which waves interfere, at one group of wavelengths and one direction of the light.
 #[derive(Clone, Copy, Debug)]
-pub struct CoherentMesh<'a, V: Lanes> {
+pub struct CoherentMesh<'a, V: RayLanes> {
     cell: MeshCell<'a>,
     media: MediaLanes<'a, V>,
     per_wavelength: V::Precise,
@@ -70,17 +72,17 @@ pub struct CoherentMesh<'a, V: Lanes> {
 
 /// Incident light: a plane wave of unit amplitude in each polarisation.
 #[derive(Clone, Copy, Debug)]
-pub struct IncidentWave<V: Lanes> {
+pub struct IncidentWave<V: RayLanes> {
     /// Unit vector towards the light.
     pub(crate) wi: DVec3,
     /// ŝ, the normal of the macroscopic plane of incidence.
     pub(crate) s_axis: DVec3,
-    wavevector: VectorLanes<V::Precise>,
+    wavevector: VectorLanes<V::Wavevector>,
     field: WaveField<V>,
-    index: V,
+    index: V::Direction,
 }
 
-impl<V: Lanes> IncidentWave<V> {
+impl<V: RayLanes> IncidentWave<V> {
     /// Light that comes from the unit direction `wi` (towards the light, z > 0) in a medium of index `eta`, whose k is
     /// at most [`crate::optics::medium::MAX_AMBIENT_K`].
     ///
@@ -90,30 +92,42 @@ impl<V: Lanes> IncidentWave<V> {
     /// after the last.
     #[must_use]
     pub fn new(wi: DVec3, eta: ComplexLanes<V::Precise>) -> Self {
+        let eta = eta.map(V::wavevector);
         let s = DVec3::Z.cross(wi).try_normalize().unwrap_or(DVec3::Y);
-        let mut wavevector = VectorLanes::<V::Precise>::splat(-wi).scale(ComplexLanes::real(eta.re));
+        let mut wavevector = VectorLanes::<V::Wavevector>::splat(-wi).scale(ComplexLanes::real(eta.re));
         let mut p = VectorLanes::<V>::splat(s.cross(-wi));
         if eta.im.any_above(0.0) {
-            let tangential = eta.re * V::Precise::splat(wi.truncate().length());
+            let tangential = eta.re * V::Wavevector::splat(wi.truncate().length());
             wavevector.z = -(eta.square() - ComplexLanes::real(tangential * tangential)).sqrt_outgoing();
-            let along = VectorLanes::<V::Precise>::splat(s).cross(wavevector);
+            let along = VectorLanes::<V::Wavevector>::splat(s).cross(wavevector);
             let length = ComplexLanes::real(along.norm_sqr().sqrt());
-            p = VectorLanes::narrow(along.scale(ComplexLanes::one().div_or_zero(length)));
+            p = along.scale(ComplexLanes::one().div_or_zero(length)).map(|c| c.map(V::narrowed));
         }
-        Self { wi, s_axis: s, wavevector, field: Polarised { s: VectorLanes::splat(s), p }, index: V::narrow(eta.re) }
+        Self {
+            wi,
+            s_axis: s,
+            wavevector,
+            field: Polarised { s: VectorLanes::splat(s), p },
+            index: V::Direction::narrow(eta.re),
+        }
     }
 
     /// Power of a field in a tube for each polarisation: |E|² J n/n_in for a travelling wave in a medium of index
     /// `eta`.
-    pub fn tube_power(&self, field: &WaveField<V>, tube_area: V, eta: ComplexLanes<V::Precise>) -> Polarised<V> {
-        let per = tube_area * V::narrow(eta.re) / self.index;
+    pub fn tube_power(
+        &self,
+        field: &WaveField<V>,
+        tube_area: V::Direction,
+        eta: ComplexLanes<V::Wavevector>,
+    ) -> Polarised<V> {
+        let per = V::spread(tube_area * V::Direction::narrow(eta.re) / self.index);
         field.map(|e| e.norm_sqr() * per)
     }
 
     /// Real part of the light's wavevector in units of k₀. It gives the phase over the cell; the amplitude is 1 all
     /// over it.
     #[must_use]
-    pub fn wavevector(&self) -> VectorLanes<V::Precise> {
+    pub fn wavevector(&self) -> VectorLanes<V::Wavevector> {
         self.wavevector.map(|q| ComplexLanes::real(q.re))
     }
 }
@@ -135,7 +149,7 @@ const MIN_EVANESCENT_FACTOR: f64 = 1e-8;
 /// distance from 1 is about the square of the rounding of single-precision meshes.
 const MIN_PARALLEL_COSINE: f64 = 1.0 - 1e-10;
 
-impl<'a, V: Lanes> CoherentMesh<'a, V> {
+impl<'a, V: RayLanes> CoherentMesh<'a, V> {
     /// Mesh of a cell, with its media and the incident light.
     pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
@@ -151,7 +165,7 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
 
     /// State and field of a ray whose first hit is known: see [`CoherentMesh::start`].
     pub fn start_at(&self, at: FacetHit) -> (WaveState<V>, WaveField<V>) {
-        (WaveState { at, wavevector: self.incident.wavevector, tube_area: V::one() }, self.incident.field)
+        (WaveState { at, wavevector: self.incident.wavevector, tube_area: V::Direction::one() }, self.incident.field)
     }
 
     /// Power of rays that were lost in holes of the mesh or after too many periods. It adds up over calls of `split`.
@@ -164,15 +178,43 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
         self.absorbed
     }
 
+    /// Takes back what was lost and absorbed since `before` in lanes in which `kept` is 0.
+    pub fn keep_lanes(&mut self, kept: V, before: &Self) {
+        let keep = |now: V, before: V| V::zero().select_lt(kept, now, before);
+        self.lost = keep(self.lost, before.lost);
+        self.absorbed = self.absorbed.zip(before.absorbed, keep);
+    }
+
     /// Phase factor exp(i k₀ q·Δx) of a step.
     #[inline]
-    fn phase_factor(&self, wavevector: &VectorLanes<V::Precise>, step_nm: DVec3) -> ComplexLanes<V> {
-        propagate(wavevector.dot_real(step_nm).scale(self.per_wavelength))
+    fn phase_factor(&self, wavevector: &VectorLanes<V::Wavevector>, step_nm: DVec3) -> ComplexLanes<V> {
+        propagate(wavevector.dot_real(step_nm).map(V::precise).scale(self.per_wavelength))
     }
 
     /// Power of a field in a tube in a medium, for each polarisation.
-    fn tube_power(&self, field: &WaveField<V>, tube_area: V, medium: MediumIndex) -> Polarised<V> {
-        self.incident.tube_power(field, tube_area, self.media.eta_of(medium))
+    fn tube_power(&self, field: &WaveField<V>, tube_area: V::Direction, medium: MediumIndex) -> Polarised<V> {
+        self.incident.tube_power(field, tube_area, self.index_of(medium))
+    }
+
+    /// Index of a medium, in the lanes of wavevectors.
+    #[inline]
+    fn index_of(&self, medium: MediumIndex) -> ComplexLanes<V::Wavevector> {
+        self.media.eta_of(medium).map(V::wavevector)
+    }
+
+    /// Fresnel coefficients of a facet with films, of its waves on either side.
+    fn coated(
+        &self,
+        at: &FacetHit,
+        near: (MediumIndex, ComplexLanes<V::Wavevector>),
+        far: Option<(MediumIndex, ComplexLanes<V::Wavevector>)>,
+        tangential_squared: ComplexLanes<V::Wavevector>,
+    ) -> Response<V> {
+        let wave = |(medium, normal): (MediumIndex, ComplexLanes<V::Wavevector>)| {
+            Wave::<V>::with_normal(self.media.eta_of(medium), normal.map(V::precise))
+        };
+        let (near, far) = (wave(near), far.map(wave));
+        coated(&near, self.cell.films(at), far.as_ref(), &self.media, tangential_squared.map(V::precise))
     }
 
     /// Propagates a ray from a facet to the next one, or out of the cell.
@@ -183,7 +225,7 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
     ) -> Propagated<WaveState<V>, ExitWave<V>, WaveField<V>> {
         let Outgoing { wavevector, field, medium, normal, tube_area, power } = outgoing;
         let evanescent = is_evanescent(&wavevector, normal);
-        let direction = if evanescent { normal } else { wavevector.direction(hero::<V>()) };
+        let direction = if evanescent { normal } else { wavevector.direction(hero::<V::Wavevector>()) };
         match self.cell.next_event(from.at.point_nm, direction, medium, Some(from.at.facet)) {
             NextEvent::Facet(at) => {
                 let factor = self.phase_factor(&wavevector, at.point_nm - from.at.point_nm);
@@ -217,22 +259,22 @@ impl<'a, V: Lanes> CoherentMesh<'a, V> {
 }
 
 /// Ray that leaves a facet.
-struct Outgoing<V: Lanes> {
-    wavevector: VectorLanes<V::Precise>,
+struct Outgoing<V: RayLanes> {
+    wavevector: VectorLanes<V::Wavevector>,
     field: WaveField<V>,
     medium: MediumIndex,
     /// Normal of the facet, towards the side on which the ray leaves.
     normal: DVec3,
-    tube_area: V,
+    tube_area: V::Direction,
     power: Polarised<V>,
 }
 
 /// |factor|², for both polarisations.
-fn factor_power<V: Lanes>(factor: ComplexLanes<V>) -> Polarised<V> {
+fn factor_power<V: RayLanes>(factor: ComplexLanes<V>) -> Polarised<V> {
     Polarised::both(factor.norm_sqr())
 }
 
-impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
+impl<V: RayLanes> Waves<V> for CoherentMesh<'_, V> {
     type State = WaveState<V>;
     type Field = WaveField<V>;
     type Exit = ExitWave<V>;
@@ -243,7 +285,8 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
     }
 
     fn is_same_wave(&self, a: &WaveState<V>, b: &WaveState<V>) -> bool {
-        let difference = a.wavevector.direction(hero::<V>()) - b.wavevector.direction(hero::<V>());
+        let difference =
+            a.wavevector.direction(hero::<V::Wavevector>()) - b.wavevector.direction(hero::<V::Wavevector>());
         let distance = self.cell.facet(a.at.facet).normal.dot(a.at.point_nm - b.at.point_nm);
         a.at.facet == b.at.facet
             && a.at.front == b.at.front
@@ -268,27 +311,32 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
         let q = state.wavevector;
         let q_n = -q.dot_real(normal);
         let tangential = q.add_scaled(normal, q_n);
-        let near_eta = self.media.eta_of(near);
+        let near_eta = self.index_of(near);
         let tangential_squared = tangential.dot(tangential);
-        let near_wave = Wave::<V>::with_normal(near_eta, q_n);
+        let near_wave = Wave::<V::Direction>::with_normal(near_eta, q_n);
 
+        let narrowed = |v: VectorLanes<V::Wavevector>| v.map(|c| c.map(V::narrowed));
         let s = s_axis_of_wave(normal, &q);
-        let s_hat = VectorLanes::<V>::narrow(s);
-        let p_of = |q: VectorLanes<V::Precise>, eta: ComplexLanes<V::Precise>| {
-            VectorLanes::<V>::narrow(s.cross(q).scale(ComplexLanes::one().div_or_zero(eta)))
+        let s_hat = narrowed(s);
+        let p_of = |q: VectorLanes<V::Wavevector>, eta: ComplexLanes<V::Wavevector>| {
+            narrowed(s.cross(q).scale(ComplexLanes::one().div_or_zero(eta)))
         };
         let p_in = p_of(q, near_eta);
         let parts = field.map(|e| (e.dot(s_hat), e.dot(p_in)));
 
         let far_wave = match far {
-            Below::Medium(far) => Some((far, Wave::<V>::new(self.media.eta_of(far), tangential_squared))),
+            Below::Medium(far) => Some((far, Wave::<V::Direction>::new(self.index_of(far), tangential_squared))),
             Below::Mirror => None,
         };
         let films = self.cell.coating(state.at.facet);
-        let far_side = far_wave.as_ref().map(|(_, wave)| wave);
-        let order = self.cell.films(&state.at);
-        let Response { reflection: r, transmission: t } =
-            coated(&near_wave, order, far_side, &self.media, tangential_squared);
+        let Response { reflection: r, transmission: t } = if films.is_empty() {
+            let r = fresnel(near_wave.admittance, far_wave.as_ref().map(|(_, wave)| wave.admittance));
+            let spread = |x: Polarised<ComplexLanes<V::Direction>>| x.map(|c| c.map(V::spread));
+            Response { reflection: spread(r), transmission: spread(r.map(|r| ComplexLanes::one() + r)) }
+        } else {
+            let far = far_wave.as_ref().map(|(far, wave)| (*far, wave.normal));
+            self.coated(&state.at, (near, q_n), far, tangential_squared)
+        };
 
         let reflected_wavevector = tangential.add_scaled(normal, q_n);
         let p_out = p_of(reflected_wavevector, near_eta);
@@ -302,21 +350,21 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
             power: self.tube_power(&field_out, state.tube_area, near),
         };
         let refracted = far_wave.map(|(far, wave)| {
-            let far_eta = self.media.eta_of(far);
+            let far_eta = self.index_of(far);
             let wavevector = tangential.add_scaled(normal, -wave.normal);
             let p_through = p_of(wavevector, far_eta);
             // t_p relates magnetic fields; for electric ones it has the further factor η_near/η_far.
-            let (t_s, t_p) = (t.s, t.p * ComplexLanes::<V>::narrow(near_eta.div_or_zero(far_eta)));
+            let (t_s, t_p) = (t.s, t.p * near_eta.div_or_zero(far_eta).map(V::narrowed));
             // |cos θ_t/cos θ_i| with cos θ = q_n/η. Moduli make its product 1 again behind an evanescent gap.
-            let cosine = |normal: ComplexLanes<V::Precise>, eta: ComplexLanes<V::Precise>| {
-                V::narrow((normal.norm_sqr() / eta.norm_sqr()).sqrt())
+            let cosine = |normal: ComplexLanes<V::Wavevector>, eta: ComplexLanes<V::Wavevector>| {
+                V::Direction::narrow((normal.norm_sqr() / eta.norm_sqr()).sqrt())
             };
             // |t|² Re κ of each part, divided by the facet's area in the tube.
             let area = state.tube_area / (cosine(q_n, near_eta) * self.incident.index);
+            let per_s = V::spread(wave.admittance.s.re * area);
+            let per_p = V::spread(wave.admittance.p.re * V::Direction::narrow(near_eta.norm_sqr()) * area);
             let power = parts.map(|(along_s, along_p)| {
-                let through = t.s.norm_sqr() * along_s.norm_sqr() * wave.admittance.s.re
-                    + t.p.norm_sqr() * along_p.norm_sqr() * wave.admittance.p.re * V::narrow(near_eta.norm_sqr());
-                through * area
+                t.s.norm_sqr() * along_s.norm_sqr() * per_s + t.p.norm_sqr() * along_p.norm_sqr() * per_p
             });
             Outgoing {
                 wavevector,
@@ -341,8 +389,8 @@ impl<V: Lanes> Waves<V> for CoherentMesh<'_, V> {
 /// with total reflection. Waves in absorbing media travel. So does light from an absorbing body that meets a tilted
 /// facet, although its amplitude varies across its direction.
 #[inline]
-pub(crate) fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, normal: DVec3) -> bool {
-    let hero = hero::<V>();
+pub(crate) fn is_evanescent<W: Lanes>(wavevector: &VectorLanes<W>, normal: DVec3) -> bool {
+    let hero = hero::<W>();
     // Most waves travel without loss, and access to a single lane is slow.
     if !(wavevector.x.im.abs() + wavevector.y.im.abs() + wavevector.z.im.abs()).any_above(0.0) {
         return false;
@@ -358,7 +406,7 @@ pub(crate) fn is_evanescent<V: Lanes>(wavevector: &VectorLanes<V>, normal: DVec3
     decays && re.dot(im).abs() <= MAX_COSINE * magnitudes
 }
 
-impl<V: Lanes> WaveState<V> {
+impl<V: RayLanes> WaveState<V> {
     /// Point where the ray meets its facet, not wrapped into the period.
     pub fn point_nm(&self) -> DVec3 {
         self.at.point_nm
@@ -367,7 +415,7 @@ impl<V: Lanes> WaveState<V> {
 
 /// Slot in which no ray waits.
 #[must_use]
-pub fn free_slot<V: Lanes>() -> Slot<WaveState<V>, WaveField<V>> {
-    let state = WaveState { at: FacetHit::NONE, wavevector: VectorLanes::zero(), tube_area: V::zero() };
+pub fn free_slot<V: RayLanes>() -> Slot<WaveState<V>, WaveField<V>> {
+    let state = WaveState { at: FacetHit::NONE, wavevector: VectorLanes::zero(), tube_area: V::Direction::zero() };
     Slot::free(state, Polarised::both(VectorLanes::zero()))
 }

@@ -1,8 +1,8 @@
 //! Geometric optics in a polygon mesh: paths that do not interfere, for unpolarised incident light.
 //!
-//! A path has a direction in each lane and carries power and polarisation but no phase: the coherency matrix of its
-//! light (Born & Wolf, "Principles of Optics", section 10.9.1). All directions are real, so a path costs a fraction of
-//! a wave of [`crate::trace::coherent_mesh`]. One hero lane decides which facet it meets.
+//! A path has a direction in each lane, or one for all ([`RayLanes`]), and carries power and polarisation but no phase:
+//! the coherency matrix of its light (Born & Wolf, "Principles of Optics", section 10.9.1). All directions are real, so
+//! a path costs a fraction of a wave of [`crate::trace::coherent_mesh`]. One hero lane decides which facet it meets.
 //!
 //! Power is conserved at facets. With exact amplitudes it is not, in absorbing media: there the incident and the
 //! reflected wave exchange power, so that R + T ≠ 1, and a refracted wave decays across its direction. A path that is
@@ -20,6 +20,7 @@ use crate::optics::stack::Response;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::simd::phase::attenuation;
+use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::{RealLanes, VectorLanes};
 use crate::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, hero, is_evanescent};
 use crate::trace::paths::{AsPath, Paths};
@@ -49,7 +50,7 @@ impl<V: Lanes> Coherency<V> {
 
     /// Light with its power multiplied by `factor`.
     #[inline]
-    fn scale(self, factor: V) -> Self {
+    pub fn scale(self, factor: V) -> Self {
         Self { s: self.s * factor, p: self.p * factor, cross: self.cross.scale(factor) }
     }
 
@@ -84,15 +85,15 @@ impl<V: Lanes> Coherency<V> {
 
 /// Path that is about to be split at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Path<V> {
+pub struct Path<V: RayLanes> {
     at: FacetHit,
     /// Unit direction d.
-    direction: RealLanes<V>,
+    direction: RealLanes<V::Direction>,
     /// Unit vector ŝ, perpendicular to d.
-    s_axis: RealLanes<V>,
+    s_axis: RealLanes<V::Direction>,
 }
 
-impl<V> Path<V> {
+impl<V: RayLanes> Path<V> {
     /// Facet that the path meets, with the side and the point.
     pub fn at(&self) -> FacetHit {
         self.at
@@ -101,16 +102,16 @@ impl<V> Path<V> {
 
 /// Path that leaves the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ExitPath<V> {
+pub struct ExitPath<V: RayLanes> {
     /// Side on which the path leaves.
     pub side: Side,
     /// Unit direction of the path.
-    pub direction: RealLanes<V>,
+    pub direction: RealLanes<V::Direction>,
 }
 
 /// Polygon mesh in which paths do not interfere, at one group of wavelengths and one direction of the light.
 #[derive(Clone, Copy, Debug)]
-pub struct IncoherentMesh<'a, V: Lanes> {
+pub struct IncoherentMesh<'a, V: RayLanes> {
     cell: MeshCell<'a>,
     media: MediaLanes<'a, V>,
     incident: IncidentWave<V>,
@@ -121,7 +122,7 @@ pub struct IncoherentMesh<'a, V: Lanes> {
 /// Largest normal component of a wavevector beyond a facet, relative to its length, of a wave that only decays.
 const MAX_EVANESCENT_COSINE: f64 = 1e-9;
 
-impl<'a, V: Lanes> IncoherentMesh<'a, V> {
+impl<'a, V: RayLanes> IncoherentMesh<'a, V> {
     /// Mesh of a cell, with its media and the incident light.
     pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         Self { cell, media, incident, lost: V::zero(), absorbed: V::zero() }
@@ -133,7 +134,11 @@ impl<'a, V: Lanes> IncoherentMesh<'a, V> {
         let IncidentWave { wi, s_axis, .. } = self.incident;
         let at = self.cell.first_hit(u, v, -wi)?;
         let half = V::splat(0.5);
-        let path = Path { at, direction: RealLanes::<V>::splat(-wi), s_axis: RealLanes::<V>::splat(s_axis) };
+        let path = Path {
+            at,
+            direction: RealLanes::<V::Direction>::splat(-wi),
+            s_axis: RealLanes::<V::Direction>::splat(s_axis),
+        };
         Some((path, Coherency { s: half, p: half, cross: ComplexLanes::zero() }))
     }
 
@@ -149,10 +154,23 @@ impl<'a, V: Lanes> IncoherentMesh<'a, V> {
         self.absorbed
     }
 
+    /// Takes back what was lost and absorbed since `before` in lanes in which `kept` is 0.
+    pub fn keep_lanes(&mut self, kept: V, before: &Self) {
+        let keep = |now: V, before: V| V::zero().select_lt(kept, now, before);
+        self.lost = keep(self.lost, before.lost);
+        self.absorbed = keep(self.absorbed, before.absorbed);
+    }
+
     /// Fresnel coefficients of a facet with films.
-    fn coated(&self, path: &Path<V>, near: MediumIndex, far: Option<&Far<V>>, tangential_squared: V) -> Response<V> {
+    fn coated(
+        &self,
+        path: &Path<V>,
+        near: MediumIndex,
+        far: Option<&Far<V::Direction>>,
+        tangential_squared: V::Direction,
+    ) -> Response<V> {
         let films = self.cell.films(&path.at);
-        let tangential_squared = ComplexLanes::real(tangential_squared.widen());
+        let tangential_squared = ComplexLanes::real(V::precise(tangential_squared.widen()));
         let wave = |medium| Wave::<V>::new(self.media.eta_of(medium), tangential_squared);
         let (near, far) = (wave(near), far.map(|far| wave(far.medium)));
         coated(&near, films, far.as_ref(), &self.media, tangential_squared)
@@ -200,13 +218,13 @@ fn admittance<V: Lanes>(normal: ComplexLanes<V>, eta: ComplexLanes<V>) -> Polari
 
 /// Direction, ŝ and medium of light that leaves a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Branch<V> {
-    direction: RealLanes<V>,
-    s_axis: RealLanes<V>,
+pub struct Branch<V: RayLanes> {
+    direction: RealLanes<V::Direction>,
+    s_axis: RealLanes<V::Direction>,
     medium: MediumIndex,
 }
 
-impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
+impl<V: RayLanes> Paths<V> for IncoherentMesh<'_, V> {
     type State = Path<V>;
     type Branch = Branch<V>;
     type Light = Coherency<V>;
@@ -227,7 +245,12 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
         &light: &Coherency<V>,
     ) -> Propagated<Path<V>, ExitPath<V>, Coherency<V>> {
         let leave = |side| Some((Target::Exit(ExitPath { side, direction }), light));
-        match self.cell.next_event(from.at.point_nm, direction.lane(hero::<V>()), medium, Some(from.at.facet)) {
+        match self.cell.next_event(
+            from.at.point_nm,
+            direction.lane(hero::<V::Direction>()),
+            medium,
+            Some(from.at.facet),
+        ) {
             NextEvent::Facet(at) => {
                 let light = self.absorb(medium, at.point_nm.distance(from.at.point_nm), light);
                 Some((Target::State(Path { at, direction, s_axis }), light))
@@ -244,14 +267,16 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
     fn split(&mut self, path: &Path<V>, light: &Coherency<V>) -> [Option<(Branch<V>, Coherency<V>)>; 2] {
         let Some(Sides { normal, near, far }) = self.cell.sides(&path.at) else { return [None, None] };
         let films = self.cell.coating(path.at.facet);
-        let (zero, one) = (V::zero(), ComplexLanes::<V>::one());
+        let (zero, one) = (V::zero(), ComplexLanes::one());
+        let index_of = |medium| ComplexLanes::<V::Direction>::narrow(self.media.eta_of(medium).map(V::wavevector));
 
-        let n = RealLanes::<V>::splat(normal);
-        let cos = (-path.direction.dot(n)).max(zero);
+        let n = RealLanes::<V::Direction>::splat(normal);
+        let cos = (-path.direction.dot(n)).max(V::Direction::zero());
         let (s, sin_squared) = s_axis_of_path(normal, path.direction);
-        let light = light.rotated(path.s_axis.dot(s), path.s_axis.cross(path.direction).dot(s));
+        let turned = [path.s_axis.dot(s), path.s_axis.cross(path.direction).dot(s)].map(V::spread);
+        let light = light.rotated(turned[0], turned[1]);
 
-        let near_eta = ComplexLanes::<V>::narrow(self.media.eta_of(near));
+        let near_eta = index_of(near);
         let tangential_squared = near_eta.re * near_eta.re * sin_squared;
         let near_normal = if near_eta.im.any_above(0.0) {
             (near_eta.square() - ComplexLanes::real(tangential_squared)).sqrt_upper()
@@ -260,7 +285,7 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
         };
         let far = match far {
             Below::Medium(medium) => {
-                let eta = ComplexLanes::<V>::narrow(self.media.eta_of(medium));
+                let eta = index_of(medium);
                 let normal = (eta.square() - ComplexLanes::real(tangential_squared)).sqrt_outgoing();
                 Some(Far { medium, eta, normal })
             }
@@ -269,7 +294,8 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
         let Response { reflection: r, transmission: t } = if films.is_empty() {
             let beyond = far.as_ref().map(|far| admittance(far.normal, far.eta));
             let r = fresnel(admittance(near_normal, near_eta), beyond);
-            Response { reflection: r, transmission: r.map(|r| one + r) }
+            let spread = |x: Polarised<ComplexLanes<V::Direction>>| x.map(|c| c.map(V::spread));
+            Response { reflection: spread(r), transmission: spread(r.map(|r| one + r)) }
         } else {
             self.coated(path, near, far.as_ref(), tangential_squared)
         };
@@ -287,13 +313,13 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
             } else {
                 // |t|² Re κ of each part, divided by the κ of the light that arrives.
                 let there = admittance(far.normal, far.eta).map(|k| k.re);
-                let s = t.s.norm_sqr() * there.s * light.s;
-                let p = t.p.norm_sqr() * there.p * light.p * near_eta.norm_sqr();
-                let here = near_eta.re * (near_normal.norm_sqr() / near_eta.norm_sqr()).sqrt();
+                let s = t.s.norm_sqr() * V::spread(there.s) * light.s;
+                let p = t.p.norm_sqr() * V::spread(there.p * near_eta.norm_sqr()) * light.p;
+                let here = V::spread(near_eta.re * (near_normal.norm_sqr() / near_eta.norm_sqr()).sqrt());
                 zero.select_lt(here, (s + p) / here, zero).max(zero).min(remainder)
             };
             // t_p relates magnetic fields; for electric ones it has the further factor η_near/η_far.
-            let light = light.after(t.s, t.p * near_eta.div_or_zero(far.eta));
+            let light = light.after(t.s, t.p * near_eta.div_or_zero(far.eta).map(V::spread));
             let tangential = path.direction.add_scaled(n, cos).scale(near_eta.re);
             let direction = tangential.add_scaled(n, -far.normal.re).normalize_or_zero();
             let branch = Branch { direction, s_axis: s, medium: far.medium };
@@ -309,24 +335,24 @@ impl<V: Lanes> Paths<V> for IncoherentMesh<'_, V> {
     }
 }
 
-impl<V: Lanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
+impl<V: RayLanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
     fn path(&self, state: &WaveState<V>, field: &WaveField<V>) -> Option<(Path<V>, Coherency<V>)> {
         let Sides { normal, near, .. } = self.cell.sides(&state.at)?;
         if is_evanescent(&state.wavevector, normal) {
             return None;
         }
-        let direction = state.wavevector.map(|q| V::narrow(q.re)).normalize_or_zero();
+        let direction = state.wavevector.map(|q| V::Direction::narrow(q.re)).normalize_or_zero();
         let (s, _) = s_axis_of_path(normal, direction);
-        let p = s.cross(direction);
+        let [s_lanes, p_lanes] = [s, s.cross(direction)].map(|axis| axis.map(V::spread));
         let light = |e: VectorLanes<V>| {
-            let (along_s, along_p) = (e.dot_lanes(s), e.dot_lanes(p));
+            let (along_s, along_p) = (e.dot_lanes(s_lanes), e.dot_lanes(p_lanes));
             Coherency { s: along_s.norm_sqr(), p: along_p.norm_sqr(), cross: along_s * along_p.conj() }
         };
         let (of_s, of_p) = (light(field.s), light(field.p));
         let both = Coherency { s: of_s.s + of_p.s, p: of_s.p + of_p.p, cross: of_s.cross + of_p.cross };
         // In an absorbing medium a field has a component along its direction, outside s and p: the power is that of all
         // three components.
-        let whole = self.incident.tube_power(field, state.tube_area, self.media.eta_of(near));
+        let whole = self.incident.tube_power(field, state.tube_area, self.media.eta_of(near).map(V::wavevector));
         let power = (whole.s + whole.p) * V::splat(0.5);
         let path = Path { at: state.at, direction, s_axis: s };
         Some((path, both.with_power(power)))
@@ -335,8 +361,8 @@ impl<V: Lanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
 
 /// Slot in which no path waits.
 #[must_use]
-pub fn free_slot<V: Lanes>() -> Slot<Path<V>, Coherency<V>> {
-    let zero = RealLanes::<V>::splat(DVec3::ZERO);
+pub fn free_slot<V: RayLanes>() -> Slot<Path<V>, Coherency<V>> {
+    let zero = RealLanes::<V::Direction>::splat(DVec3::ZERO);
     let path = Path { at: FacetHit::NONE, direction: zero, s_axis: zero };
     Slot::free(path, Coherency { s: V::zero(), p: V::zero(), cross: ComplexLanes::zero() })
 }

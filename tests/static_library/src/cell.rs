@@ -12,7 +12,8 @@ use goniochrome::optics::interface::Interface;
 use goniochrome::optics::medium::{Dispersion, Extrapolate, Formula, MediaLanes, Medium};
 use goniochrome::optics::stack::Film;
 use goniochrome::simd::complex::{ComplexLanes, Polarised};
-use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::simd::lanes::{F32, F64};
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::simd::vector::VectorLanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, IncoherentMesh};
@@ -68,7 +69,7 @@ pub extern "C" fn cell_power(scene: &Scene<'_>, memory: &mut Memory<'_>) -> f64 
     single + power::<F64>(scene, memory).unwrap_or(f64::NAN)
 }
 
-fn power<V: Lanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
+fn power<V: RayLanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let bvh = Bvh::build(scene.vertices_nm, scene.triangles, memory.nodes, memory.order, memory.corners).ok()?;
     bvh.intersect_batch(scene.straight, memory.hits, |_, hit| hit.front);
     let cell =

@@ -3,7 +3,7 @@
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::Histogram;
-use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::table::{FacetLobe, HalfVectorGrid, HalfVectorWarp, ScatterLayout};
 use goniochrome::trace::sobol::sobol;
 
@@ -38,7 +38,7 @@ impl Histogram for LobeLight<'_> {
 
 /// Those of the `possible` lobes that hold a noticeable share of the light, strongest first. They are found without
 /// interference, at the middle wavelengths, from the incident directions of `layout`.
-pub(super) fn lobes_with_light<V: Lanes>(
+pub(super) fn lobes_with_light<V: RayLanes>(
     mesh_scene: &MeshScene<'_>,
     cell: MeshCell<'_>,
     groups: &[Group<'_, V>],

@@ -17,13 +17,13 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 use goniochrome::measure::bins::DirectionBins;
-use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::table::{HalfVectorWarp, ScatterLayout};
 
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::groups::Groups;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::precision::in_lanes;
+use crate::solve::precision::in_ray_lanes;
 use crate::solve::scatter::{BinLight, Workspace};
 use crate::solve::wave_limits::slots_without_fallback;
 use crate::support::error::{Error, Result};
@@ -61,7 +61,7 @@ pub fn estimate(
     checkpoint: Option<&Checkpoint>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<ScatterTable> {
-    let mut table = in_lanes!(request.tracing.precision, V => {
+    let mut table = in_ray_lanes!(request.tracing.precision, mesh_scene, wavelength_nm, V => {
         traced::<V>(mesh_scene, wavelength_nm, request, checkpoint, progress)
     })?;
     share_normal_incidence(&mut table);
@@ -74,7 +74,7 @@ pub fn estimate(
 }
 
 /// The table with spectra and errors, still without colours.
-fn traced<V: Lanes>(
+fn traced<V: RayLanes>(
     mesh_scene: &MeshScene<'_>,
     wavelength_nm: &[f64],
     request: &TableRequest<'_>,

@@ -1,8 +1,10 @@
 //! Sums over the starting rays of one incident direction.
 
 use goniochrome::geometry::side::Side;
-use goniochrome::measure::bins::Histogram;
+use goniochrome::measure::bins::{Histogram, MAX_LANES};
+use goniochrome::simd::lanes::Lanes;
 
+use crate::solve::scatter::Unseen;
 use crate::table::scatter::Energy;
 use crate::table::statistics::MeanWithError;
 
@@ -12,11 +14,11 @@ use crate::table::statistics::MeanWithError;
 /// sum of both variances as its mean, so that the sum of squared differences over all pairs is an estimate of the
 /// variance that does not fall short of it (collapsed strata; Cochran, "Sampling Techniques", 1977, section 5A.12).
 pub(super) struct DirectionSums {
-    places: usize,
     /// Number of half-vector angles, if each has one place whatever the azimuth.
     columns: Option<usize>,
-    /// Power as `[wavelength][place]`.
-    pub power: Vec<f64>,
+    /// Power as `[place][wavelength]`.
+    power: Vec<f64>,
+    wavelengths: usize,
     /// Sums of squared differences of luminance at each place.
     squares: Vec<f64>,
     /// Differences of the present pair.
@@ -59,9 +61,9 @@ impl DirectionSums {
     /// it: so many half-vector angles then have one place each, whatever the azimuth.
     pub fn new(wavelengths: usize, places: usize, level_columns: Option<usize>) -> Self {
         Self {
-            places,
             columns: level_columns,
             power: vec![0.0; wavelengths * places],
+            wavelengths,
             squares: vec![0.0; places],
             difference: vec![0.0; places],
             touched: Vec::new(),
@@ -89,6 +91,11 @@ impl DirectionSums {
         self.square_reflected += pair.reflected * pair.reflected;
         self.square_imbalance += pair.seen() * pair.seen();
         self.rays += 2;
+    }
+
+    /// Power at each place at one wavelength.
+    pub fn powers(&self, wavelength: usize) -> impl Iterator<Item = f64> {
+        self.power.iter().skip(wavelength).step_by(self.wavelengths).copied()
     }
 
     /// Number of starting rays.
@@ -129,19 +136,23 @@ pub(super) struct RaySums<'s> {
     seen: Totals,
 }
 
+/// Luminance of powers at wavelengths of these weights.
+fn luminance(weights: &[[f64; 3]], powers: &[f64]) -> f64 {
+    weights.iter().zip(powers).map(|(weight, power)| weight[1] * power).sum()
+}
+
 impl RaySums<'_> {
+    fn luminance<V: Lanes>(&self, powers: V) -> f64 {
+        let mut numbers = [0.0; MAX_LANES];
+        powers.store(&mut numbers);
+        luminance(self.weights, &numbers)
+    }
+
     /// Adds what left otherwise than as light of the histogram, and ends the ray at this group.
-    pub fn end(
-        mut self,
-        absorbed: impl Fn(usize) -> f64,
-        truncated: impl Fn(usize) -> f64,
-        without_interference: bool,
-    ) {
-        for (lane, weight) in self.weights.iter().enumerate() {
-            self.seen.absorbed += weight[1] * absorbed(lane);
-            self.seen.truncated += weight[1] * truncated(lane);
-            self.seen.without_interference += weight[1] * f64::from(u8::from(without_interference));
-        }
+    pub fn end<V: Lanes>(mut self, unseen: &Unseen<V>) {
+        self.seen.absorbed = self.luminance(unseen.absorbed);
+        self.seen.truncated = self.luminance(unseen.truncated);
+        self.seen.without_interference = self.luminance(unseen.without_interference);
         self.sums.totals.add(&self.seen, 1.0);
         self.sums.pair.add(&self.seen, self.sign);
     }
@@ -149,8 +160,15 @@ impl RaySums<'_> {
 
 impl Histogram for RaySums<'_> {
     fn add(&mut self, lane: usize, side: Side, bin: usize, power: f64) {
-        let Some(weight) = self.weights.get(lane) else { return };
-        let luminance = weight[1] * power;
+        self.add_lanes(lane, side, bin, &[power]);
+    }
+
+    fn add_lanes(&mut self, lane: usize, side: Side, bin: usize, powers: &[f64]) {
+        let weights = self.weights.get(lane..).unwrap_or(&[]);
+        if weights.is_empty() {
+            return;
+        }
+        let luminance = luminance(weights, powers);
         if side == Side::Below {
             self.seen.transmitted += luminance;
             return;
@@ -160,7 +178,8 @@ impl Histogram for RaySums<'_> {
             Some(columns) if bin < self.nodes => bin % columns,
             _ => bin,
         };
-        self.sums.power[(self.first + lane) * self.sums.places + place] += power;
+        let sums = &mut self.sums.power[place * self.sums.wavelengths + self.first + lane..][..weights.len()];
+        sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power);
         self.sums.difference[place] += self.sign * luminance;
         self.sums.touched.push(place);
     }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
-use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::table::{FacetLobe, HalfVectorGrid, HalfVectorWarp, LobeDirection, ScatterLayout};
 
 use crate::solve::batches::{BATCHES, sequence};
@@ -73,7 +73,7 @@ pub fn lobe_directions(lobes: &[FacetLobe], wi: DVec3) -> Vec<LobeDirection> {
 }
 
 /// A thread that traces incident directions, with its memory for the tracer.
-pub(super) struct TableWorker<'w, V: Lanes> {
+pub(super) struct TableWorker<'w, V: RayLanes> {
     pub cell: MeshCell<'w>,
     pub groups: &'w [Group<'w, V>],
     pub request: &'w TableRequest<'w>,
@@ -84,7 +84,7 @@ pub(super) struct TableWorker<'w, V: Lanes> {
     pub memory: Workspace<V>,
 }
 
-impl<V: Lanes> TableWorker<'_, V> {
+impl<V: RayLanes> TableWorker<'_, V> {
     /// Traces one incident direction into its record.
     pub fn trace_direction(&mut self, incident: usize, record: &mut DirectionRecord<'_>) {
         // Each direction has scramblings of its own, so that the errors of neighbours are independent.
@@ -141,8 +141,8 @@ impl<V: Lanes> TableWorker<'_, V> {
         }
         let per_ray = 1.0 / sums.rays() as f64;
         let places = places.layout.places();
-        for (values, power) in record.values.chunks_mut(places).zip(sums.power.chunks(places)) {
-            values.iter_mut().zip(power).for_each(|(value, power)| *value = (power * per_ray) as f32);
+        for (wavelength, values) in record.values.chunks_mut(places).enumerate() {
+            values.iter_mut().zip(sums.powers(wavelength)).for_each(|(value, power)| *value = (power * per_ray) as f32);
         }
         for (place, error) in record.error.iter_mut().enumerate() {
             *error = sums.error(place) as f32;
@@ -171,8 +171,7 @@ impl<V: Lanes> TableWorker<'_, V> {
                     let mut ray = sums.ray(half == 1, first, weights, nodes);
                     let start = std::iter::once((2 * pair + half as u32, point));
                     let unseen = trace_rays(&light, start, &mut self.memory, &mut ray);
-                    let alone = unseen.without_interference > 0;
-                    ray.end(|lane| unseen.absorbed.lane(lane), |lane| unseen.truncated.lane(lane), alone);
+                    ray.end(&unseen);
                 }
                 first += wavelengths.len();
             }

@@ -5,7 +5,7 @@ use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::measure::bins::{BinFields, DirectionGrid};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
-use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::simd::vector::VectorLanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::sobol::sobol;
@@ -38,7 +38,7 @@ pub(crate) struct BinLight<'c, G> {
 }
 
 /// Sums over the starting rays of one batch.
-struct BinSums<V: Lanes> {
+struct BinSums<V: RayLanes> {
     fields: Vec<WaveField<V>>,
     truncated: V,
     absorbed: V,
@@ -52,13 +52,13 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
     }
 
     /// Refuses bins that memory does not hold.
-    pub fn expect_room<V: Lanes>(grid: &G) -> Result<()> {
+    pub fn expect_room<V: RayLanes>(grid: &G) -> Result<()> {
         let fields = BinFields::<V, G>::required_len(grid);
         expect_list::<WaveField<V>>(&[fields, BATCHES as usize], "the fields of all --bins")
     }
 
     /// The tallies of each batch at all wavelengths.
-    pub fn all_tallies<V: Lanes>(&self, groups: &[Group<'_, V>], progress: &(dyn Fn() + Sync)) -> Vec<Vec<Tally>> {
+    pub fn all_tallies<V: RayLanes>(&self, groups: &[Group<'_, V>], progress: &(dyn Fn() + Sync)) -> Vec<Vec<Tally>> {
         let mut batches: Vec<Vec<Tally>> = vec![Vec::new(); BATCHES as usize];
         for (media, wavelengths) in groups {
             let found = self.tallies(*media, wavelengths.len(), progress);
@@ -74,7 +74,7 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
     /// gets the jackknife's pseudo-value instead, with F₋ the mean field of the other batches: K |F|² − (K − 1) |F₋|²
     /// for K batches. Their mean is free of the noise that |F|² adds (Efron, "The Jackknife, the Bootstrap and Other
     /// Resampling Plans", 1982, chapter 2).
-    pub fn tallies<V: Lanes>(
+    pub fn tallies<V: RayLanes>(
         &self,
         media: MediaLanes<'_, V>,
         wavelengths: usize,
@@ -122,7 +122,7 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
     }
 
     /// Traces the starting rays of one batch.
-    fn trace<V: Lanes>(
+    fn trace<V: RayLanes>(
         &self,
         media: MediaLanes<'_, V>,
         batch: u32,
@@ -152,7 +152,7 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
 type Components = [f64; 12];
 
 /// The components of a field in one lane.
-fn components<V: Lanes>(field: &WaveField<V>, lane: usize) -> Components {
+fn components<V: RayLanes>(field: &WaveField<V>, lane: usize) -> Components {
     let of = |e: VectorLanes<V>| [e.x.re, e.x.im, e.y.re, e.y.im, e.z.re, e.z.im].map(|part| part.lane(lane));
     let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (of(field.s), of(field.p));
     [a, b, c, d, e, f, g, h, i, j, k, l]

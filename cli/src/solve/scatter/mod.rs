@@ -11,19 +11,19 @@ mod order_bins;
 use glam::DVec3;
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::measure::bins::DirectionGrid;
-use goniochrome::simd::lanes::Lanes;
+use goniochrome::simd::ray_lanes::RayLanes;
 
 use crate::solve::batches::BATCHES;
 use crate::solve::groups::{Group, Groups, group_count};
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::precision::in_lanes;
+use crate::solve::precision::{in_lanes, in_ray_lanes};
 use crate::support::error::Result;
 use crate::support::memory::expect_list;
 
 pub(crate) use bin_fields::BinLight;
 pub use coherence::Coherence;
 pub(crate) use coherence::{Adding, Paths};
-pub(crate) use powers::{RayLight, Workspace, trace_rays};
+pub(crate) use powers::{RayLight, Unseen, Workspace, trace_rays};
 pub use request::{ScatterRequest, Scattered, Tracing};
 pub(crate) use tally::Tally;
 
@@ -44,7 +44,7 @@ pub fn scatter<G: DirectionGrid + Copy + Sync>(
     let tallies = [BATCHES as usize, wavelength_nm.len(), request.bins.count()];
     expect_list::<f64>(&tallies, "all --bins at all --wavelengths")?;
     match request.coherence.adding() {
-        Adding::Powers(paths) => in_lanes!(request.precision, V => {
+        Adding::Powers(paths) => in_ray_lanes!(request.precision, mesh_scene, wavelength_nm, V => {
             summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
                 Ok(powers::powers(mesh_scene, cell, groups, wi, paths, request, progress))
             })
@@ -71,7 +71,7 @@ pub fn steps<G>(wavelengths: usize, request: &ScatterRequest<G>) -> usize {
 }
 
 /// Means and standard errors over the tallies that `work` makes of a cell: for each batch, one for each wavelength.
-fn summarised<V: Lanes, G>(
+fn summarised<V: RayLanes, G>(
     mesh_scene: &MeshScene<'_>,
     wavelength_nm: &[f64],
     request: &ScatterRequest<G>,

@@ -8,7 +8,8 @@ use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionGrid, ExitBuffer, ExitRecord, Histogram};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
-use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::simd::lanes::{F32, F64};
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, Coherency, IncoherentMesh, Path};
 use goniochrome::trace::paths::{IncoherentFallback, follow_paths, trace_with_fallback};
@@ -33,13 +34,13 @@ const MAX_EXITS: usize = 512;
 const MAX_WAITING: usize = 36;
 
 /// Memory of one thread for the tracer.
-pub(crate) struct Workspace<V: Lanes> {
+pub(crate) struct Workspace<V: RayLanes> {
     waves: Vec<Slot<WaveState<V>, WaveField<V>>>,
     paths: Vec<Slot<Path<V>, Coherency<V>>>,
     exits: Vec<ExitRecord<V>>,
 }
 
-impl<V: Lanes> Workspace<V> {
+impl<V: RayLanes> Workspace<V> {
     /// Allocates memory for the waves of a mesh.
     pub(crate) fn new(mesh_scene: &MeshScene<'_>) -> Self {
         Self {
@@ -58,7 +59,7 @@ const _: () = assert!(MAX_WAITING * size_of::<Slot<Path<F64>, Coherency<F64>>>()
 const PATH_LIMITS: Limits = Limits { in_flight: 0.1, generations: 10_000 };
 
 /// The tallies of each batch of starting rays, which add as powers: one for each wavelength.
-pub(super) fn powers<V: Lanes, G: DirectionGrid + Copy + Sync>(
+pub(super) fn powers<V: RayLanes, G: DirectionGrid + Copy + Sync>(
     mesh_scene: &MeshScene<'_>,
     cell: MeshCell<'_>,
     groups: &[Group<'_, V>],
@@ -104,7 +105,7 @@ impl Histogram for Tallies<'_> {
 
 /// Traces the starting rays `rays` of a batch's Sobol `sequence`, and writes their means into `tallies`, which must be
 /// new.
-fn trace_batch<V: Lanes>(
+fn trace_batch<V: RayLanes>(
     light: &RayLight<'_, V, impl DirectionGrid + Copy>,
     rays: Range<u32>,
     workspace: &mut Workspace<V>,
@@ -116,7 +117,7 @@ fn trace_batch<V: Lanes>(
         trace_rays(light, starts, workspace, &mut Tallies(tallies));
     for (lane, tally) in tallies.iter_mut().enumerate() {
         tally.truncated = truncated.lane(lane);
-        tally.without_interference = f64::from(without_interference) * per_ray;
+        tally.without_interference = without_interference.lane(lane) * per_ray;
         tally.absorbed = absorbed.lane(lane);
         for sum in [&mut tally.reflected, &mut tally.transmitted, &mut tally.absorbed, &mut tally.truncated]
             .into_iter()
@@ -129,7 +130,7 @@ fn trace_batch<V: Lanes>(
 
 /// Light of one group of wavelengths from one direction, whose starting rays add as powers.
 #[derive(Clone, Copy)]
-pub(crate) struct RayLight<'c, V: Lanes, G> {
+pub(crate) struct RayLight<'c, V: RayLanes, G> {
     pub cell: MeshCell<'c>,
     pub media: MediaLanes<'c, V>,
     /// Unit vector towards the light.
@@ -147,12 +148,12 @@ pub(crate) struct Unseen<V> {
     pub truncated: V,
     pub absorbed: V,
     /// Number of starting rays that were traced without interference, since their interference series diverges.
-    pub without_interference: u32,
+    pub without_interference: V,
 }
 
 /// Traces starting rays, each with its number and its point (u, v) of the period, in [0, 1)²; passes the powers with
 /// which they leave to `histogram`.
-pub(crate) fn trace_rays<V: Lanes>(
+pub(crate) fn trace_rays<V: RayLanes>(
     light: &RayLight<'_, V, impl DirectionGrid + Copy>,
     starts: impl Iterator<Item = (u32, [f64; 2])>,
     Workspace { waves, paths, exits }: &mut Workspace<V>,
@@ -165,7 +166,7 @@ pub(crate) fn trace_rays<V: Lanes>(
         (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
     let mut exits = ExitBuffer::new(exits, grid, &media);
     let mut truncated = V::zero();
-    let mut without_interference = 0;
+    let mut without_interference = V::zero();
     for (ray, [u, v]) in starts {
         let Some((path, light)) = incoherent.start(u, v) else {
             truncated += V::one(); // a hole from top to bottom
@@ -173,23 +174,26 @@ pub(crate) fn trace_rays<V: Lanes>(
         };
         exits.begin();
         let mut random = Random::new(ray, sequence);
-        let mut interfering = None;
+        let mut light = light;
         if adding == Paths::Interfering {
             let before = (coherent, incoherent);
             let (state, field) = coherent.start_at(path.at());
             let fallback = IncoherentFallback::new(&mut incoherent, paths, PATH_LIMITS, &mut random);
             let done = trace_with_fallback(&mut coherent, state, field, waves, ray_limits::<V>(), fallback, &mut exits);
-            if done.truncated.any_above(MAX_TRUNCATED) {
-                // The waves of this starting ray do not converge: it is traced again without interference.
-                (coherent, incoherent) = before;
-                exits.begin();
-                without_interference += 1;
-            } else {
-                interfering = Some(done);
+            // Lanes in which the waves of this starting ray converge. The others are traced again without interference.
+            let kept = done.truncated.select_lt(V::splat(MAX_TRUNCATED), V::one(), V::zero());
+            truncated += V::zero().select_lt(kept, done.truncated, V::zero()) + exits.flush_lanes(kept, histogram);
+            let again = V::one() - kept;
+            if !again.any_above(0.0) {
+                continue;
             }
+            coherent.keep_lanes(kept, &before.0);
+            incoherent.keep_lanes(kept, &before.1);
+            without_interference += again;
+            light = light.scale(again);
+            exits.begin();
         }
-        let done = interfering
-            .unwrap_or_else(|| follow_paths(&mut incoherent, path, light, paths, PATH_LIMITS, &mut random, &mut exits));
+        let done = follow_paths(&mut incoherent, path, light, paths, PATH_LIMITS, &mut random, &mut exits);
         truncated += done.truncated + exits.flush(histogram);
     }
     truncated += coherent.lost() + incoherent.lost();

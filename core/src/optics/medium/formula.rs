@@ -1,6 +1,7 @@
 //! The dispersion formulas of refractiveindex.info, under their numbers there.
 
-use libm::{exp, pow, sqrt};
+use crate::simd::lanes::sqrt;
+use libm::{exp, pow};
 
 /// A dispersion formula of refractiveindex.info, with λ in micrometres and c₁ first. Missing trailing coefficients are
 /// 0.
