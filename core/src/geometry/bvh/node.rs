@@ -93,6 +93,16 @@ impl Node {
             }
         }
     }
+
+    /// Copies child `from` of a node to child `to` of this one.
+    #[inline]
+    pub(super) fn copy_child(&mut self, to: usize, node: &Self, from: usize) {
+        let (to, from) = (to % WIDTH, from % WIDTH);
+        for (copies, bounds) in self.bounds.iter_mut().flatten().zip(node.bounds.iter().flatten()) {
+            copies[to] = bounds[from];
+        }
+        self.children[to] = node.children[from];
+    }
 }
 
 /// The next larger number that is not subnormal.
