@@ -13,10 +13,11 @@ use crate::export::lut::Lut;
 use crate::export::order_lut::{self, OrderLut};
 use crate::export::{LobeWidth, ShaderLanguage, bsdf, merl, png};
 use crate::scene::vary::Vary;
-use crate::scene::{OwnedFinish, Scene, load, parse};
+use crate::scene::{OwnedFinish, Scene, load, parse_without_finish};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
+use crate::table::finish::FinishChoice;
 use crate::table::metadata::MetadataKey;
 use crate::table::{Table, file};
 
@@ -332,8 +333,9 @@ fn scene_of_table(path: &Path, thickness_nm: Option<f64>) -> Result<Scene> {
     let toml = metadata
         .get(MetadataKey::SceneToml)
         .ok_or_else(|| Error::failed(format_args!("{name}: its header holds no scene; export the scene itself")))?;
-    let mut scene = parse(&format!("scene in {name}"), toml)
+    let mut scene = parse_without_finish(&format!("scene in {name}"), toml)
         .map_err(|error| Error::failed(format_args!("{error}; export the scene file itself")))?;
+    scene.finish = FinishChoice::default().of(metadata)?;
     if let Some(known) = metadata.get(MetadataKey::Scene) {
         known.clone_into(&mut scene.name);
     }
