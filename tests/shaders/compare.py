@@ -1,8 +1,9 @@
 """Runs the three shaders of tests/shaders/run on a texture, and compares them with the library's own look-up.
 
 Arguments: what is compared (lut, orders, finish or facets), the folder of the shaders, the texture (.exr or .png), and
-the command that looks up points. Facets have a texture of their own, facets.exr in that folder. Its lines are R, G, B; for diffraction orders then the size of the terms that add up; for
-a finish a fourth number, the density, and a bound of the difference for each.
+the command that looks up points. Its lines are R, G, B; for diffraction orders then the size of the terms that add up;
+for a finish and for facets a fourth number, the density, and a bound of the difference for each. Facets have a texture
+of their own, facets.exr in that folder.
 """
 import os
 import subprocess

@@ -151,7 +151,8 @@ impl Lut {
     }
 
     /// The bytes of an OpenEXR file of tabulated facets, for the shader functions: their numbers as
-    /// [`goniochrome::table::blob`] specifies them, in rows of 256 texels of single precision; `None` for other finishes.
+    /// [`goniochrome::table::blob`] specifies them, in rows of 256 texels of single precision. `None` for other
+    /// finishes.
     ///
     /// # Errors
     /// What the OpenEXR encoder refuses.

@@ -32,8 +32,8 @@
 //! varies there is one, of any size. Roughnesses are from 0.001 to 1. Values are finite and their magnitudes at most
 //! 10³⁰, so that interpolated values are finite too.
 //!
-//! Tabulated facets ([`FacetTable`](crate::microfacet::FacetTable)) have 1 to 1024 rings, and 1 or 4 to 128 sectors. Their F numbers are, with S' = 1
-//! and S" = 1 for one sector, else S' = S + 1 and S" = S + 3:
+//! Tabulated facets ([`FacetTable`](crate::microfacet::FacetTable)) have 1 to 1024 rings, and 1 or 4 to 128 sectors.
+//! Their F numbers are, with S' = 1 and S" = 1 for one sector, else S' = S + 1 and S" = S + 3:
 //!
 //! | numbers | hold |
 //! |---|---|
