@@ -209,7 +209,12 @@ fn film(table: &FilmTable<'_>) {
     print("thicknesses", table.thicknesses() as f64);
     table.range_nm().into_iter().for_each(|nm| print("nm", f64::from(nm)));
     print("transparent", f64::from(u8::from(table.is_transparent())));
-    print("finish", if table.finish().is_some() { 3.0 } else { 0.0 });
+    let number = |finish: Finish<'_>| match (finish.distribution(), finish.masking()) {
+        (Some(Distribution::Beckmann), Masking::Correlated) => 3.0,
+        (None, Masking::Separable) => 6.0,
+        other => panic!("{other:?} is the finish of no table here"),
+    };
+    print("finish", table.finish().map_or(0.0, number));
     table
         .finish()
         .and_then(|finish| finish.alpha())
