@@ -193,7 +193,7 @@ mod tests {
         assert!(is_finished(&metadata));
         let Some(OwnedFinish::Tabulated(found, masking)) = kept(&metadata).unwrap() else { panic!("facets") };
         assert_eq!((found.table().size(), masking), (size, Masking::Separable));
-        for (found, wanted) in found.table().nodes().iter().zip(own.table().nodes()) {
+        for (found, wanted) in found.table().nodes().zip(own.table().nodes()) {
             assert!((found - wanted).abs() <= WRITTEN * wanted, "{found} {wanted}");
         }
         let choice = FinishChoice { roughness: None, distribution: Some(Distribution::Ggx) };
