@@ -72,7 +72,7 @@ fn exports_hold_the_facets(user: &User) {
     let numbers: Vec<f32> = texture.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
     let of_blob =
         bytes[64 + 4 * (3 * film.angles() + 1)..].as_chunks().0.iter().map(|&number| f32::from_le_bytes(number));
-    assert!(numbers.len() % 256 == 0 && of_blob.zip(&numbers).all(|(a, b)| a == *b));
+    assert!(numbers.len().is_multiple_of(256) && of_blob.zip(&numbers).all(|(a, b)| a == *b));
     user.refused("export a.exr --to lut -o b.exr --shader b.glsl", 2, &["--facets is missing", "facets.exr"]);
     user.refused("export b.exr --to lut -o c.exr --facets d.exr", 2, &["--facets is for", "leave it out"]);
     user.refused("export a.exr --to lut -o c.exr --facets d.png", 2, &["--facets d.png", "name it .exr"]);
