@@ -1,7 +1,8 @@
 //! Tests of blobs of films: their bytes, their rules, and look-ups before and after.
 
-use goniochrome::table::TableError;
+use goniochrome::microfacet::{Distribution, FacetTable, Finish, FinishError, Masking};
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
+use goniochrome::table::{FilmArrays, FilmTable, TableError};
 
 use crate::table_blob::{HALF_ABSOLUTE, HALF_RELATIVE, directions, film, resealed, with_film, written};
 
@@ -86,4 +87,65 @@ fn every_rule_of_films_is_checked_behind_a_right_checksum() {
     }
     let infinite = f32::INFINITY.to_le_bytes();
     assert_eq!(with(64 + 4 * 30, &infinite), Err(BlobError::Table(TableError::NotFinite { index: 30 })));
+}
+
+/// A film of one thickness with tabulated facets.
+fn with_facets<T>(size: [usize; 2], masking: Masking, use_table: impl FnOnce(FilmTable<'_>) -> T) -> T {
+    let density: Vec<f32> = (0..(size[0] + 1) * size[1])
+        .map(|node| {
+            let (ring, turn) = ((node / size[1]) as f32 / size[0] as f32, (node % size[1]) as f32 / size[1] as f32);
+            (-6.0 * ring * (1.2 + (2.0 * std::f32::consts::TAU * turn).cos())).exp()
+        })
+        .collect();
+    let mut memory = vec![0.0; FacetTable::required_len(size)];
+    let facets = FacetTable::new(size, &density, &mut memory).unwrap();
+    let reflectance: Vec<f32> = (0..12).map(|i| (i * 37 % 101) as f32 / 97.0).collect();
+    let arrays = FilmArrays { reflectance: &reflectance, transmittance: &[], thickness_nm: &[0.0] };
+    use_table(FilmTable::new(&arrays, 3, 1.5, Some(Finish::tabulated(facets, masking))).unwrap())
+}
+
+#[test]
+fn tabulated_facets_are_looked_up_in_bytes_as_in_memory() {
+    for (size, number) in [([16, 1], 5), ([16, 12], 6), ([7, 8], 6)] {
+        let masking = if number == 5 { Masking::Correlated } else { Masking::Separable };
+        with_facets(size, masking, |table| {
+            // At every alignment of the bytes.
+            let bytes = written(Contents::Film(table), Precision::Single);
+            for shift in 0..4 {
+                let moved = [&vec![0; shift][..], &bytes].concat();
+                let Contents::Film(read) = Blob::read(&moved[shift..]).unwrap().contents else { panic!("a film") };
+                let finish = read.finish().unwrap();
+                assert_eq!((finish.masking(), finish.alpha(), finish.distribution()), (masking, None, None));
+                assert_eq!(finish.facets().unwrap().size(), size);
+                assert!(finish.facets().unwrap().nodes().eq(table.finish().unwrap().facets().unwrap().nodes()));
+                for (wi, wo) in directions().zip(directions().skip(3)) {
+                    assert_eq!(read.eval_and_pdf(wi, wo, 0.0), table.eval_and_pdf(wi, wo, 0.0));
+                    let u = [(wi.x + 1.0) / 2.0, (wo.y + 1.0) / 2.0];
+                    assert_eq!(read.sample(wi, u, 0.0), table.sample(wi, u, 0.0));
+                }
+            }
+            let [rings, sectors] = size;
+            assert_eq!(bytes[36..40], [number, sectors as u8, rings as u8, 0]);
+            let numbers = FacetTable::required_len(size);
+            assert_eq!(bytes.len(), 64 + 4 * 12 + 4 * (1 + numbers));
+            // What a film without tabulated facets may not say.
+            let mut bad = bytes.clone();
+            bad[36] = 1;
+            assert_eq!(Blob::read(&resealed(bad)).map(drop), Err(BlobError::Field { offset: 36 }));
+            for [sectors, rings] in [[0, 4], [2, 4], [129, 4], [4, 0]] {
+                let mut bad = bytes.clone();
+                bad[37..39].copy_from_slice(&[sectors, rings]);
+                assert_eq!(Blob::read(&resealed(bad)).map(drop), Err(BlobError::Field { offset: 36 }));
+            }
+            for (place, value) in [(0, -1.0), (1, f32::NAN), (numbers - 1, f32::INFINITY), (numbers - 1, 1e19)] {
+                let mut bad = bytes.clone();
+                bad[64 + 4 * (13 + place)..][..4].copy_from_slice(&value.to_le_bytes());
+                assert_eq!(Blob::read(&resealed(bad)).map(drop), Err(BlobError::Table(TableError::Finish)), "{value}");
+            }
+        });
+    }
+    assert_eq!(FacetTable::of([4, 1], &[0.0; 3]), Err(FinishError::Size));
+    // Analytic facets have no table.
+    let ggx = Finish::new(Distribution::Ggx, Masking::Correlated, [0.5; 2]).unwrap();
+    assert_eq!(ggx.facets(), None);
 }

@@ -209,6 +209,7 @@ pub mod geometry;
 pub mod trace;
 pub mod measure;
 pub mod colour;
+mod values;
 pub mod microfacet;
 pub mod table;
 

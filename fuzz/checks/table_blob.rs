@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
-use goniochrome::microfacet::{Distribution, Finish, Masking};
+use goniochrome::microfacet::{Distribution, FacetTable, Finish, Masking};
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
     FacetLobe, FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
@@ -52,7 +52,11 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
             let sampler = incident.checked_mul(nodes.checked_add(fourth)?.checked_add(1)?)?;
             sampler.checked_add(2 * knots)?.checked_add(lobes.checked_mul(FacetLobe::LEN)?)?
         }
-        FILM => columns.checked_add(if fourth == 0 { 0 } else { 2 })?,
+        FILM => columns.checked_add(match fourth & 0xff {
+            0 => 0,
+            1..=4 => 2,
+            _ => FacetTable::required_len([fourth >> 16, fourth >> 8 & 0xff]),
+        })?,
         ORDERS => channels.checked_mul(2)?.checked_add(third.checked_mul(5)?)?,
         _ => 0,
     };
@@ -119,7 +123,15 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
             let distribution = if shape & 8 == 0 { Distribution::Ggx } else { Distribution::Beckmann };
             let masking = if shape & 0x10 == 0 { Masking::Correlated } else { Masking::Separable };
             let alpha = [shape >> 5, sides & 7].map(|x| f32::from(x) / 7.0);
-            let finish = Finish::new(distribution, masking, alpha).ok();
+            // Every other finish is tabulated, of densities that the bytes spell.
+            let size = [1 + usize::from(sides & 3), if sides & 4 == 0 { 1 } else { 4 }];
+            let density: Vec<f32> = numbers.iter().map(|&byte| f32::from(byte)).take((size[0] + 1) * size[1]).collect();
+            let mut memory = vec![0.0; FacetTable::required_len(size)];
+            let finish = if kind & 0x80 == 0 {
+                Finish::new(distribution, masking, alpha).ok()
+            } else {
+                FacetTable::new(size, &density, &mut memory).ok().map(|facets| Finish::tabulated(facets, masking))
+            };
             let transmittance = if kind & 0x40 == 0 { &[][..] } else { &values };
             let arrays = FilmArrays { reflectance: &values, transmittance, thickness_nm: &thickness_nm };
             return write(Contents::Film(FilmTable::new(&arrays, channels, theta_max, finish).ok()?));

@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 use goniochrome::microfacet::{Distribution, Finish, Masking};
+use goniochrome::table::blob::{Blob, Contents};
 use goniochrome_cli::export::{LobeWidth, Reflection};
 use goniochrome_cli::table::file;
 use serde_json::Value;
@@ -46,16 +47,48 @@ fn facets_of_a_file_of_ggx_are_ggx_and_stay_in_the_table() {
     for (i, (a, b)) in a.iter().zip(&b).enumerate() {
         assert!((a / b - 1.0).abs() <= INTERPOLATED, "{i}: {a} {b}");
     }
-    // Options take other facets; a blob holds none of a table's.
+    // Options take other facets.
     let lookup = |more: &str| {
         let csv = user.ok(&format!("lookup a.exr --wi 0,0 --wo 0,0 {more} --csv - -q")).stdout;
         column(&csv, "f_550")[0]
     };
     assert!((lookup("--roughness 0.15") / lookup("") - 4.0).abs() < 4.0 * INTERPOLATED);
-    user.refused("export a.exr --to blob -o a.gonio -q", 2, &["tabulated facets", "--roughness 0.2"]);
     user.ok("export a.exr --to bsdf --rgb -o a.bsdf -q");
     user.ok("render a.exr -o a.png --size 32 -q");
-    user.ok("export a.exr --to blob -o a.gonio --roughness 0.2 -q");
+    exports_hold_the_facets(&user);
+}
+
+/// Exports of a.exr, whose file of facets is gone. Its facets are those of roughness 0.3.
+fn exports_hold_the_facets(user: &User) {
+    user.ok("export a.exr --to blob -o a.gonio -q");
+    let bytes = user.read("a.gonio");
+    let Contents::Film(film) = Blob::read(&bytes).unwrap().contents else { panic!("a film") };
+    assert_eq!(film.finish().and_then(|finish| finish.facets()).map(|facets| facets.size()), Some([256, 1]));
+    user.ok("export a.exr --to lut -o a-lut.exr --shader a.glsl --facets facets.exr -q");
+    let shader = String::from_utf8(user.read("a.glsl")).unwrap();
+    assert!(shader.contains("const int GONIOCHROME_RINGS = 256;") && shader.contains("sampler2D facets"), "{shader}");
+    // The texture holds the numbers of the blob, behind its colours and its thickness.
+    let texture = exr::prelude::read_first_flat_layer_from_file(user.at("facets.exr")).unwrap();
+    let numbers: Vec<f32> = texture.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
+    let of_blob =
+        bytes[64 + 4 * (3 * film.angles() + 1)..].as_chunks().0.iter().map(|&number| f32::from_le_bytes(number));
+    assert!(numbers.len().is_multiple_of(256) && of_blob.zip(&numbers).all(|(a, b)| a == *b));
+    user.refused("export a.exr --to lut -o b.exr --shader b.glsl", 2, &["--facets is missing", "facets.exr"]);
+    user.refused("export b.exr --to lut -o c.exr --facets d.exr", 2, &["--facets is for", "leave it out"]);
+    user.refused("export a.exr --to lut -o c.exr --facets d.png", 2, &["--facets d.png", "name it .exr"]);
+}
+
+#[test]
+fn a_table_far_from_the_file_of_its_facets_gives_a_material() {
+    let film = "[stack]\nambient = 1.0\nlayers = [{ material = 1.33, thickness_nm = 300 }]\nsubstrate = 1.5\n";
+    let user = User::with(&[("d.csv", "0,1\n20,0.5\n40,0\n")]);
+    user.write("film.toml", format!("{film}[finish]\ndistribution = {{ file = \"d.csv\" }}\n"));
+    user.ok("estimate film.toml -o film.exr -q");
+    let said = user.ok("export film.toml --to gltf -o near.gltf").stderr;
+    std::fs::remove_file(user.at("d.csv")).unwrap();
+    user.ok("export film.exr --to gltf -o far.gltf -q");
+    assert_eq!(user.read("near.gltf"), user.read("far.gltf"));
+    assert!(said.contains("tabulated facets, approximated by GGX facets of the same median slope"), "{said}");
 }
 
 #[test]

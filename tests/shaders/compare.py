@@ -1,8 +1,9 @@
 """Runs the three shaders of tests/shaders/run on a texture, and compares them with the library's own look-up.
 
-Arguments: what is compared (lut, orders or finish), the folder of the shaders, the texture (.exr or .png), and the
-command that looks up points. Its lines are R, G, B; for diffraction orders then the size of the terms that add up; for
-a finish a fourth number, the density, and a bound of the difference for each.
+Arguments: what is compared (lut, orders, finish or facets), the folder of the shaders, the texture (.exr or .png), and
+the command that looks up points. Its lines are R, G, B; for diffraction orders then the size of the terms that add up;
+for a finish and for facets a fourth number, the density, and a bound of the difference for each. Facets have a texture
+of their own, facets.exr in that folder.
 """
 import os
 import subprocess
@@ -78,8 +79,7 @@ def texture(context, path):
         with OpenEXR.File(path, separate_channels=True) as file:
             channels = file.channels()
             texels = numpy.stack([channels[c].pixels for c in "RGBA" if c in channels], -1)
-        assert texels.dtype == numpy.float16
-        dtype = "f2"
+        dtype = {numpy.dtype("f2"): "f2", numpy.dtype("f4"): "f4"}[texels.dtype]
     height, width, depth = texels.shape
     lut = context.texture((width, height), depth, numpy.ascontiguousarray(texels).tobytes(), alignment=1, dtype=dtype)
     lut.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -87,20 +87,23 @@ def texture(context, path):
     return lut, (width, height)
 
 
-def run(context, shader, lut, at):
+def run(context, shader, lut, at, facets=None):
     program = context.program(VERTEX, open(shader).read())
     names = [name for name in program if isinstance(program[name], moderngl.Uniform)]
     # spirv-cross and naga choose names that hold the variable's name or its binding; a texture may have several names.
     of_points = [name for name in names if "points" in name or "binding_2" in name]
-    assert len(of_points) == 1 and len(names) > 1, names
+    of_facets = [name for name in names if "facets" in name or "binding_3" in name]
+    assert len(of_points) == 1 and len(names) > 1 + len(of_facets) and bool(of_facets) == bool(facets), names
     for name in names:
-        program[name] = int(name in of_points)
+        program[name] = 2 if name in of_facets else int(name in of_points)
     # Lines of two numbers are a texel each, lines of eight are two.
     texels = max(1, at.shape[1] // 4)
     listed = context.texture((texels * SIDE, SIDE), at.shape[1] // texels, at.tobytes(), dtype="f4")
     listed.filter = (moderngl.NEAREST, moderngl.NEAREST)
     lut.use(0)
     listed.use(1)
+    if facets:
+        facets.use(2)
     target = context.framebuffer([context.texture((SIDE, SIDE), 4, dtype="f4")])
     target.use()
     context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
@@ -109,19 +112,24 @@ def run(context, shader, lut, at):
 
 def main():
     kind, folder, path, *look_up = sys.argv[1:]
-    at = pairs() if kind == "finish" else points()
+    finished = kind in ("finish", "facets")
+    at = pairs() if finished else points()
     asked = "\n".join(",".join(f"{float(x):.9g}" for x in line) for line in at)
     said = subprocess.run(look_up, input=asked, capture_output=True, text=True, check=True).stdout
     want = numpy.array([[float(c) for c in line.split(",")] for line in said.split()])
-    channels = 4 if kind == "finish" else 3
+    channels = 4 if finished else 3
     want, said = want[:, :channels], want[:, channels:]
-    allowed = {"lut": numpy.full((len(want), 1), TOLERANCE), "orders": RELATIVE * said, "finish": said}[kind]
+    allowed = {"lut": numpy.full((len(want), 1), TOLERANCE), "orders": RELATIVE * said}.get(kind, said)
     assert want.shape == (SIDE * SIDE, channels) and numpy.ptp(want) > 0.1, "the points show colours"
     context = moderngl.create_context(standalone=True, backend="egl", libgl="libGL.so.1", libegl="libEGL.so.1")
     lut, size = texture(context, path)
+    facets = None
+    if kind == "facets":
+        facets, _ = texture(context, f"{folder}/facets.exr")
+        facets.filter = (moderngl.NEAREST, moderngl.NEAREST)
     failed = False
     for language in ("glsl", "hlsl", "wgsl"):
-        got = run(context, f"{folder}/{language}.frag", lut, at)[:, :channels]
+        got = run(context, f"{folder}/{language}.frag", lut, at, facets)[:, :channels]
         difference = numpy.abs(got - want)
         failed |= not (difference <= allowed).all()  # NaN is a failure too
         print(f"{os.path.basename(path)} {size[0]} × {size[1]}, {language} on {context.info['GL_RENDERER']}: "

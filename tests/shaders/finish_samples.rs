@@ -1,19 +1,21 @@
 //! The texture of a soap film with a finish, and its shader functions, in the folder of the first argument; the others
-//! are the distribution (ggx, beckmann), the masking (correlated, separable), and the roughness along x and y. Then
+//! are the distribution (ggx, beckmann, or tabulated, which is a coarse table of Beckmann's), the masking (correlated,
+//! separable), and the roughness along x and y. Tabulated facets go into facets.exr of that folder. Then
 //! reads lines of eight numbers: wi, a parameter, then wo and 0, or two numbers, 0 and 1. For the first it prints f and
 //! the density by the library, for the second the direction that it draws and its density: the truth for the shader
 //! functions. Four more numbers bound the difference.
 
 use std::error::Error;
+use std::f32::consts::TAU;
 use std::fs;
 use std::io::stdin;
 use std::path::Path;
 
 use glam::Vec3;
-use goniochrome::microfacet::Finish;
+use goniochrome::microfacet::{Distribution, FacetTable, Finish, Lobe};
 use goniochrome_cli::export::ShaderLanguage;
 use goniochrome_cli::export::lut::Lut;
-use goniochrome_cli::scene::{DISTRIBUTIONS, MASKINGS, load, named};
+use goniochrome_cli::scene::{DISTRIBUTIONS, MASKINGS, OwnedFacets, OwnedFinish, load, named};
 
 /// Half floats round values below 1 by at most 2⁻¹², and single precision what is interpolated between them: 2⁻¹⁰, as
 /// for the look-up alone.
@@ -34,6 +36,40 @@ fn relative([x, y]: [f32; 2], m: Vec3) -> f32 {
     10.0 * ROUNDING + 2.0 * exponent.sqrt() * (ROUNDING / least + ROUNDING * exponent.sqrt()) / (m.z * m.z).max(0.01)
 }
 
+/// Bound of the error of an azimuth: the arc tangent of Mesa's shaders errs by 1e-5.
+const TURN: f32 = 2e-5;
+
+/// Tabulated facets of a distribution, coarser than those of scenes.
+fn tabulated(of: &Finish<'_>) -> Result<OwnedFacets, Box<dyn Error>> {
+    let [rings, sectors] = if of.is_isotropic() { [40, 1] } else { [32, 24] };
+    let density: Vec<f32> = (0..(rings + 1) * sectors)
+        .map(|node| {
+            let t = (FacetTable::sin_square(rings, node / sectors) as f32).min(0.999_999);
+            let (sin, cos) = (TAU * (node % sectors) as f32 / sectors as f32).sin_cos();
+            of.density(Vec3::new(t.sqrt() * cos, t.sqrt() * sin, (1.0 - t).sqrt()))
+        })
+        .collect();
+    Ok(OwnedFacets::new([rings, sectors], &density)?)
+}
+
+/// Largest change of a lobe's value and density by rounding of directions and azimuths, for tabulated facets.
+fn change(finish: &Finish<'_>, wi: Vec3, wo: Vec3) -> [f32; 2] {
+    let turned = |angle: f32| {
+        let (sin, cos) = angle.sin_cos();
+        [wi, wo].map(|w| Vec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z))
+    };
+    let moved = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [wi, (wo + 10.0 * ROUNDING * axis).normalize()]);
+    let of = |lobe: Option<Lobe>| lobe.map_or([0.0; 2], |lobe| [lobe.value, lobe.pdf]);
+    let here = of(finish.lobe(wi, wo));
+    let mut sum = here.map(|of| 20.0 * ROUNDING * of);
+    for [wi, wo] in moved.into_iter().chain([turned(TURN), turned(-TURN)]) {
+        for (i, there) in of(finish.lobe(wi, wo)).into_iter().enumerate() {
+            sum[i] += (there - here[i]).abs();
+        }
+    }
+    sum
+}
+
 /// Largest density that the library takes for 0 where its exponential ends, at s² = 60.
 fn end([x, y]: [f32; 2], m: Vec3) -> f32 {
     (-60f32).exp() / (std::f32::consts::PI * x * y * m.z.powi(4))
@@ -42,20 +78,30 @@ fn end([x, y]: [f32; 2], m: Vec3) -> f32 {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [folder, distribution, masking, x, y] = arguments.as_slice() else {
-        return Err("usage: finish_samples FOLDER ggx|beckmann correlated|separable ALPHA ALPHA".into());
+        return Err("usage: finish_samples FOLDER ggx|beckmann|tabulated correlated|separable ALPHA ALPHA".into());
     };
-    let distribution = named(&DISTRIBUTIONS, distribution).ok_or("no such distribution")?;
+    let is_tabulated = distribution == "tabulated";
+    let distribution = named(&DISTRIBUTIONS, distribution)
+        .or(is_tabulated.then_some(Distribution::Beckmann))
+        .ok_or("no such distribution")?;
     let masking = named(&MASKINGS, masking).ok_or("no such masking")?;
     let alpha = [x.parse()?, y.parse()?];
     let finish = Finish::new(distribution, masking, alpha)?;
+    let own =
+        if is_tabulated { OwnedFinish::Tabulated(tabulated(&finish)?, masking) } else { OwnedFinish::Analytic(finish) };
     let mut lut = Lut::of_scene(&load("soap-bubble")?, 64, Some("1=100:800:48".parse()?))?;
-    lut.finish = Some(finish);
+    lut.finish = Some(own.clone());
+    let finish = own.finish();
     let folder = Path::new(folder);
     fs::write(folder.join("finish.exr"), lut.exr()?)?;
+    if let Some(facets) = lut.facets_exr()? {
+        fs::write(folder.join("facets.exr"), facets)?;
+    }
+    let shader = if is_tabulated { "facets" } else { "finish" };
     for (language, name) in
         [(ShaderLanguage::Glsl, "glsl"), (ShaderLanguage::Hlsl, "hlsl"), (ShaderLanguage::Wgsl, "wgsl")]
     {
-        fs::write(folder.join(format!("finish.{name}")), lut.shader(language))?;
+        fs::write(folder.join(format!("{shader}.{name}")), lut.shader(language))?;
     }
     for line in stdin().lines() {
         let numbers = line?.split(',').map(str::parse).collect::<Result<Vec<f32>, _>>()?;
@@ -64,6 +110,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let of_pair = |wo: Vec3| {
             let m = (wi + wo).normalize();
             let Some(lobe) = finish.lobe(wi, wo) else { return (0.0, 0.0) };
+            if is_tabulated {
+                return (lobe.pdf, change(&finish, wi, wo)[1]);
+            }
             (lobe.pdf, lobe.pdf * relative(alpha, m) + 0.25 * end(alpha, m) / finish.visible_area(wi))
         };
         if draw > 0.5 {
@@ -89,7 +138,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             let rho = lut.sample(lobe.map_or(0.0, |lobe| lobe.cos_d), parameter);
             let share = relative(alpha, (wi + given).normalize());
             let ended = lobe.map_or(0.0, |_| end(alpha, (wi + given).normalize()) * finish.shadowing(wi, given));
-            let slack = rho.map(|rho| value * (TEXEL + rho.abs() * share) + rho.abs() * ended);
+            let slack = rho.map(|rho| {
+                let of_facets = if is_tabulated { change(&finish, wi, given)[0] } else { value * share + ended };
+                value * TEXEL + rho.abs() * of_facets
+            });
             let [r, g, b] = rho.map(|rho| rho * value);
             println!("{r},{g},{b},{pdf},{},{},{},{slack_of_pdf}", slack[0], slack[1], slack[2]);
         }

@@ -19,6 +19,8 @@ const ROWS: usize = 90;
 const KNOTS: usize = 33;
 /// Number of rings of tabulated facets.
 const RINGS: usize = 256;
+/// Numbers of rings and of sectors of tabulated facets that depend on the azimuth.
+const GRID: [usize; 2] = [96, 36];
 
 fn work(name: &'static str) -> Work {
     Work { stage: "table", name, unit: "look-ups", amount: LOOKUPS as f64 }
@@ -94,13 +96,15 @@ pub fn table(visit: Visit<'_>) {
         finished(name, finish, &pairs, visit);
     }
     let ggx = Finish::new(Distribution::Ggx, Masking::Correlated, [0.25; 2]).expect("a good roughness");
-    let density: Vec<f32> = (0..=RINGS)
-        .map(|ring| (FacetTable::sin_square(RINGS, ring) as f32).min(0.999_999))
-        .map(|t| ggx.density(Vec3::new(t.sqrt(), 0.0, (1.0 - t).sqrt())))
-        .collect();
-    let mut memory = vec![0.0; FacetTable::required_len([RINGS, 1])];
-    let facets = FacetTable::new([RINGS, 1], &density, &mut memory).expect("good facets");
-    finished("finish, tabulated", Finish::tabulated(facets, Masking::Correlated), &pairs, visit);
+    for (name, size) in [("finish, tabulated", [RINGS, 1]), ("finish, tabulated, azimuth", GRID)] {
+        let density: Vec<f32> = (0..(size[0] + 1) * size[1])
+            .map(|node| (FacetTable::sin_square(size[0], node / size[1]) as f32).min(0.999_999))
+            .map(|t| ggx.density(Vec3::new(t.sqrt(), 0.0, (1.0 - t).sqrt())))
+            .collect();
+        let mut memory = vec![0.0; FacetTable::required_len(size)];
+        let facets = FacetTable::new(size, &density, &mut memory).expect("good facets");
+        finished(name, Finish::tabulated(facets, Masking::Correlated), &pairs, visit);
+    }
     orders(&pairs, visit);
 }
 

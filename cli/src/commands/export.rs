@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::slice;
 
-use goniochrome::microfacet::Finish;
 use goniochrome::table::blob::Precision;
 
 use crate::commands::args::{ExportArgs, ExportKind, Origin, RoughnessArg, finish_choice, spelled};
@@ -14,10 +13,11 @@ use crate::export::lut::Lut;
 use crate::export::order_lut::{self, OrderLut};
 use crate::export::{LobeWidth, ShaderLanguage, bsdf, merl, png};
 use crate::scene::vary::Vary;
-use crate::scene::{OwnedFinish, Scene, load, parse};
+use crate::scene::{OwnedFinish, Scene, load, parse_without_finish};
 use crate::support::error::{Error, Result};
 use crate::support::output;
 use crate::support::progress::note;
+use crate::table::finish::FinishChoice;
 use crate::table::metadata::MetadataKey;
 use crate::table::{Table, file};
 
@@ -127,6 +127,7 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (args.bands.is_some(), "bands", args.to == ExportKind::OrderLut, "order-lut"),
         (args.spread.is_some(), "spread", matches!(args.to, ExportKind::Merl | ExportKind::Bsdf), "merl and bsdf"),
         (args.shader.is_some(), "shader", lut || args.to == ExportKind::OrderLut, "lut and order-lut"),
+        (args.facets.is_some(), "facets", lut, "lut"),
         (args.half, "half", args.to == ExportKind::Blob, "blob"),
     ] {
         if given && !fits {
@@ -169,6 +170,15 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         output::check_destination(path, inputs)?;
         output::refuse_same_output(&args.output, path)?;
     }
+    if let Some(path) = &args.facets {
+        if !has_extension(path, "exr") {
+            return Err(Error::usage(format_args!("--facets {}: name it .exr", path.display())));
+        }
+        output::check_destination(path, inputs)?;
+        for other in [Some(&args.output), args.shader.as_ref()].into_iter().flatten() {
+            output::refuse_same_output(other, path)?;
+        }
+    }
     let width = usize::from(args.width.unwrap_or(WIDTH));
     let finish = finish_choice(args.roughness, args.distribution);
     let path = Path::new(&args.source);
@@ -183,7 +193,7 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
             Table::Mirror(table) => {
                 let named = |error| named(args, error);
                 let mut lut = Lut::of_table(&table, width).map_err(named)?;
-                lut.finish = analytic(finish.of(&table.metadata)).map_err(named)?;
+                lut.finish = finish.of(&table.metadata).map_err(named)?;
                 if table.is_transparent() {
                     let output = args.output.display();
                     note(args.quiet, format_args!("{output}: a lut holds the reflectance, and not what goes through"));
@@ -211,13 +221,27 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     } else {
         let scene = load(&args.source)?;
         output::check_destination(&args.output, &scene.files)?;
-        let finish = analytic(finish.instead_of(scene.finish.clone())).map_err(|error| named(args, error))?;
+        let finish = finish.instead_of(scene.finish.clone()).map_err(|error| named(args, error))?;
         let mut lut = Lut::of_scene(&scene, width, args.vary)?;
         lut.finish = finish;
         lut
     };
     if args.origin.is_some() && lut.rows_nm.is_none() {
         return Err(Error::usage("--origin is for the rows of --vary; this lut has one row: leave it out"));
+    }
+    let tabulated = matches!(lut.finish, Some(OwnedFinish::Tabulated(..)));
+    if args.facets.is_some() && !tabulated {
+        return Err(Error::usage(format_args!(
+            "--facets is for a finish of tabulated facets, and {} has none: leave it out",
+            args.source
+        )));
+    }
+    if tabulated && shader.is_some() && args.facets.is_none() {
+        return Err(Error::usage(format_args!(
+            "--facets is missing: the shader functions of {} read its tabulated facets from a texture; name it, as \
+             --facets facets.exr",
+            args.source
+        )));
     }
     if lut.finish.is_some() && shader.is_none() {
         note(
@@ -230,13 +254,19 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     }
     let lut = if args.origin == Some(Origin::Bottom) { lut.turned_over() } else { lut };
     let bytes = if to_png { png::encode(&lut)? } else { lut.exr()? };
-    match (&args.shader, shader) {
-        (Some(path), Some(language)) => {
-            let text = lut.shader(language);
-            output::write_file_and(&args.output, &bytes, || output::write_file(path, text.as_bytes()))?;
+    let facets = match &args.facets {
+        Some(path) => lut.facets_exr()?.map(|bytes| (path, bytes)),
+        None => None,
+    };
+    let functions = args.shader.as_ref().zip(shader).map(|(path, language)| (path, lut.shader(language).into_bytes()));
+    // Each file appears when those after it have been written.
+    output::write_file_and(&args.output, &bytes, || {
+        let also = || facets.map_or(Ok(()), |(path, bytes)| output::write_file(path, &bytes));
+        match functions {
+            Some((path, text)) => output::write_file_and(path, &text, also),
+            None => also(),
         }
-        _ => output::write_file(&args.output, &bytes)?,
-    }
+    })?;
     let height = lut.texels.len() / width;
     let output = args.output.display();
     note(args.quiet, format_args!("{output}: {width} × {height} texels"));
@@ -250,11 +280,6 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         );
     }
     Ok(())
-}
-
-/// A finish for a format that holds GGX and Beckmann facets.
-fn analytic(finish: Result<Option<OwnedFinish>>) -> Result<Option<Finish<'static>>> {
-    finish?.map(|finish| finish.analytic()).transpose()
 }
 
 /// Writes a glTF material and notes how well it fits.
@@ -308,8 +333,9 @@ fn scene_of_table(path: &Path, thickness_nm: Option<f64>) -> Result<Scene> {
     let toml = metadata
         .get(MetadataKey::SceneToml)
         .ok_or_else(|| Error::failed(format_args!("{name}: its header holds no scene; export the scene itself")))?;
-    let mut scene = parse(&format!("scene in {name}"), toml)
+    let mut scene = parse_without_finish(&format!("scene in {name}"), toml)
         .map_err(|error| Error::failed(format_args!("{error}; export the scene file itself")))?;
+    scene.finish = FinishChoice::default().of(metadata)?;
     if let Some(known) = metadata.get(MetadataKey::Scene) {
         known.clone_into(&mut scene.name);
     }

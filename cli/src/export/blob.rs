@@ -6,6 +6,7 @@ use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{FilmArrays, FilmTable, MirrorTable as Mirror, ScatterSampler};
 
 use crate::colour::{visible, visible_weights};
+use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
@@ -43,7 +44,8 @@ pub fn encode(table: &Table, finish: FinishChoice, precision: Precision) -> Resu
 /// The blob of a mirror-like table: of the kind `film` if it has more than a reflectance for each angle.
 fn of_mirror(mirror: &MirrorTable, finish: FinishChoice, precision: Precision) -> Result<Vec<u8>> {
     let largest = largest_angle(mirror)?;
-    let finish = finish.of(&mirror.metadata)?.map(|finish| finish.analytic()).transpose()?;
+    let finish = finish.of(&mirror.metadata)?;
+    let finish = finish.as_ref().map(OwnedFinish::finish);
     let (reflectance, space) = (mirror.colours()?.as_flattened(), mirror.metadata.named_space());
     if finish.is_none() && mirror.thickness.is_none() && !mirror.is_transparent() {
         let table = Mirror::new(reflectance, 3, largest).map_err(Error::failed)?;
@@ -94,7 +96,6 @@ mod tests {
     use goniochrome::table::match_factor;
 
     use super::*;
-    use crate::scene::OwnedFinish;
     use crate::table::finish::keep;
     use crate::table::metadata::MetadataKey;
     use crate::table::mirror::ThicknessAxis;

@@ -9,16 +9,16 @@
 use std::collections::BTreeMap;
 
 use exr::meta::attribute::Chromaticities;
-use exr::prelude::{Vec2, f16};
+use exr::prelude::{FlatSamples, Vec2, f16};
 use goniochrome::colour::{Illuminant, RgbSpace, VISIBLE_NM};
-use goniochrome::microfacet::{Distribution, Finish, Masking};
+use goniochrome::microfacet::{Distribution, Masking};
 use goniochrome::optics::interface::Model;
 
-use super::half_exr;
 use super::shader::ShaderLanguage;
+use super::texture;
 use crate::colour::space_name;
 use crate::scene::vary::Vary;
-use crate::scene::{DISTRIBUTIONS, MASKINGS, Scene};
+use crate::scene::{DISTRIBUTIONS, MASKINGS, OwnedFinish, Scene};
 use crate::solve::integral::Integral;
 use crate::solve::planar_scene::PlanarScene;
 use crate::solve::precision::Precision;
@@ -27,7 +27,7 @@ use crate::support::error::Result;
 use crate::support::parallel;
 use crate::support::text;
 use crate::table::file::PREFIX;
-use crate::table::finish::name_of;
+use crate::table::finish::{TABULATED, name_of};
 use crate::table::mirror::{MirrorTable, ThicknessAxis, neighbours};
 
 /// A look-up texture.
@@ -44,7 +44,7 @@ pub struct Lut {
     /// Thickness of the varied layer in the first and the last row, in nm.
     pub rows_nm: Option<[f64; 2]>,
     /// The finish of the surface, which the shader functions hold.
-    pub finish: Option<Finish<'static>>,
+    pub finish: Option<OwnedFinish>,
 }
 
 /// The angle θ of each column, in degrees.
@@ -127,18 +127,15 @@ impl Lut {
             about.insert("first_row_thickness_nm", first.to_string());
             about.insert("last_row_thickness_nm", last.to_string());
         }
-        if let Some((finish, distribution, [x, y])) = self.facets() {
-            about.insert("finish_roughness", format!("{x} {y}"));
-            about.insert("finish_distribution", name_of(&DISTRIBUTIONS, distribution).into());
+        if let Some(finish) = self.finish.as_ref().map(OwnedFinish::finish) {
+            let distribution = finish.distribution().map_or(TABULATED, |known| name_of(&DISTRIBUTIONS, known));
+            about.insert("finish_distribution", distribution.into());
             about.insert("finish_masking", name_of(&MASKINGS, finish.masking()).into());
+            if let Some([x, y]) = finish.alpha() {
+                about.insert("finish_roughness", format!("{x} {y}"));
+            }
         }
         about.into_iter().map(|(key, value)| (format!("{PREFIX}{key}"), value)).collect()
-    }
-
-    /// The finish, its distribution and its roughness.
-    fn facets(&self) -> Option<(&Finish<'static>, Distribution, [f32; 2])> {
-        let finish = self.finish.as_ref()?;
-        Some((finish, finish.distribution()?, finish.alpha()?))
     }
 
     /// The bytes of an OpenEXR file of half floats.
@@ -147,28 +144,51 @@ impl Lut {
     /// What the OpenEXR encoder refuses.
     pub fn exr(&self) -> Result<Vec<u8>> {
         let channel =
-            |name, c: usize| (name, self.texels.iter().map(|texel| f16::from_f32(texel[c])).collect::<Vec<f16>>());
+            |name, c: usize| (name, FlatSamples::F16(self.texels.iter().map(|t| f16::from_f32(t[c])).collect()));
         let size = (self.width, self.texels.len() / self.width);
         let channels = [channel("R", 0), channel("G", 1), channel("B", 2)];
-        half_exr::encode(size, channels, chromaticities(self.space), self.about())
+        texture::encode(size, channels, chromaticities(self.space), self.about())
+    }
+
+    /// The bytes of an OpenEXR file of tabulated facets, for the shader functions: their numbers as
+    /// [`goniochrome::table::blob`] specifies them, in rows of 256 texels of single precision. `None` for other
+    /// finishes.
+    ///
+    /// # Errors
+    /// What the OpenEXR encoder refuses.
+    pub fn facets_exr(&self) -> Result<Option<Vec<u8>>> {
+        const WIDTH: usize = 256;
+        let Some(OwnedFinish::Tabulated(facets, _)) = &self.finish else { return Ok(None) };
+        let mut numbers = facets.numbers().to_vec();
+        numbers.resize(numbers.len().next_multiple_of(WIDTH), 0.0);
+        let size = (WIDTH, numbers.len() / WIDTH);
+        let mut about = self.about();
+        about.insert(format!("{PREFIX}kind"), "facets".into());
+        texture::encode(size, [("R", FlatSamples::F32(numbers))], None, about).map(Some)
     }
 
     /// The function that samples the texture, in a shading language; with a finish, those that evaluate and sample its
     /// facets too.
     #[must_use]
     pub fn shader(&self, language: ShaderLanguage) -> String {
-        let (look_up, facets) = match language {
-            ShaderLanguage::Glsl => {
-                (include_str!("../../data/shaders/lut.glsl"), include_str!("../../data/shaders/finish.glsl"))
-            }
-            ShaderLanguage::Hlsl => {
-                (include_str!("../../data/shaders/lut.hlsl"), include_str!("../../data/shaders/finish.hlsl"))
-            }
-            ShaderLanguage::Wgsl => {
-                (include_str!("../../data/shaders/lut.wgsl"), include_str!("../../data/shaders/finish.wgsl"))
-            }
+        let [look_up, analytic, tabulated] = match language {
+            ShaderLanguage::Glsl => [
+                include_str!("../../data/shaders/lut.glsl"),
+                include_str!("../../data/shaders/finish.glsl"),
+                include_str!("../../data/shaders/facets.glsl"),
+            ],
+            ShaderLanguage::Hlsl => [
+                include_str!("../../data/shaders/lut.hlsl"),
+                include_str!("../../data/shaders/finish.hlsl"),
+                include_str!("../../data/shaders/facets.hlsl"),
+            ],
+            ShaderLanguage::Wgsl => [
+                include_str!("../../data/shaders/lut.wgsl"),
+                include_str!("../../data/shaders/finish.wgsl"),
+                include_str!("../../data/shaders/facets.wgsl"),
+            ],
         };
-        let Some((finish, distribution, [x, y])) = self.facets() else { return look_up.into() };
+        let Some(finish) = self.finish.as_ref().map(OwnedFinish::finish) else { return look_up.into() };
         let constant = |kind: [&str; 3], name: &str, value: String| {
             let [glsl, hlsl, wgsl] = kind;
             match language {
@@ -177,18 +197,24 @@ impl Lut {
                 ShaderLanguage::Wgsl => format!("const GONIOCHROME_{name}: {wgsl} = {value};\n"),
             }
         };
+        let separable = constant(["bool"; 3], "SEPARABLE", (finish.masking() == Masking::Separable).to_string());
+        if let Some([rings, sectors]) = finish.facets().map(|facets| facets.size()) {
+            let whole = ["int", "int", "i32"];
+            let size = [("RINGS", rings), ("SECTORS", sectors)];
+            let size = size.map(|(name, count)| constant(whole, name, count.to_string())).concat();
+            return format!(
+                "{look_up}\n// Rings and sectors of the facets; separable masking in place of correlated.\n\
+                 {size}{separable}\n{tabulated}"
+            );
+        }
         let pair = ["vec2", "float2", "vec2<f32>"];
-        let [beckmann, separable] = [distribution == Distribution::Beckmann, finish.masking() == Masking::Separable];
-        let of_pair = pair[language as usize];
-        let constants = [
-            constant(pair, "ROUGHNESS", format!("{of_pair}({x:?}, {y:?})")),
-            constant(["bool"; 3], "BECKMANN", beckmann.to_string()),
-            constant(["bool"; 3], "SEPARABLE", separable.to_string()),
-        ];
+        let (of_pair, [x, y]) = (pair[language as usize], finish.alpha().unwrap_or_default());
+        let beckmann = finish.distribution() == Some(Distribution::Beckmann);
+        let roughness = constant(pair, "ROUGHNESS", format!("{of_pair}({x:?}, {y:?})"));
+        let beckmann = constant(["bool"; 3], "BECKMANN", beckmann.to_string());
         format!(
             "{look_up}\n// Roughness along x and y; Beckmann's facets in place of GGX; separable masking in place of \
-                 correlated.\n{}\n{facets}",
-            constants.concat()
+             correlated.\n{roughness}{beckmann}{separable}\n{analytic}"
         )
     }
 
@@ -254,6 +280,7 @@ pub(super) fn exact_rgb(planar: &PlanarScene<'_>, theta_deg: &[f64]) -> Result<V
 #[cfg(test)]
 mod tests {
     use exr::meta::attribute::{AttributeValue, Text};
+    use goniochrome::microfacet::Finish;
 
     use super::*;
 
@@ -278,6 +305,7 @@ mod tests {
             ..MirrorTable::default()
         };
         let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, [0.125, 1.0]).unwrap();
+        let finish = OwnedFinish::Analytic(finish);
         let lut = Lut { finish: Some(finish), ..Lut::of_table(&table, 2).unwrap() };
         // Grazing first.
         assert_eq!(lut.texels.iter().map(|rgb| rgb[0]).collect::<Vec<_>>(), [1.0, 0.0, 3.0, 2.0, 5.0, 4.0]);

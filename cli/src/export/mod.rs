@@ -4,7 +4,7 @@ mod gaussian;
 mod order_lobes;
 mod reflection;
 mod deltas;
-mod half_exr;
+mod texture;
 mod shader;
 pub mod lut;
 pub mod order_lut;

@@ -8,15 +8,15 @@
 use std::collections::BTreeMap;
 use std::fmt::{Display, Write};
 
-use exr::prelude::f16;
+use exr::prelude::{FlatSamples, f16};
 use glam::DVec3;
 use goniochrome::colour::{Quadrature, VISIBLE_NM};
 use goniochrome::simd::complex::Polarised;
 use goniochrome::table::Periodicity;
 
-use super::half_exr;
 use super::lut::facts;
 use super::shader::ShaderLanguage;
+use super::texture;
 use crate::colour::{space_name, visible, visible_weights, xyz_to_rgb};
 use crate::support::error::{Error, Result};
 use crate::support::text;
@@ -137,9 +137,10 @@ impl OrderLut {
             f16::from_f32(strengths[self.table.first(4 * (y / rows) + channel, node) + order])
         };
         let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(|(channel, name)| {
-            (name, (0..height).flat_map(|y| (0..width).map(move |x| texel(channel, x, y))).collect())
+            let texels = (0..height).flat_map(|y| (0..width).map(move |x| texel(channel, x, y)));
+            (name, FlatSamples::F16(texels.collect()))
         });
-        half_exr::encode((width, height), channels, None, self.about())
+        texture::encode((width, height), channels, None, self.about())
     }
 
     /// Keys and values of the header.

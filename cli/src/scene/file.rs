@@ -108,8 +108,15 @@ enum Facets<'a> {
     Surface(TomlItem<'a>),
 }
 
+/// Whether a scene's finish is read; a table has its own, and may be far from the files that the scene names for it.
+#[derive(Clone, Copy)]
+pub(super) enum FinishKey {
+    Read,
+    Skip,
+}
+
 /// Reads the scene in a text. `name` is used unless the text has one.
-pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) -> Result<Scene> {
+pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>, finish: FinishKey) -> Result<Scene> {
     let source = SourceText { label, text };
     let document = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
@@ -141,9 +148,9 @@ pub(super) fn parse(label: &str, text: &str, name: &str, folder: Option<&Path>) 
         (Some(_), Some(cell)) => return Err(cell.refuse("a scene has either [stack] or [cell]; remove one")),
         (None, None) => return Err(root.refuse("neither [stack] nor [cell]; add one")),
     };
-    let finish = match root.get("finish") {
-        None => None,
-        Some(item) => Some(finish::finish(&item.table("[finish]")?, label, &mut |item| reader.path(item))?),
+    let finish = match (root.get("finish"), finish) {
+        (None, _) | (_, FinishKey::Skip) => None,
+        (Some(item), _) => Some(finish::finish(&item.table("[finish]")?, label, &mut |item| reader.path(item))?),
     };
     let SceneReader { media, files, .. } = reader;
     let media = media.finish();

@@ -1,7 +1,7 @@
 use super::*;
 
 fn read(text: &str) -> Result<Scene> {
-    parse("s.toml", text, "s", Some(Path::new("/nonexistent")))
+    parse("s.toml", text, "s", Some(Path::new("/nonexistent")), FinishKey::Read)
 }
 
 fn refusal(text: &str) -> String {

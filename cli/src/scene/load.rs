@@ -5,6 +5,7 @@ use std::path::Path;
 use goniochrome::optics::medium::Extrapolate;
 
 use super::diagnostics::{SourceText, canonical, nearest, read_text};
+use super::file::FinishKey;
 use super::medium::OwnedMedium;
 use super::mesh::Mesh;
 use super::model::Scene;
@@ -23,12 +24,12 @@ pub fn load(name_or_path: &str) -> Result<Scene> {
     if path.exists() && !path.is_dir() {
         let text = read_text(path, MAX_SCENE_BYTES)?;
         let stem = path.file_stem().map_or(name_or_path.into(), |stem| stem.to_string_lossy());
-        let mut scene = file::parse(name_or_path, &text, &stem, path.parent())?;
+        let mut scene = file::parse(name_or_path, &text, &stem, path.parent(), FinishKey::Read)?;
         scene.files.insert(0, canonical(path));
         return Ok(scene);
     }
     if let Some((name, toml)) = presets::find(name_or_path) {
-        return file::parse(&format!("preset {name}"), toml, name, None);
+        return file::parse(&format!("preset {name}"), toml, name, None, FinishKey::Read);
     }
     if path.is_dir() {
         return Err(Error::failed(format_args!("{name_or_path}: is a folder, expected a scene file")));
@@ -48,7 +49,15 @@ pub fn load(name_or_path: &str) -> Result<Scene> {
 /// # Errors
 /// One line that names the place, under `label`, and the remedy.
 pub fn parse(label: &str, text: &str) -> Result<Scene> {
-    file::parse(label, text, label, None)
+    file::parse(label, text, label, None, FinishKey::Read)
+}
+
+/// Reads the scene in a table's header as [`parse`] does, without its finish, which the table has itself.
+///
+/// # Errors
+/// One line that names the place, under `label`, and the remedy.
+pub fn parse_without_finish(label: &str, text: &str) -> Result<Scene> {
+    file::parse(label, text, label, None, FinishKey::Skip)
 }
 
 /// Reads the medium in a text in the format of refractiveindex.info.

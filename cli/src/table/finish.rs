@@ -42,13 +42,13 @@ pub fn keep(finish: &OwnedFinish, metadata: &mut Metadata) {
 }
 
 /// Name of a tabulated distribution.
-const TABULATED: &str = "tabulated";
+pub(crate) const TABULATED: &str = "tabulated";
 
 /// Facets as text: the numbers of rings and of sectors, and D at the nodes with four digits, as far as it is not 0.
 fn written(facets: &OwnedFacets) -> String {
     let table = facets.table();
     let [rings, sectors] = table.size();
-    let nodes = table.nodes();
+    let nodes: Vec<f32> = table.nodes().collect();
     let used = nodes.iter().rposition(|d| *d > 0.0).map_or(0, |last| last + 1);
     let mut text = format!("{rings} {sectors}");
     for d in &nodes[..used] {
@@ -193,7 +193,7 @@ mod tests {
         assert!(is_finished(&metadata));
         let Some(OwnedFinish::Tabulated(found, masking)) = kept(&metadata).unwrap() else { panic!("facets") };
         assert_eq!((found.table().size(), masking), (size, Masking::Separable));
-        for (found, wanted) in found.table().nodes().iter().zip(own.table().nodes()) {
+        for (found, wanted) in found.table().nodes().zip(own.table().nodes()) {
             assert!((found - wanted).abs() <= WRITTEN * wanted, "{found} {wanted}");
         }
         let choice = FinishChoice { roughness: None, distribution: Some(Distribution::Ggx) };

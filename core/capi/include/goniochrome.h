@@ -139,6 +139,16 @@
 #define GONIO_FINISH_BECKMANN_SEPARABLE 4
 
 /*
+ Finish: tabulated facets with correlated masking and shadowing.
+ */
+#define GONIO_FINISH_TABULATED 5
+
+/*
+ Finish: tabulated facets with separable masking and shadowing.
+ */
+#define GONIO_FINISH_TABULATED_SEPARABLE 6
+
+/*
  Size of a gonio_order_view in bytes.
  */
 #define GONIO_ORDER_VIEW_SIZE (8 * 32)
@@ -539,7 +549,7 @@ typedef struct {
      */
     uint32_t finish;
     /*
-     Roughness alpha along x and y; 0 without a finish.
+     Roughness alpha along x and y; 0 without a finish, and for tabulated facets.
      */
     float roughness[2];
 } gonio_film_description;

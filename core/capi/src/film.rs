@@ -18,6 +18,11 @@ pub const GONIO_FINISH_BECKMANN: u32 = 3;
 /// Finish: Beckmann facets with separable masking and shadowing.
 pub const GONIO_FINISH_BECKMANN_SEPARABLE: u32 = 4;
 
+/// Finish: tabulated facets with correlated masking and shadowing.
+pub const GONIO_FINISH_TABULATED: u32 = 5;
+/// Finish: tabulated facets with separable masking and shadowing.
+pub const GONIO_FINISH_TABULATED_SEPARABLE: u32 = 6;
+
 /// Transmittance, thicknesses and finish of a mirror-like surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +35,7 @@ pub struct FilmDescription {
     pub transparent: u32,
     /// Finish: GONIO_FINISH_…
     pub finish: u32,
-    /// Roughness alpha along x and y; 0 without a finish.
+    /// Roughness alpha along x and y; 0 without a finish, and for tabulated facets.
     pub roughness: [f32; 2],
 }
 
@@ -49,8 +54,8 @@ pub unsafe extern "C" fn gonio_film_describe(table: *const Table, description: *
                 (Some(Distribution::Ggx), Masking::Separable) => GONIO_FINISH_GGX_SEPARABLE,
                 (Some(Distribution::Beckmann), Masking::Correlated) => GONIO_FINISH_BECKMANN,
                 (Some(Distribution::Beckmann), Masking::Separable) => GONIO_FINISH_BECKMANN_SEPARABLE,
-                // No blob holds tabulated facets.
-                (None, _) => GONIO_FINISH_NONE,
+                (None, Masking::Correlated) => GONIO_FINISH_TABULATED,
+                (None, Masking::Separable) => GONIO_FINISH_TABULATED_SEPARABLE,
             });
         description.write([FilmDescription {
             thicknesses: film.thicknesses() as u32,

@@ -3,7 +3,7 @@
 use super::beckmann;
 use super::error::FinishError;
 use super::roughness::Roughness;
-use super::table::FacetTable;
+use super::table::{FacetTable, Pair};
 use crate::simd::lanes::sqrtf;
 use core::f32::consts::TAU;
 use glam::Vec3;
@@ -94,6 +94,15 @@ impl<'a> Finish<'a> {
         }
     }
 
+    /// The tabulated distribution; `None` if it is not tabulated.
+    #[must_use]
+    pub fn facets(&self) -> Option<FacetTable<'a>> {
+        match self.facets {
+            Facets::Ggx(_) | Facets::Beckmann(_) => None,
+            Facets::Tabulated(table) => Some(table),
+        }
+    }
+
     /// The masking.
     #[must_use]
     pub fn masking(&self) -> Masking {
@@ -145,7 +154,7 @@ impl<'a> Finish<'a> {
                 let shape = beckmann::density(roughness.stretched_slope(m), square);
                 roughness.peak() * shape * (length_square * length_square)
             }
-            Facets::Tabulated(table) => table.density_along(m, length_square),
+            Facets::Tabulated(table) => table.density_along(m),
         }
     }
 
@@ -198,14 +207,17 @@ impl<'a> Finish<'a> {
             return None;
         }
         let sum = wi + wo;
-        let square = sum.length_squared();
-        let density = self.density_along(sum, square);
-        let areas = self.visible_areas([wi, wo]);
         // |wi + wo| = 2 cos θ_d for unit vectors, without the cancellation of wi·wo near grazing.
-        let cos_d = (0.5 * sqrtf(square)).min(1.0);
-        let pdf = match &self.facets {
-            Facets::Ggx(_) | Facets::Beckmann(_) => 0.25 * density / areas[0],
-            Facets::Tabulated(table) => 0.25 * table.pdf(wi, sum, square, density) / cos_d,
+        let (cos_d, density, areas, pdf) = match &self.facets {
+            Facets::Ggx(_) | Facets::Beckmann(_) => {
+                let square = sum.length_squared();
+                let (density, areas) = (self.density_along(sum, square), self.visible_areas([wi, wo]));
+                ((0.5 * sqrtf(square)).min(1.0), density, areas, 0.25 * density / areas[0])
+            }
+            Facets::Tabulated(table) => {
+                let Pair { cos_d, density, pdf, areas } = table.pair([wi, wo], sum);
+                (cos_d, density, areas, pdf)
+            }
         };
         Some(Lobe { cos_d, value: density * self.shadowing_of(wi, wo, areas), pdf })
     }

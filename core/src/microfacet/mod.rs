@@ -17,6 +17,8 @@ mod limits;
 mod error;
 mod roughness;
 mod beckmann;
+mod facet_layout;
+mod visible;
 mod table;
 mod finish;
 

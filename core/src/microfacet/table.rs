@@ -4,23 +4,21 @@
 //! D is bilinear between nodes at t = (k/rings)⁴ and at equal steps of φ, so it is drawn from exactly, by the roots of
 //! two quadratic equations. The nodes follow narrow lobes and long tails.
 //!
-//! Of the visible area σ(w) = ∫ D (w·m)⁺ dω_m, what varies slowly is kept: the squared roughness e of the GGX facets of
-//! which the direction sees as much, e = 4 σ (σ − cos θ)/sin²θ. It is cubic between nodes at cos θ = (i/64)².
+//! The squared roughness e that a direction sees is linear between nodes at cos θ = (i/256)², and cubic over φ.
 
 use super::error::FinishError;
-use super::limits::{MAX_RINGS, MAX_SECTORS};
-use crate::simd::lanes::{sqrt, sqrtf};
+use super::facet_layout::{FacetLayout, VIEWS};
+use super::visible::{cubic, look};
+use crate::simd::lanes::sqrtf;
+use crate::values::Values;
 use core::f32::consts::TAU;
 use glam::Vec3;
-use libm::{acos, cos, cosf, sin, sinf};
+use libm::{cosf, sinf};
+use wide::f32x4;
 
-/// Minimum number of sectors, except for 1.
-const MIN_SECTORS: usize = 4;
-/// Maximum mean slope: a surface's own normal is the mean of its facets.
-const MAX_TILT: f64 = 0.02;
-/// Steps of √cos θ between nodes of visible areas. A node beyond the last, where cos θ = 1, serves interpolation.
-const VIEWS: usize = 64;
-const VIEW_ROWS: usize = VIEWS + 2;
+/// Largest magnitude of a number of a table: products of two, and of one with the inverse of both directions' least
+/// cosines, stay in single precision. D is far below it, as ∫ D cos θ_m dω_m = 1.
+const MAX_NUMBER: f32 = 1e18;
 
 /// Tabulated density D of the normals of facets.
 ///
@@ -28,30 +26,49 @@ const VIEW_ROWS: usize = VIEWS + 2;
 /// surface that is equally rough in all directions has one sector. D is scaled so that ∫ D cos θ_m dω_m = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacetTable<'a> {
-    rings: usize,
-    sectors: usize,
-    /// D, `[ring][sector]`.
-    density: &'a [f32],
-    /// Probability of normals within each ring.
-    within: &'a [f32],
-    /// Integral of D over the sectors to each, in units of a sector, `[ring][sector]`.
-    turned: &'a [f32],
-    /// The squared roughness e of directions, `[step][sector]`.
-    seen: &'a [f32],
+    layout: FacetLayout,
+    values: Values<'a>,
+    /// Number of rings, and its fourth power.
+    rings: f32,
+    rings_fourth: f32,
+    /// Place of the numbers e, and how many a row has.
+    seen: usize,
+    view: usize,
+}
+
+/// What a table says of a pair of directions.
+pub(super) struct Pair {
+    /// Half the length of the sum.
+    pub cos_d: f32,
+    /// D of the half vector.
+    pub density: f32,
+    /// Density with which [`FacetTable::draw`] draws the half vector, over 4 cos θ_d.
+    pub pdf: f32,
+    /// Visible areas of both directions.
+    pub areas: [f32; 2],
+}
+
+/// Where a pair of directions lies among a table's nodes.
+struct Places {
+    /// Ring, and the part of the way to the next.
+    ring: usize,
+    outward: f32,
+    /// Where rows of e of both directions begin, and the parts of the way to the next.
+    rows: [usize; 2],
+    parts: [f32; 2],
 }
 
 impl<'a> FacetTable<'a> {
-    /// Number of elements that [`FacetTable::new`] needs as memory.
+    /// Number of elements that [`FacetTable::new`] needs as memory; 0 for numbers of rings and sectors that it refuses.
     #[must_use]
-    pub fn required_len([rings, sectors]: [usize; 2]) -> usize {
-        (rings + 1) * (2 * sectors + 1) + VIEW_ROWS * sectors
+    pub fn required_len(size: [usize; 2]) -> usize {
+        FacetLayout::new(size).map_or(0, FacetLayout::len)
     }
 
     /// sin²θ_m of the nodes of a ring.
     #[must_use]
     pub fn sin_square(rings: usize, ring: usize) -> f64 {
-        let part = ring as f64 / rings as f64;
-        part * part * part * part
+        FacetLayout { rings, sectors: 1 }.sin_square(ring)
     }
 
     /// Table of D in any unit at its nodes, `density[ring][sector]`, computed in `memory`, which has
@@ -59,27 +76,28 @@ impl<'a> FacetTable<'a> {
     /// sectors: 0.2 s for 96 rings of 72 sectors.
     ///
     /// # Errors
-    /// [`FinishError::Size`] unless there are 1 to [`MAX_RINGS`] rings, 1 or 4 to [`MAX_SECTORS`] sectors, a density
-    /// for each node and enough memory; [`FinishError::Density`] where D is negative, not finite or nowhere positive;
-    /// [`FinishError::Tilt`] for normals whose mean slope is above 0.02.
+    /// [`FinishError::Size`] unless there are 1 to [`MAX_RINGS`](super::MAX_RINGS) rings, 1 or 4 to
+    /// [`MAX_SECTORS`](super::MAX_SECTORS) sectors, a density for each node and enough memory;
+    /// [`FinishError::Density`] where D is negative, not finite or nowhere positive; [`FinishError::Tilt`] for normals
+    /// whose mean slope is above 0.02.
     pub fn new(size: [usize; 2], density: &[f32], memory: &'a mut [f32]) -> Result<Self, FinishError> {
-        let [rings, sectors] = size;
-        check_size(size, memory.len())?;
-        if density.len() != (rings + 1) * sectors {
+        let layout = FacetLayout::new(size)?;
+        let FacetLayout { rings, sectors } = layout;
+        if density.len() != (rings + 1) * sectors || memory.len() != layout.len() {
             return Err(FinishError::Size);
         }
         if !density.iter().all(|d| d.is_finite() && *d >= 0.0) {
             return Err(FinishError::Density);
         }
-        let (nodes, rest) = memory.split_at_mut(density.len());
-        let (within, rest) = rest.split_at_mut(rings + 1);
-        let (turned, seen) = rest.split_at_mut(density.len());
+        let (nodes, rest) = memory.split_at_mut(layout.seen());
+        let (seen, rest) = rest.split_at_mut(layout.within() - layout.seen());
+        let (within, turned) = rest.split_at_mut(rings + 1);
         // All sectors of the first ring are one direction.
         let rows = density.chunks_exact(sectors);
         let mean = |row: &[f32]| row.iter().map(|d| f64::from(*d)).sum::<f64>() / sectors as f64;
         let (mut sum, mut before) = (0.0, [0.0; 2]);
         for (ring, row) in rows.clone().enumerate() {
-            let [t, mean] = [Self::sin_square(rings, ring), mean(row)];
+            let [t, mean] = [layout.sin_square(ring), mean(row)];
             sum += core::f64::consts::FRAC_PI_2 * (mean + before[1]) * (t - before[0]);
             within[ring] = sum as f32;
             before = [t, mean];
@@ -90,163 +108,200 @@ impl<'a> FacetTable<'a> {
         within.iter_mut().for_each(|sum_to| *sum_to = (f64::from(*sum_to) / sum) as f32);
         for (ring, row) in rows.enumerate() {
             let pole = mean(row);
-            let nodes = &mut nodes[ring * sectors..][..sectors];
-            for (node, d) in nodes.iter_mut().zip(row) {
+            let nodes = &mut nodes[ring * layout.ring()..][..layout.ring()];
+            for (node, d) in nodes.iter_mut().zip(row.iter().cycle()) {
                 *node = (if ring == 0 { pole } else { f64::from(*d) } / sum) as f32;
             }
             let mut sum = 0.0;
             for (j, turned) in turned[ring * sectors..][..sectors].iter_mut().enumerate() {
-                sum += 0.5 * (f64::from(nodes[j]) + f64::from(nodes[(j + 1) % sectors]));
+                sum += 0.5 * (f64::from(nodes[j]) + f64::from(nodes[(j + 1) % nodes.len()]));
                 *turned = sum as f32;
             }
         }
-        look(size, nodes, seen)?;
-        if !memory.iter().all(|x| x.is_finite()) {
-            return Err(FinishError::Density);
-        }
-        Self::of(size, memory)
+        look(layout, nodes, seen)?;
+        Self::of_values(size, Values::Numbers(memory))
     }
 
     /// Table in memory that [`FacetTable::new`] filled earlier.
     ///
-    /// Numbers that it did not compute make a surface without meaning, but no panic.
+    /// Numbers that it did not compute make a surface without meaning, but no panic, and no values that are not finite.
     ///
     /// # Errors
-    /// [`FinishError::Size`] for other sizes.
+    /// [`FinishError::Size`] for other sizes, [`FinishError::Density`] for a number beyond 10¹⁸ or not finite, or a
+    /// negative D.
     pub fn of(size: [usize; 2], memory: &'a [f32]) -> Result<Self, FinishError> {
-        let [rings, sectors] = size;
-        check_size(size, memory.len())?;
-        let (density, rest) = memory.split_at((rings + 1) * sectors);
-        let (within, rest) = rest.split_at(rings + 1);
-        let (turned, seen) = rest.split_at((rings + 1) * sectors);
-        Ok(Self { rings, sectors, density, within, turned, seen })
+        Self::of_values(size, Values::Numbers(memory))
+    }
+
+    pub(crate) fn of_values(size: [usize; 2], values: Values<'a>) -> Result<Self, FinishError> {
+        let layout = FacetLayout::new(size)?;
+        if values.len() != layout.len() {
+            return Err(FinishError::Size);
+        }
+        let is_positive = values.part(0, layout.seen()).iter().all(|d| d >= 0.0);
+        let fits = is_positive && values.first_beyond(MAX_NUMBER).is_none();
+        let rings = single(layout.rings);
+        let (square, seen, view) = (rings * rings, layout.seen(), layout.view());
+        let table = Self { layout, values, rings, rings_fourth: square * square, seen, view };
+        fits.then_some(table).ok_or(FinishError::Density)
+    }
+
+    /// All numbers, as in the memory of [`FacetTable::new`].
+    pub(crate) fn values(&self) -> Values<'a> {
+        self.values
     }
 
     /// Number of rings and of sectors.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        [self.rings, self.sectors]
+        [self.layout.rings, self.layout.sectors]
     }
 
     /// D at the nodes, `[ring][sector]`.
-    #[must_use]
-    pub fn nodes(&self) -> &'a [f32] {
-        self.density
+    pub fn nodes(&self) -> impl Iterator<Item = f32> + use<'a> {
+        let Self { layout, values, .. } = *self;
+        (0..=layout.rings).flat_map(move |ring| values.part(ring * layout.ring(), layout.sectors).iter())
     }
 
-    /// sin²θ_m of a ring.
-    #[inline]
-    fn t(&self, ring: usize) -> f32 {
-        let part = single(ring) / single(self.rings);
-        let square = part * part;
-        square * square
-    }
-
-    /// D along a vector above the horizon whose squared length is known.
-    #[inline(never)]
-    pub(super) fn density_along(&self, m: Vec3, length_square: f32) -> f32 {
-        let t = ((m.x * m.x + m.y * m.y) / length_square).min(1.0);
-        let ring = whole(sqrtf(sqrtf(t)) * single(self.rings)).min(self.rings - 1);
-        let [low, high] = [self.t(ring), self.t(ring + 1)];
-        let part = ((t - low) / (high - low)).clamp(0.0, 1.0);
-        let (first, second) = (ring * self.sectors, (ring + 1) * self.sectors);
-        let between = |j: usize| mix(at(self.density, first + j), at(self.density, second + j), part);
-        if self.sectors == 1 {
-            return between(0);
-        }
-        let (j, turned) = self.sector(m);
-        mix(between(j), between(if j + 1 < self.sectors { j + 1 } else { 0 }), turned)
-    }
-
-    /// Sector of a vector's azimuth, and the part of it that is passed.
-    #[inline]
-    fn sector(&self, w: Vec3) -> (usize, f32) {
-        let at = turn(w.x, w.y) * single(self.sectors);
-        let j = whole(at).min(self.sectors - 1);
-        (j, at - single(j))
+    /// D along a vector above the horizon.
+    pub(super) fn density_along(&self, m: Vec3) -> f32 {
+        self.pair([m; 2], m).density
     }
 
     /// Visible area of a direction.
-    #[inline(never)]
     pub(super) fn visible_area(&self, w: Vec3) -> f32 {
-        let place = sqrtf(w.z.clamp(0.0, 1.0)) * VIEWS as f32;
-        let row = whole(place).min(VIEWS - 1);
-        let weights = cubic(place - single(row));
-        // e is an even function of √cos θ.
-        let rows = [if row == 0 { 1 } else { row - 1 }, row, row + 1, row + 2].map(|row| row * self.sectors);
-        let along = |j: usize| {
-            let [a, b, c, d] = rows.map(|row| at(self.seen, row + j));
-            (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d)
-        };
-        let square = if self.sectors == 1 {
-            along(0)
-        } else {
-            let (j, part) = self.sector(w);
-            let [a, b, c, d] = cubic(part);
-            let after = |j: usize| if j + 1 < self.sectors { j + 1 } else { 0 };
-            let before = if j == 0 { self.sectors - 1 } else { j - 1 };
-            (a * along(before) + b * along(j)) + (c * along(after(j)) + d * along(after(after(j))))
-        };
-        let seen = w.z * w.z + square * (w.x * w.x + w.y * w.y);
-        // Interpolation may overshoot; the area of both directions together stays positive.
-        0.5 * (w.z + sqrtf(seen.max(0.25 * w.z * w.z)))
+        self.pair([w; 2], w).areas[0]
     }
 
-    /// Density with which [`FacetTable::draw`] draws a normal `m` that `wi` sees, by D there. `m` has the squared
-    /// length that is given.
+    /// Looks up two directions above the horizon, of which the sum is known.
+    #[inline]
+    pub(super) fn pair(&self, [wi, wo]: [Vec3; 2], sum: Vec3) -> Pair {
+        // All roots that can be drawn at once.
+        let level = sum.x * sum.x + sum.y * sum.y;
+        let roots = f32x4::new([level, level + sum.z * sum.z, wi.z, wo.z]).sqrt();
+        let [level, length, root_i, root_o] = roots.to_array();
+        let over = 1.0 / length;
+        let (sin, cos) = (level * over, sum.z * over);
+        // Of a normal that wi does not see, draw takes the one that is turned by half a turn.
+        let is_twin = wi.x * sum.x + wi.y * sum.y > wi.z * sum.z;
+        let places = self.places(sin, [root_i, root_o]);
+        let [density, twin, area_i, area_o] = if self.layout.sectors == 1 {
+            let [density, area_i, area_o] = self.even(&places, wi.z, wo.z);
+            [density, density, area_i, area_o]
+        } else {
+            self.around(&places, &wi, &wo, &sum)
+        };
+        let pdf = 0.5 * (density + if is_twin { twin } else { 0.0 }) * cos * over;
+        Pair { cos_d: (0.5 * length).min(1.0), density, pdf, areas: [area_i, area_o] }
+    }
+
+    /// D at t, and the visible areas of two cosines, of facets that are equally rough in all directions.
+    #[inline]
+    fn even(&self, places: &Places, cos_i: f32, cos_o: f32) -> [f32; 3] {
+        let Places { ring, outward, rows, parts } = *places;
+        let [nodes, of_i, of_o] = self.values.arrays([ring, rows[0], rows[1]]);
+        let mix = |[low, high]: [f32; 2], part| mix(low, high, part);
+        let [area_i, area_o] = areas([cos_i, cos_o], [mix(of_i, parts[0]), mix(of_o, parts[1])]);
+        [mix(nodes, outward), area_i, area_o]
+    }
+
+    /// D at t and at the azimuth of a vector, and half a turn on; the visible areas of two directions.
+    ///
+    /// Azimuths are four lanes. Directions come as references, of which no copy is made that the lanes would wait for.
     #[inline(never)]
-    pub(super) fn pdf(&self, wi: Vec3, m: Vec3, length_square: f32, density: f32) -> f32 {
-        let across = wi.x * m.x + wi.y * m.y;
-        let turned =
-            if across > wi.z * m.z { self.density_along(Vec3::new(-m.x, -m.y, m.z), length_square) } else { 0.0 };
-        (density + turned) * m.z / sqrtf(length_square)
+    fn around(&self, places: &Places, wi: &Vec3, wo: &Vec3, m: &Vec3) -> [f32; 4] {
+        let Self { layout, values, .. } = *self;
+        let Places { ring, outward, rows, parts } = *places;
+        let sectors = single(layout.sectors);
+        let [x, y] = [[m.x, wi.x, wo.x, -m.x], [m.y, wi.y, wo.y, -m.y]].map(f32x4::new);
+        let turned = turns(x, y) * sectors;
+        let before = turned.fast_min(f32x4::splat(sectors - 0.5)).fast_trunc_int();
+        let [passed_m, passed_i, passed_o, passed_twin] = (turned - before.round_float()).to_array();
+        let [m, i, o, twin] = before.to_array().map(|sector| sector as u32 as usize);
+        let (inner, outer) = (ring * layout.ring(), (ring + 1) * layout.ring());
+        let nodes = values.arrays([inner + m, outer + m, inner + twin, outer + twin]);
+        let [inner, outer, inner_twin, outer_twin]: [[f32; 2]; 4] = nodes;
+        let density = |inner: [f32; 2], outer: [f32; 2], passed: f32| {
+            mix(mix(inner[0], outer[0], outward), mix(inner[1], outer[1], outward), passed)
+        };
+        let [row_i, row_o] = [rows[0] + i, rows[1] + o];
+        let rows = [row_i, row_i + layout.view(), row_o, row_o + layout.view()];
+        let [low_i, high_i, low_o, high_o] = values.arrays(rows).map(f32x4::new);
+        let e = |low: f32x4, high: f32x4, part: f32, passed: f32| {
+            ((low + (high - low) * part) * f32x4::new(cubic(passed))).reduce_add()
+        };
+        let of_both = [e(low_i, high_i, parts[0], passed_i), e(low_o, high_o, parts[1], passed_o)];
+        let [area_i, area_o] = areas([wi.z, wo.z], of_both);
+        [density(inner, outer, passed_m), density(inner_twin, outer_twin, passed_twin), area_i, area_o]
+    }
+
+    /// Places among rings of sin θ_m, and among rows of e of the roots of two cosines: R √sin θ_m and 256 √cos θ.
+    #[inline]
+    fn places(&self, sin: f32, [root_i, root_o]: [f32; 2]) -> Places {
+        const ROWS: f32 = VIEWS as f32;
+        let sin = sin.min(1.0);
+        let counts = f32x4::new([self.rings, ROWS, ROWS, ROWS]);
+        let at = f32x4::new([sqrtf(sin), root_i, root_o, 0.0]) * counts;
+        let nodes = at.fast_min(counts - f32x4::HALF).fast_trunc_int();
+        let before = nodes.round_float();
+        let [_, part_i, part_o, _] = (at - before).to_array();
+        let [ring, row_i, row_o, _] = nodes.to_array().map(|node| node as u32 as usize);
+        // With t = sin², the part of the way from a ring k to the next is (t R⁴ − k⁴)/((k + 1)⁴ − k⁴).
+        let [k, ..] = before.to_array();
+        let k_square = k * k;
+        let apart = (k + k + 1.0) * (2.0 * (k_square + k) + 1.0);
+        let outward = ((sin * sin * self.rings_fourth - k_square * k_square) / apart).clamp(0.0, 1.0);
+        let rows = [row_i, row_o].map(|row| self.seen + row * self.view);
+        Places { ring, outward, rows, parts: [part_i, part_o] }
     }
 
     /// Draws a normal by D cos θ_m, and turns it by half a turn about z if `wi` does not see it.
     pub(super) fn draw(&self, wi: Vec3, u: [f32; 2]) -> Vec3 {
-        let ring = self.within.partition_point(|sum| *sum <= u[0]).min(self.rings).saturating_sub(1);
-        let last = self.sectors - 1;
-        let ends_of = |of: &[f32], j: usize| [ring, ring + 1].map(|ring| at(of, ring * self.sectors + j));
-        let [low, high] = [ring, ring + 1].map(|ring| at(self.within, ring));
-        let part = linear_root(ends_of(self.turned, last), (u[0] - low) / (high - low));
-        let t = mix(self.t(ring), self.t(ring + 1), part);
-        let between = |of: &[f32], j: usize| {
-            let [low, high] = ends_of(of, j);
+        let FacetLayout { rings, sectors } = self.layout;
+        let (within, turned) = (self.layout.within(), self.layout.turned());
+        let within = |ring: usize| self.values.at(within + ring);
+        let ring = first(rings, |ring| within(ring + 1) > u[0]).min(rings - 1);
+        let [low, high] = [within(ring), within(ring + 1)];
+        let last = sectors - 1;
+        // Integrals over sectors, at both rings and between them.
+        let ends = |j: usize| [ring, ring + 1].map(|ring| self.values.at(turned + ring * sectors + j));
+        let part = linear_root(ends(last), (u[0] - low) / (high - low));
+        let [inner, outer] = [ring, ring + 1].map(|ring| self.layout.sin_square(ring) as f32);
+        let t = mix(inner, outer, part);
+        let to = |j: usize| {
+            let [low, high] = ends(j);
             mix(low, high, part)
         };
-        let to = |j: usize| between(self.turned, j);
         // The first sector whose end lies beyond.
         let wanted = u[1] * to(last);
-        let (mut from, mut count) = (0, last);
-        while count > 0 {
-            let half = count / 2;
-            if to(from + half) <= wanted {
-                from += half + 1;
-                count -= half + 1;
-            } else {
-                count = half;
-            }
-        }
+        let from = first(last, |j| to(j) > wanted);
         let passed = if from == 0 { 0.0 } else { to(from - 1) };
-        let ends = [from, if from == last { 0 } else { from + 1 }].map(|j| between(self.density, j));
+        let step = 1.0 / single(sectors);
+        let ends = [from, from + 1].map(|j| {
+            let from = ring * self.layout.ring() + if sectors == 1 { 0 } else { j };
+            mix(self.values.at(from), self.values.at(from + self.layout.ring()), part)
+        });
         let turned = linear_root(ends, (wanted - passed) / (to(from) - passed));
-        let phi = TAU * (from as f32 + turned) / self.sectors as f32;
+        let phi = TAU * step * (single(from) + turned);
         let (sin, cos) = (sqrtf(t), sqrtf((1.0 - t).max(0.0)));
         let m = Vec3::new(sin * cosf(phi), sin * sinf(phi), cos);
         if wi.dot(m) < 0.0 { Vec3::new(-m.x, -m.y, m.z) } else { m }
     }
 }
 
-fn check_size([rings, sectors]: [usize; 2], memory: usize) -> Result<(), FinishError> {
-    let is_one = sectors == 1 || (MIN_SECTORS..=MAX_SECTORS).contains(&sectors);
-    let fits = (1..=MAX_RINGS).contains(&rings) && is_one && memory == FacetTable::required_len([rings, sectors]);
-    fits.then_some(()).ok_or(FinishError::Size)
-}
-
-/// Value of an index; 0 beyond the end, which no checked table asks for: the library has no panics.
-#[inline]
-fn at(values: &[f32], index: usize) -> f32 {
-    values.get(index).copied().unwrap_or(0.0)
+/// First of `count` indices of which a condition holds that holds of all after it; `count` if it holds of none.
+fn first(mut count: usize, is_beyond: impl Fn(usize) -> bool) -> usize {
+    let mut from = 0;
+    while count > 0 {
+        let half = count / 2;
+        if is_beyond(from + half) {
+            count = half;
+        } else {
+            from += half + 1;
+            count -= half + 1;
+        }
+    }
+    from
 }
 
 /// A number of nodes; 32 bits convert faster than 64.
@@ -255,27 +310,21 @@ fn single(count: usize) -> f32 {
     count as u32 as f32
 }
 
-/// Whole part of a number of nodes; 0 for NaN.
+/// Visible areas of two directions, by their cosines and the squared roughnesses that they see.
 #[inline]
-fn whole(at: f32) -> usize {
-    (at as i32).max(0) as usize
+fn areas(cos: [f32; 2], e: [f32; 2]) -> [f32; 2] {
+    let [[cos_i, cos_o], [e_i, e_o]] = [cos, e];
+    let (cos, e) = (f32x4::new([cos_i, cos_o, 1.0, 1.0]), f32x4::new([e_i, e_o, 0.0, 0.0]));
+    let square = cos * cos;
+    let seen = square + e * (f32x4::ONE - square);
+    // Interpolation may overshoot; the area of both directions together stays positive.
+    let [area_i, area_o, ..] = ((cos + seen.fast_max(square * 0.25).sqrt()) * 0.5).to_array();
+    [area_i, area_o]
 }
 
 #[inline]
 fn mix(a: f32, b: f32, part: f32) -> f32 {
     a + part * (b - a)
-}
-
-/// Weights of four equally spaced nodes between the second and the third (Catmull & Rom).
-#[inline]
-fn cubic(x: f32) -> [f32; 4] {
-    let (square, cube) = (x * x, x * x * x);
-    [
-        -0.5 * cube + square - 0.5 * x,
-        1.5 * cube - 2.5 * square + 1.0,
-        -1.5 * cube + 2.0 * square + 0.5 * x,
-        0.5 * cube - 0.5 * square,
-    ]
 }
 
 /// Place in [0, 1] up to which a density that is linear between two ends holds a part `u` of all.
@@ -287,154 +336,19 @@ fn linear_root([a, b]: [f32; 2], u: f32) -> f32 {
     if divisor > 0.0 { ((a + b) * u / divisor).min(1.0) } else { u }
 }
 
-/// Azimuth of a vector as a part of a turn, in [0, 1], with an error below 5e-7 turns.
+/// Azimuths of vectors as parts of a turn, in [0, 1], with an error below 5e-7 turns.
 ///
 /// The arctangent of up to 1 is an odd polynomial, fitted by least squares with weights that make the largest error
-/// smallest.
+/// smallest. There are no branches, which random directions would mispredict.
 #[inline]
-fn turn(x: f32, y: f32) -> f32 {
+fn turns(x: f32x4, y: f32x4) -> f32x4 {
     const COEFFICIENTS: [f32; 6] =
         [-1.865_130_6e-3, 8.379_018e-3, -1.852_979e-2, 3.080_288_5e-2, -5.293_856_4e-2, 0.159_151_32];
-    let (long, short) = if x.abs() > y.abs() { (x.abs(), y.abs()) } else { (y.abs(), x.abs()) };
-    let ratio = short / long.max(f32::MIN_POSITIVE);
+    let (across, along) = (y.abs(), x.abs());
+    let ratio = across.fast_min(along) / across.fast_max(along).fast_max(f32x4::splat(f32::MIN_POSITIVE));
     let square = ratio * ratio;
-    let eighth = ratio * COEFFICIENTS.into_iter().fold(0.0, |sum, c| sum * square + c);
-    let quarter = if x.abs() > y.abs() { eighth } else { 0.25 - eighth };
-    let half = if x < 0.0 { 0.5 - quarter } else { quarter };
-    if y < 0.0 { 1.0 - half } else { half }
-}
-
-/// Computes the squared roughness e of directions.
-///
-/// What a direction w does not see, ∫ D (w·m)⁻ dω_m = σ − w·∫ D m dω_m, is summed over cos θ_m by four Gauss nodes in
-/// each ring, and exactly over φ_m, where D is linear between sectors: the integral of a tent times (a + b cos φ)⁻ is
-/// the second difference of its second antiderivative.
-fn look([rings, sectors]: [usize; 2], nodes: &[f32], seen: &mut [f32]) -> Result<(), FinishError> {
-    let tilt = mean_slope([rings, sectors], nodes);
-    let is_level = tilt.iter().all(|slope| slope.abs() <= MAX_TILT);
-    if !is_level {
-        return Err(FinishError::Tilt);
-    }
-    let step = core::f64::consts::TAU / sectors as f64;
-    for row in 0..VIEWS {
-        let part = row as f64 / VIEWS as f64;
-        let cos_w = part * part;
-        let sin_w = sqrt(1.0 - cos_w * cos_w);
-        let mut unseen = [0.0; MAX_SECTORS];
-        over_rings(rings, |ring, part, cos_m, weight| {
-            let (a, b) = (cos_w * cos_m, sin_w * sqrt(1.0 - cos_m * cos_m));
-            if b <= a {
-                return;
-            }
-            let hidden = Hidden::new(a, b);
-            let density = |j: usize| {
-                let [low, high] = [nodes[ring * sectors + j], nodes[(ring + 1) * sectors + j]].map(f64::from);
-                low + part * (high - low)
-            };
-            if sectors == 1 {
-                unseen[0] += weight * density(0) * hidden.whole();
-                return;
-            }
-            let mut tents = [0.0; MAX_SECTORS];
-            for (d, tent) in tents.iter_mut().take(sectors).enumerate() {
-                let at = step * d as f64 - core::f64::consts::PI;
-                *tent = (hidden.twice(at - step) - 2.0 * hidden.twice(at) + hidden.twice(at + step)) / step;
-            }
-            for j in 0..sectors {
-                // The azimuth from the direction to the normal is (j − of) sectors; `at` above is less by half a turn.
-                let density = weight * density(j);
-                if density > 0.0 {
-                    let (before, after) = tents[..sectors].split_at(j + 1);
-                    let turned = before.iter().rev().chain(after.iter().rev());
-                    unseen.iter_mut().zip(turned).for_each(|(unseen, tent)| *unseen += density * tent);
-                }
-            }
-        });
-        for (j, unseen) in unseen.iter().take(sectors).enumerate() {
-            let phi = step * j as f64;
-            let more = sin_w * (tilt[0] * cos(phi) + tilt[1] * sin(phi)) + unseen;
-            seen[row * sectors + j] = (4.0 * (cos_w + more) * more / (sin_w * sin_w)) as f32;
-        }
-    }
-    for row in VIEWS..VIEW_ROWS {
-        for j in 0..sectors {
-            let [first, second, third] = [3, 2, 1].map(|before| seen[(row - before) * sectors + j]);
-            seen[row * sectors + j] = 3.0 * (third - second) + first;
-        }
-    }
-    Ok(())
-}
-
-/// Calls `of` with the ring, the part of the way to the next, cos θ_m and the weight of each node of a quadrature over
-/// cos θ_m.
-fn over_rings(rings: usize, mut of: impl FnMut(usize, f64, f64, f64)) {
-    /// Gauss nodes in [−1, 1] and their weights.
-    const GAUSS: [[f64; 2]; 4] = [
-        [-0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
-        [-0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
-        [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
-        [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
-    ];
-    for ring in 0..rings {
-        let [low, high] = [ring, ring + 1].map(|ring| FacetTable::sin_square(rings, ring));
-        let [from, to] = [low, high].map(|t| sqrt(1.0 - t));
-        // from − to, without cancellation near the pole.
-        let width = (high - low) / (from + to);
-        for [x, weight] in GAUSS {
-            let cos_m = from - 0.5 * (1.0 + x) * width;
-            let part = 0.5 * (1.0 + x) * (from + cos_m) / (from + to);
-            of(ring, part, cos_m, 0.5 * width * weight);
-        }
-    }
-}
-
-/// Components of ∫ D m dω_m along x and y, for D of which ∫ D cos θ_m dω_m = 1.
-fn mean_slope([rings, sectors]: [usize; 2], nodes: &[f32]) -> [f64; 2] {
-    let mut slope = [0.0; 2];
-    if sectors == 1 {
-        return slope;
-    }
-    let step = core::f64::consts::TAU / sectors as f64;
-    // Integral of a tent times a cosine, over the cosine at the tent's middle.
-    let tent = 2.0 * (1.0 - cos(step)) / step;
-    over_rings(rings, |ring, part, cos_m, weight| {
-        let scale = weight * tent * sqrt(1.0 - cos_m * cos_m);
-        for j in 0..sectors {
-            let [low, high] = [nodes[ring * sectors + j], nodes[(ring + 1) * sectors + j]].map(f64::from);
-            let phi = step * j as f64;
-            let density = scale * (low + part * (high - low));
-            slope[0] += density * cos(phi);
-            slope[1] += density * sin(phi);
-        }
-    });
-    slope
-}
-
-/// The second antiderivative of (b cos ψ − a)⁺ over ψ in [−π, π], for b > a ≥ 0: 0 before its support.
-struct Hidden {
-    a: f64,
-    b: f64,
-    /// End of the support.
-    end: f64,
-    constants: [f64; 2],
-}
-
-impl Hidden {
-    fn new(a: f64, b: f64) -> Self {
-        let end = acos(a / b);
-        let slope = b * sin(end) - a * end;
-        Self { a, b, end, constants: [a + 0.5 * a * end * end + slope * end, slope] }
-    }
-
-    /// Integral over all ψ.
-    fn whole(&self) -> f64 {
-        2.0 * self.constants[1]
-    }
-
-    fn twice(&self, psi: f64) -> f64 {
-        let inside = psi.clamp(-self.end, self.end);
-        let [constant, slope] = self.constants;
-        let at = constant + inside * (slope - 0.5 * self.a * inside) - self.b * cos(inside);
-        at + self.whole() * (psi - self.end).max(0.0)
-    }
+    let eighth = ratio * COEFFICIENTS.into_iter().fold(f32x4::ZERO, |sum, c| sum * square + f32x4::splat(c));
+    let quarter = along.simd_gt(across).select(eighth, f32x4::splat(0.25) - eighth);
+    let half = x.simd_lt(f32x4::ZERO).select(f32x4::HALF - quarter, quarter);
+    y.simd_lt(f32x4::ZERO).select(f32x4::ONE - half, half)
 }

@@ -17,7 +17,7 @@
 //! | 24 | 4 | u32 rows T: mirror and film: angles, at least 2; scatter: rows of incident directions; orders: nodes along β |
 //! | 28 | 4 | u32 columns P of incident directions; mirror: 1; film: thicknesses; orders: nodes along α |
 //! | 32 | 4 | u32 nodes U of half vectors along x; mirror: 1; film: 1 reflectance, 2 transmittance too; orders: number of wavelengths N |
-//! | 36 | 4 | u32 nodes V along y; mirror: 1; film: finish, 0 none, 1 GGX, 2 GGX with separable masking, 3 and 4 Beckmann likewise; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
+//! | 36 | 4 | u32 nodes V along y; mirror: 1; film: u8 finish, 0 none, 1 GGX, 2 GGX with separable masking, 3 and 4 Beckmann, 5 and 6 tabulated facets likewise; tabulated facets: u8 sectors S and u16 rings K, else 0; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
 //! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: u32 number of lobes L, u16 knots K_u and K_v of the warp; orders: two binary32, the periods along x and y in nm |
 //! | 48 | 8 | u64 size of the whole blob |
 //! | 56 | 4 | u32 colour space of the first three channels, or of the RGB weights of orders: 0 unknown, 1 linear sRGB, 2 linear Rec. 2020, 3 ACEScg, 4 the paper's matrix ([`RgbSpace`]) |
@@ -26,11 +26,24 @@
 //! | | 0 to 3 | zeros, up to a multiple of 4 |
 //! | | 4·(2·(K_u + K_v) + 10·L + T·P·(1 + V + U·V)) | scatter only: binary32: normalised density and integral at each knot over u, then over v; index and matrix of each lobe, by columns ([`FacetLobe`]); for each incident direction: what it reflects without lobes, the mean of \|s\| over channels summed over the square, over cos θ_i; V cumulative probabilities of the rows of nodes; in each row, U cumulative probabilities of its nodes |
 //! | | 4·(2·C + 5·N) | orders only: binary32: m and n of each order; N vacuum wavelengths in nm; N refractive indices of the medium above; three RGB weights of each wavelength |
-//! | | 4·P, or 4·(P + 2) with a finish | film only: binary32: thicknesses in nm; roughness α along x and along y |
+//! | | 4·P, 4·(P + 2) with a finish, or 4·(P + F) with tabulated facets | film only: binary32: thicknesses in nm; roughness α along x and along y, or the facets |
 //!
 //! Angle t of a mirror or film is t/(T − 1) of the largest. Thicknesses of films increase, from 0 to 10⁹ nm; where none
 //! varies there is one, of any size. Roughnesses are from 0.001 to 1. Values are finite and their magnitudes at most
 //! 10³⁰, so that interpolated values are finite too.
+//!
+//! Tabulated facets ([`FacetTable`](crate::microfacet::FacetTable)) have 1 to 1024 rings, and 1 or 4 to 128 sectors.
+//! Their F numbers are, with S' = 1 and S" = 1 for one sector, else S' = S + 1 and S" = S + 3:
+//!
+//! | numbers | hold |
+//! |---|---|
+//! | (K + 1)·S' | D at sin²θ_m = (k/K)⁴ and φ_m = 2π j/S, `[ring][sector]`, each ring's first number repeated at its end |
+//! | 257·S" | squared roughness e that directions of cos θ = (i/256)² see, `[i][sector]`, from the last sector on, with the first two repeated at the end; the visible area is (cos θ + √(cos²θ + e sin²θ))/2 |
+//! | K + 1 | probability of normals within each ring |
+//! | (K + 1)·S | mean of D in each sector, between this azimuth and the next, summed up to it |
+//!
+//! D is linear in sin²θ_m and φ_m, e is linear in √cos θ and cubic (Catmull & Rom) in φ. Magnitudes are at most 10¹⁸, D
+//! is not negative.
 //!
 //! Incident directions and nodes are those of [`ScatterLayout`], columns running fastest; the warp is
 //! [`HalfVectorWarp`]'s. Scatter sides are at most 1024, T and U at least 2; knots are from 2 to 1025. The first number
@@ -48,7 +61,7 @@
 //! kinds 3, 4 or 5 refuses them for their kind.
 
 use super::blob_error::VERSION;
-use super::error::TableError;
+use super::blob_finish::FinishField;
 use super::film::FilmTable;
 use super::layout::ScatterLayout;
 use super::lobe::FacetLobe;
@@ -57,10 +70,9 @@ use super::order_layout::{OrderLayout, Periodicity};
 use super::orders::OrderTable;
 use super::sampler::ScatterSampler;
 use super::scatter::ScatterTable;
-use super::values::{Values, half_is_finite, to_half};
 use super::warp::HalfVectorWarp;
 use crate::colour::RgbSpace;
-use crate::microfacet::{Distribution, Finish, Masking};
+use crate::values::{Values, half_is_finite, to_half};
 use crc32fast::Hasher;
 
 pub use super::blob_error::BlobError;
@@ -81,13 +93,6 @@ const ORDERS: u32 = 3;
 const SCATTER: u32 = 4;
 /// Number of a film table's kind.
 const FILM: u32 = 5;
-/// Finishes in the order of their numbers, from 1; 0 is a smooth surface.
-const FINISHES: [(Distribution, Masking); 4] = [
-    (Distribution::Ggx, Masking::Correlated),
-    (Distribution::Ggx, Masking::Separable),
-    (Distribution::Beckmann, Masking::Correlated),
-    (Distribution::Beckmann, Masking::Separable),
-];
 /// Periodicities in the order of their numbers, from 1.
 const PERIODICITIES: [Periodicity; 3] = [Periodicity::X, Periodicity::Y, Periodicity::Both];
 
@@ -181,7 +186,7 @@ impl Dimensions {
         let values = self.count()?.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
         let numbers = match self.kind {
             MIRROR => 0,
-            FILM => columns + if fourth == 0 { 0 } else { 2 },
+            FILM => columns + FinishField::of(self.sides[3])?.numbers() as u64,
             // Sums of products of 32 bits.
             ORDERS => 2 * u64::from(self.channels) + 5 * third,
             _ => {
@@ -285,7 +290,11 @@ impl<'a> Blob<'a> {
             Contents::Film(table) => {
                 let finish = table.finish();
                 alpha = finish.and_then(|finish| finish.alpha()).unwrap_or(alpha);
-                let of_finish = Values::Numbers(&alpha).part(0, if finish.is_some() { 2 } else { 0 });
+                let of_finish = match finish.map(|finish| finish.facets()) {
+                    None => nothing,
+                    Some(None) => Values::Numbers(&alpha),
+                    Some(Some(facets)) => facets.values(),
+                };
                 (table.values(), [table.thickness_values(), of_finish, nothing, nothing])
             }
             Contents::Scatter(table, sampler) => {
@@ -335,8 +344,8 @@ impl<'a> Blob<'a> {
             Contents::Film(table) => {
                 let quantities = if table.is_transparent() { 2 } else { 1 };
                 let [angles, thicknesses] = [table.angles(), table.thicknesses()].map(|n| u32::try_from(n).ok());
-                let finish = finish_number(table.finish())?;
-                (FILM, table.channels(), [angles?, thicknesses?, quantities, finish], table.theta_max().to_bits())
+                let sides = [angles?, thicknesses?, quantities, FinishField::field(table.finish())];
+                (FILM, table.channels(), sides, table.theta_max().to_bits())
             }
             Contents::Scatter(table, _) => {
                 let layout = table.layout();
@@ -364,22 +373,6 @@ fn period_bits([x, y]: [f32; 2]) -> u64 {
     u64::from(y.to_bits()) << 32 | u64::from(x.to_bits())
 }
 
-/// Number of a finish in a blob's header; `None` for tabulated facets, which a blob does not hold.
-fn finish_number(finish: Option<Finish<'_>>) -> Option<u32> {
-    let Some(finish) = finish else { return Some(0) };
-    let kind = (finish.distribution()?, finish.masking());
-    FINISHES.iter().zip(1..).find(|(known, _)| **known == kind).map(|(_, number)| number)
-}
-
-/// Finish of a number in a blob's header, with its two roughnesses.
-fn finish_of(number: u32, alpha: Values<'_>) -> Result<Option<Finish<'static>>, TableError> {
-    let Some((&(distribution, masking), _)) = FINISHES.iter().zip(1..).find(|(_, known)| *known == number) else {
-        return Ok(None);
-    };
-    let finish = Finish::new(distribution, masking, [alpha.at(0), alpha.at(1)]);
-    finish.map(Some).map_err(|_| TableError::Finish)
-}
-
 /// Checks the table that a header describes, in the bytes after the header.
 fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, BlobError> {
     let field = |offset| Err(BlobError::Field { offset });
@@ -399,9 +392,11 @@ fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, Blob
     if dimensions.kind == FILM && !(1..=2).contains(&third) {
         return field(32);
     }
-    if dimensions.kind == FILM && fourth as usize > FINISHES.len() {
-        return field(36);
-    }
+    let finish = match (dimensions.kind, FinishField::of(fourth)) {
+        (FILM, None) => return field(36),
+        (FILM, Some(finish)) => finish,
+        _ => FinishField::Smooth,
+    };
     let [value_bytes, number_bytes] = dimensions.sections().ok_or(BlobError::Dimensions)?;
     if value_bytes.checked_add(number_bytes) != Some(payload.len() as u64) {
         return Err(BlobError::Dimensions);
@@ -418,7 +413,7 @@ fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, Blob
             let of_one = if third == 1 { values.len() } else { values.len() / 2 };
             let quantities = [values.part(0, of_one), values.part(of_one, values.len() - of_one)];
             let columns = columns as usize;
-            let finish = finish_of(fourth, numbers.part(columns, 2))?;
+            let finish = finish.finish(numbers.part(columns, finish.numbers()))?;
             let thickness_nm = numbers.part(0, columns);
             let table = FilmTable::of(quantities, thickness_nm, channels, f64::from_bits(extent), finish)?;
             Ok(Contents::Film(table))

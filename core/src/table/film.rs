@@ -4,8 +4,8 @@ use super::angle_axis::AngleAxis;
 use super::angles::angle_of_cosine;
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::mirror::MirrorTable;
-use super::values::Values;
 use crate::microfacet::Finish;
+use crate::values::Values;
 use glam::Vec3;
 
 /// Largest thickness of a table in nm.

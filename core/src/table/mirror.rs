@@ -2,7 +2,7 @@
 
 use super::angle_axis::AngleAxis;
 use super::error::{MAX_MAGNITUDE, TableError};
-use super::values::Values;
+use crate::values::Values;
 
 /// Reflectance ρ(θ) of a mirror-like surface. Rows are uniform in θ from 0 to `theta_max`, ends included; values are
 /// linear between rows.

@@ -13,7 +13,6 @@
 //! - [`blob`]: all kinds as bytes, to load without copying.
 
 mod error;
-mod values;
 mod angles;
 mod layout;
 mod angle_axis;
@@ -28,6 +27,7 @@ mod sampler;
 mod order_layout;
 mod orders;
 mod blob_error;
+mod blob_finish;
 pub mod blob;
 
 pub use angles::MIN_COS;

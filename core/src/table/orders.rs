@@ -3,8 +3,8 @@
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::layout::GridNode;
 use super::order_layout::{OrderLayout, Periodicity};
-use super::values::Values;
 use crate::simd::lanes::sqrtf;
+use crate::values::Values;
 use glam::Vec3;
 
 /// Efficiency over strength of an order: 4 cos θ_i cos θ_o/(cos θ_i + cos θ_o)², for the cosines of the light and of

@@ -4,9 +4,9 @@ use super::error::{MAX_MAGNITUDE, TableError};
 use super::layout::{GridNode, ScatterLayout};
 use super::scatter::{ScatterTable, divisor};
 use super::tents::tent_solid_angles;
-use super::values::Values;
 use super::warp::HalfVectorWarp;
 use crate::simd::lanes::sqrtf;
+use crate::values::Values;
 use glam::Vec3;
 
 /// Importance sampler of a [`ScatterTable`], without its lobes.

@@ -5,8 +5,8 @@ use super::error::{MAX_MAGNITUDE, TableError};
 use super::layout::ScatterLayout;
 use super::lobe::FacetLobe;
 use super::tents::tent_solid_angles;
-use super::values::Values;
 use super::warp::HalfVectorWarp;
+use crate::values::Values;
 use glam::Vec3;
 
 /// BRDF on a grid of directions, for each channel.

@@ -2,8 +2,8 @@
 
 use super::angles::{azimuth, level, polar};
 use super::error::TableError;
-use super::values::Values;
 use crate::simd::lanes::sqrtf;
+use crate::values::Values;
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 

@@ -58,6 +58,9 @@ pub struct ExportArgs {
     /// lut and order-lut: also write the shader function that samples it (.glsl, .hlsl or .wgsl)
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
+    /// lut of a finish of tabulated facets: also write their texture, for the functions of --shader (.exr)
+    #[arg(long, value_name = "FILE")]
+    pub facets: Option<PathBuf>,
     /// Print no notes on standard error
     #[arg(long, short)]
     pub quiet: bool,

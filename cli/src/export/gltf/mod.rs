@@ -46,8 +46,10 @@ pub struct Fitted {
     pub name: String,
     /// The film of the scene.
     pub film: SingleFilm,
-    /// The finish of the scene.
+    /// The finish of the material.
     pub finish: Option<Finish<'static>>,
+    /// Whether it stands for tabulated facets.
+    pub tabulated: bool,
     /// The fitted parameters.
     pub parameters: Parameters,
     /// ΔE2000 of the fitted parameters.
@@ -73,12 +75,13 @@ impl Fitted {
                 "{name}: the film is too thick to interfere; leave iridescence out"
             )));
         }
-        let finish = scene.finish.as_ref().map(OwnedFinish::analytic).transpose()?;
+        let finish = scene.finish.as_ref().map(roughness::equivalent);
+        let tabulated = matches!(scene.finish, Some(OwnedFinish::Tabulated(..)));
         let exact = exact_rgb(&planar, &angles())?;
         let colours: Vec<Lab> = exact.iter().map(|rgb| lab(*rgb)).collect();
         let (parameters, residual) = fit(&film, &colours);
         let unfitted = Summary::of(&Parameters::of(&film).differences(&colours));
-        Ok(Self { name: scene.name.clone(), film, finish, parameters, residual, unfitted, exact })
+        Ok(Self { name: scene.name.clone(), film, finish, tabulated, parameters, residual, unfitted, exact })
     }
 
     /// The text of a glTF 2.0 file: a sphere that wears the material.
@@ -142,12 +145,16 @@ impl Fitted {
         json!({
             "film": { "ior_550nm": self.film.ior, "thickness_nm": self.film.thickness_nm },
             "transmission": transmission::words(self.film.behind, self.parameters.base),
-            "finish": self.finish.map(roughness::words),
+            "finish": self.finish_words(),
             "compared": format!("0 to {MAX_DEG} degrees by 1, linear sRGB, D65; L* = 100 is a perfect mirror"),
             "delta_e_2000": summary(self.residual),
             "delta_e_2000_of_the_films_own_values": summary(self.unfitted),
             "colours": colours,
         })
+    }
+
+    fn finish_words(&self) -> Option<String> {
+        self.finish.map(|finish| roughness::words(finish, self.tabulated))
     }
 
     /// The rows of both reports: θ in degrees, exact linear sRGB, that of glTF, and ΔE2000.
@@ -177,7 +184,7 @@ impl Fitted {
                  (p95 {own:.2} with the film's own values)"
             ),
         ];
-        lines.extend(self.finish.map(roughness::words));
+        lines.extend(self.finish_words());
         let rgb = |[r, g, b]: [f64; 3]| format!("{r:7.4} {g:7.4} {b:7.4}");
         lines.extend(self.shown().map(|(theta, exact, gltf, delta)| {
             format!("{theta:3}°  exact {}  glTF {}  ΔE2000 {delta:5.2}", rgb(exact), rgb(gltf))

@@ -2,8 +2,6 @@
 
 use goniochrome::microfacet::{FacetTable, Finish, FinishError, Masking};
 
-use crate::support::error::Error;
-
 /// A finish with the memory of its facets.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OwnedFinish {
@@ -20,19 +18,6 @@ impl OwnedFinish {
         match self {
             Self::Analytic(finish) => *finish,
             Self::Tabulated(facets, masking) => Finish::tabulated(facets.table(), *masking),
-        }
-    }
-
-    /// The finish, for a format that holds two distributions.
-    ///
-    /// # Errors
-    /// Tabulated facets.
-    pub fn analytic(&self) -> Result<Finish<'static>, Error> {
-        match self {
-            Self::Analytic(finish) => Ok(*finish),
-            Self::Tabulated(..) => Err(Error::usage(
-                "a finish of tabulated facets: this format holds GGX or Beckmann facets; give them, as --roughness 0.2",
-            )),
         }
     }
 }
@@ -59,6 +44,12 @@ impl OwnedFacets {
         let mut memory = vec![0.0; FacetTable::required_len(size)];
         FacetTable::new(size, density, &mut memory)?;
         Ok(Self { size, memory })
+    }
+
+    /// All numbers of the table, as a blob holds them.
+    #[must_use]
+    pub fn numbers(&self) -> &[f32] {
+        &self.memory
     }
 
     /// The table.

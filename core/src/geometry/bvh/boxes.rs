@@ -14,12 +14,12 @@ const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 /// Terms, in unit roundoffs: the nearest approach is rounded by 1, the direction's components and their inverses by 2,
 /// the products of the bound and of the approach by 1 each, and their difference by 1. Both sides together make 10,
 /// held by 16.
-const BOX_SLACK: f64 = 16.0 * ROUNDOFF;
+pub(super) const BOX_SLACK: f64 = 16.0 * ROUNDOFF;
 /// Widening of a ray's parameter against single precision, where the ray has crossed the mesh at the latest.
 const PARAMETER_SLACK: f64 = 64.0 * ROUNDOFF;
 /// Widening against double precision, which carries the origin to the nearest approach; in units of the distance
 /// between the two.
-const ORIGIN_SLACK: f64 = 8.0 * f64::EPSILON;
+pub(super) const ORIGIN_SLACK: f64 = 8.0 * f64::EPSILON;
 /// Minimum component of a direction whose largest is 1; smaller ones are raised to it. Within the mesh this moves the
 /// ray by less than the slack.
 const MIN_COMPONENT: f64 = 1e-20;

@@ -36,11 +36,11 @@ impl<'a> Leaf<'a> {
         Some(Self { window, count: leaf.count() })
     }
 
-    /// A term of the triangles from `first` on; lanes beyond the last triangle hold anything.
+    /// The numbers from a place of the leaf on: a term of some triangles; lanes beyond the last triangle hold anything.
     #[inline]
-    fn row(&self, term: usize, first: usize) -> F64 {
-        let row = self.window.get(term * self.count + first..).and_then(<[f64]>::first_chunk);
-        row.map_or(F64::ZERO, |row| F64::new(*row))
+    fn row(&self, place: usize) -> F64 {
+        let place = place.min(WINDOW - TESTED);
+        F64::new(core::array::from_fn(|i| self.window[place + i]))
     }
 
     /// The index of the leaf's triangle `i`.
@@ -116,7 +116,8 @@ impl Shear {
     /// The sheared corner of the triangles from `first` on. Triangles that share a vertex get equal coordinates for it.
     #[inline]
     fn shear(&self, leaf: Leaf<'_>, corner: usize, first: usize) -> Sheared {
-        let along = |i: usize| leaf.row(3 * corner + self.axes[i], first) - F64::splat(self.origin[i]);
+        let corner = 3 * corner * leaf.count + first;
+        let along = |i: usize| leaf.row(corner + self.axes[i] * leaf.count) - F64::splat(self.origin[i]);
         let (x, y, z) = (along(0), along(1), along(2));
         Sheared { x: x - F64::splat(self.x) * z, y: y - F64::splat(self.y) * z, z }
     }

@@ -17,6 +17,7 @@ mod leaf;
 mod tree;
 mod build;
 mod traverse;
+mod beam;
 mod batch;
 #[cfg(test)]
 mod tests;

@@ -19,7 +19,8 @@ impl Ray {
     /// True if the ray can hit anything.
     #[inline]
     pub(super) fn has_direction(&self) -> bool {
-        self.origin.is_finite() && self.direction.is_finite() && self.direction != DVec3::ZERO
+        // 0 times a number that is not finite is NaN.
+        (0.0 * self.origin + 0.0 * self.direction).element_sum() == 0.0 && self.direction != DVec3::ZERO
     }
 }
 

@@ -57,3 +57,44 @@ fn lists_of_unequal_length_share_their_beginning() {
     bvh.intersect_batch(&[down; 40], &mut hits, |i, _| i < 1);
     assert_eq!(hits, [hit, None]);
 }
+
+#[test]
+fn coherent_rays_hit_what_each_hits_alone() {
+    const SIDE: usize = 96;
+    for mesh in [soup(300), slab(8), sheet(12), sheet(120).moved(1e3, DVec3::splat(-5e2))] {
+        let mut memory = mesh.memory();
+        let bvh = mesh.bvh(&mut memory);
+        let low = mesh.0.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = mesh.0.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
+        let (mut hit_count, mut ray_count) = (0, 0);
+        // From outside, from within, from far away, along an axis; narrow, wide, and parallel; beside the mesh too.
+        for (from, spread) in [
+            (DVec3::new(0.4, 1.1, 2.9), 0.8),
+            (DVec3::new(0.01, 0.02, 0.03), 0.9),
+            (DVec3::new(3e6, 1e6, 2e6), 1.5),
+            (DVec3::new(0.0, 0.0, 2.0), 1.0),
+            (DVec3::new(0.0, 3.0, 0.0), 0.01),
+        ] {
+            let (x, y) = from.any_orthonormal_pair();
+            for parallel in [false, true] {
+                let rays: Vec<Ray> = (0..SIDE * SIDE)
+                    .map(|i| {
+                        let [u, v] = [i % SIDE, i / SIDE].map(|k| 2.0 * k as f64 / SIDE as f64 - 1.0);
+                        let aside = spread * radius * (u * x + v * y);
+                        let target = if parallel { DVec3::ZERO } else { aside };
+                        let origin = centre + radius * from + (aside - target);
+                        ray(origin, centre + aside - origin)
+                    })
+                    .collect();
+                let alone: Vec<_> = rays.iter().map(|ray| bvh.intersect_nearest(ray, |_| true)).collect();
+                hit_count += alone.iter().flatten().count();
+                ray_count += rays.len();
+                let mut hits = vec![None; rays.len()];
+                bvh.intersect_batch(&rays, &mut hits, |_, _| true);
+                assert_eq!(hits, alone, "{from} {spread} {parallel}");
+            }
+        }
+        assert!((ray_count / 16..ray_count * 15 / 16).contains(&hit_count), "{hit_count} of {ray_count}");
+    }
+}

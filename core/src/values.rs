@@ -2,7 +2,7 @@
 
 /// Values of a table, read by index. An index beyond the end reads 0, so look-ups cannot fail.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Values<'a> {
+pub(crate) enum Values<'a> {
     /// Single-precision numbers.
     Numbers(&'a [f32]),
     /// Bytes of IEEE 754 binary32, little endian.
@@ -31,22 +31,33 @@ impl<'a> Values<'a> {
         number.unwrap_or(0.0)
     }
 
+    /// The `N` values from each of some indices; 0 where one lies beyond the end.
+    #[inline]
+    pub fn arrays<const N: usize, const M: usize>(self, from: [usize; M]) -> [[f32; N]; M] {
+        fn chunk<T, const N: usize>(all: &[T], from: usize) -> Option<&[T; N]> {
+            all.get(from..)?.first_chunk()
+        }
+        let none = [0.0; N];
+        match self {
+            Self::Numbers(numbers) => from.map(|from| chunk(numbers, from).copied().unwrap_or(none)),
+            Self::Single(bytes) => {
+                from.map(|from| chunk(bytes, from).map_or(none, |bytes| bytes.map(f32::from_le_bytes)))
+            }
+            Self::Half(bytes) => {
+                let number = |bytes| from_half(u16::from_le_bytes(bytes));
+                from.map(|from| chunk(bytes, from).map_or(none, |bytes| bytes.map(number)))
+            }
+        }
+    }
+
     /// The first three of `count` values from an index, the last repeated if there are fewer.
     #[inline]
     pub fn three(self, from: usize, count: usize) -> [f32; 3] {
-        fn chunk<T: Copy>(all: &[T], from: usize) -> Option<&[T; 3]> {
-            all.get(from..)?.first_chunk()
-        }
         if count < 3 {
             return [0, 1, 1].map(|place: usize| self.at(from + place.min(count.saturating_sub(1))));
         }
-        // One check of the bounds for all three.
-        let three = match self {
-            Self::Numbers(numbers) => chunk(numbers, from).copied(),
-            Self::Single(bytes) => chunk(bytes, from).map(|bytes| bytes.map(f32::from_le_bytes)),
-            Self::Half(bytes) => chunk(bytes, from).map(|bytes| bytes.map(|x| from_half(u16::from_le_bytes(x)))),
-        };
-        three.unwrap_or([0.0; 3])
+        let [three] = self.arrays([from]);
+        three
     }
 
     /// The `count` values from an index; empty if there are fewer.
@@ -84,12 +95,12 @@ fn from_half(bits: u16) -> f32 {
 }
 
 /// Whether half-precision bits are neither infinite nor NaN.
-pub(super) fn half_is_finite(bits: u16) -> bool {
+pub(crate) fn half_is_finite(bits: u16) -> bool {
     bits & HALF_EXPONENT != HALF_EXPONENT
 }
 
 /// Rounds to the nearest half-precision number, ties to even; `None` if that is infinite, or for NaN.
-pub(super) fn to_half(x: f32) -> Option<u16> {
+pub(crate) fn to_half(x: f32) -> Option<u16> {
     const MIN_NORMAL: f32 = 1.0 / 16384.0;
     /// Inverse of the step between subnormal numbers, 2^−24.
     const STEPS: f32 = 16_777_216.0;

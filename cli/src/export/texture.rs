@@ -1,10 +1,10 @@
-//! OpenEXR images of half floats, as textures for shaders.
+//! OpenEXR images as textures for shaders.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
-use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, WritableImage, f16};
+use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, WritableImage};
 
 use crate::support::error::{Error, Result};
 use crate::table::file::sort_attributes;
@@ -15,11 +15,11 @@ use crate::table::file::sort_attributes;
 /// What the OpenEXR encoder refuses.
 pub(super) fn encode(
     size: (usize, usize),
-    channels: impl IntoIterator<Item = (&'static str, Vec<f16>)>,
+    channels: impl IntoIterator<Item = (&'static str, FlatSamples)>,
     chromaticities: Option<Chromaticities>,
     about: BTreeMap<String, String>,
 ) -> Result<Vec<u8>> {
-    let channels = channels.into_iter().map(|(name, values)| AnyChannel::new(name, FlatSamples::F16(values)));
+    let channels = channels.into_iter().map(|(name, values)| AnyChannel::new(name, values));
     let channels = AnyChannels::sort(channels.collect());
     let mut image = Image::from_encoded_channels(size, Encoding::UNCOMPRESSED, channels);
     image.attributes.chromaticities = chromaticities;
