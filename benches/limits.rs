@@ -10,6 +10,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome_benches::clock::processor_time;
 use goniochrome_benches::counted::{Counted, Counts, OPERATIONS, Operation, count};
 use goniochrome_benches::stages::{Stage, Work, cell, coherence, interface, phase, planar, stack};
@@ -114,7 +115,7 @@ fn report<V: Lanes>(lanes: &str, stage: Stage, counting: Stage, costs: &[[f64; 2
     });
 }
 
-fn all<V: Lanes, C: Lanes>(lanes: &str) {
+fn all<V: RayLanes, C: RayLanes>(lanes: &str) {
     let costs = costs::<V>();
     for (operation, [working, double]) in OPERATIONS.iter().zip(&costs) {
         println!("{lanes}: {operation:?} {:.2} ns a vector, in double precision {:.2}", working * 1e9, double * 1e9);

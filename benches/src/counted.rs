@@ -153,7 +153,7 @@ impl<const PRECISE: bool> Lanes for Counted<PRECISE> {
     }
 }
 
-impl RayLanes for Counted<false> {
+impl<const PRECISE: bool> RayLanes for Counted<PRECISE> {
     type Wavevector = Counted<true>;
     type Direction = Self;
 

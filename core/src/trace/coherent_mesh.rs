@@ -180,9 +180,9 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
 
     /// Takes back what was lost and absorbed since `before` in lanes in which `kept` is 0.
     pub fn keep_lanes(&mut self, kept: V, before: &Self) {
-        let keep = |now: V, before: V| V::zero().select_lt(kept, now, before);
-        self.lost = keep(self.lost, before.lost);
-        self.absorbed = self.absorbed.zip(before.absorbed, keep);
+        let zero = V::zero();
+        self.lost = zero.select_lt(kept, self.lost, before.lost);
+        self.absorbed = self.absorbed.zip(before.absorbed, |now, before| zero.select_lt(kept, now, before));
     }
 
     /// Phase factor exp(i k₀ q·Δx) of a step.

@@ -156,9 +156,9 @@ impl<'a, V: RayLanes> IncoherentMesh<'a, V> {
 
     /// Takes back what was lost and absorbed since `before` in lanes in which `kept` is 0.
     pub fn keep_lanes(&mut self, kept: V, before: &Self) {
-        let keep = |now: V, before: V| V::zero().select_lt(kept, now, before);
-        self.lost = keep(self.lost, before.lost);
-        self.absorbed = keep(self.absorbed, before.absorbed);
+        let zero = V::zero();
+        self.lost = zero.select_lt(kept, self.lost, before.lost);
+        self.absorbed = zero.select_lt(kept, self.absorbed, before.absorbed);
     }
 
     /// Fresnel coefficients of a facet with films.
