@@ -4,7 +4,7 @@ use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::ComplexLanes;
-use goniochrome::simd::lanes::{F32, F64, Lanes};
+use goniochrome::simd::lanes::{F32, F64};
 use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::simd::registers::Registers;
 use goniochrome::trace::coherent_mesh::{self, CoherentMesh, IncidentWave};

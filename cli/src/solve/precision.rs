@@ -40,8 +40,8 @@ macro_rules! in_lanes {
 }
 pub(crate) use in_lanes;
 
-/// Like `in_lanes!`, with lanes for the rays of a mesh: where none of its media disperses at these wavelengths, one path
-/// serves up to 48 of them.
+/// Like `in_lanes!`, with lanes for the rays of a mesh: where none of its media disperses at these wavelengths, one
+/// path serves up to 48 of them.
 macro_rules! in_ray_lanes {
     ($precision:expr, $mesh_scene:expr, $wavelength_nm:expr, $lanes:ident => $run:expr) => {
         $crate::solve::precision::in_lanes!($precision, Register => {

@@ -56,8 +56,8 @@ impl OrderedKeys {
     }
 }
 
-/// √x, correctly rounded. `libm` has an instruction for it that takes hundreds of cycles beside wide registers, since it
-/// keeps their upper halves.
+/// √x, correctly rounded. `libm` has an instruction for it that takes hundreds of cycles beside wide registers, since
+/// it keeps their upper halves.
 #[inline]
 pub(crate) fn sqrt(x: f64) -> f64 {
     let [root, _] = wide::f64x2::splat(x).sqrt().to_array();
