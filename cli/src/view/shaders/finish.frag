@@ -3,8 +3,8 @@
 //
 // A picture looks at some of the GGX facets that the viewer sees, drawn by spherical caps (Dupuy and Benyoub, 2023).
 // Each mirrors ρ(θ_d) of light that is blurred over the solid angle for which the look stands. Facets of Beckmann's
-// distribution are weighted by the ratio of the densities. Tabulated facets are drawn by D cos θ_m, and turned by half a
-// turn where the viewer does not see them. In even light the looks have exactly the albedo.
+// distribution are weighted by the ratio of the densities. Tabulated facets are drawn by D cos θ_m, and turned by half
+// a turn where the viewer does not see them. In even light the looks have exactly the albedo.
 //
 // A sheet lets light straight through, by the mean of τ over the facets that the viewer sees.
 uniform sampler2D table; // ρ in equal steps of cos θ_d
