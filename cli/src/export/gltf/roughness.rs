@@ -4,8 +4,8 @@
 //! has α_b = roughness² along one axis and α_t = α_b + (1 − α_b) strength² along the other, which the rotation turns
 //! from the tangent.
 //!
-//! Tabulated facets become GGX facets of the same median slope along each axis: half of GGX's normals have a slope along
-//! an axis below α/√3. A mean square would not do, as that of GGX is infinite.
+//! Tabulated facets become GGX facets of the same median slope along each axis: half of GGX's normals have a slope
+//! along an axis below α/√3. A mean square would not do, as that of GGX is infinite.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
