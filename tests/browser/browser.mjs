@@ -1,5 +1,6 @@
-// Helpers: a browser with software GL, its pages, and the comparison of pictures.
+// Helpers: a browser with software GL, its pages, the comparison of pictures, and tests that several tables share.
 
+import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
@@ -21,6 +22,9 @@ export const run = (...words) => execFileSync(process.env.GONIOCHROME, words, { 
 export const launch = (gl = SOFTWARE_GL) =>
   chromium.launch({ executablePath: "/usr/bin/chromium", args: [...ARGUMENTS, ...gl] });
 
+/** A window that leaves the processor to what a test draws itself. */
+export const SMALL = { viewport: { width: 400, height: 300 } };
+
 /** Opens a page. Returns it with a list of complaints: messages of the console, and requests to the network. */
 export async function visit(browser, name, options = {}) {
   const context = await browser.newContext({ viewport: { width: 900, height: 640 }, ...options });
@@ -37,11 +41,15 @@ export async function visit(browser, name, options = {}) {
   return { page, complaints };
 }
 
-/** Sets the state and the camera, and returns the picture as a PNG in a data URL. */
+/**
+ * Sets the state and the camera, and returns the picture as a PNG in a data URL. From then on the page draws no more
+ * than one picture of its own after each change, which leaves the processor to the tests.
+ */
 export const picture = (page, wanted, side, count) =>
   page.evaluate(({ wanted, side, count }) => {
     const { state, camera, renderer } = window.goniochrome;
     const { azimuth, elevation, ...rest } = wanted;
+    renderer.enough = 1;
     Object.assign(camera, { azimuth: azimuth ?? camera.azimuth, elevation: elevation ?? camera.elevation });
     Object.assign(state, rest);
     return renderer.picture(state, camera, side, side, count);
@@ -49,10 +57,13 @@ export const picture = (page, wanted, side, count) =>
 
 export const fileUrl = (name) => `data:image/png;base64,${readFileSync(at(name)).toString("base64")}`;
 
+/** An empty page of each browser, in which pictures are measured. */
+const empty = new WeakMap();
+
 /** Runs `measure` in the browser on the pixels of pictures of one size, and returns its result. */
 async function measured(browser, measure, urls) {
-  const page = await browser.newPage();
-  const result = await page.evaluate(async ({ measure, urls }) => {
+  if (!empty.has(browser)) empty.set(browser, await browser.newPage());
+  return empty.get(browser).evaluate(async ({ measure, urls }) => {
     const pictures = await Promise.all(urls.map(async (url) => {
       const image = new Image();
       image.src = url;
@@ -67,8 +78,6 @@ async function measured(browser, measure, urls) {
     }
     return new Function(`return ${measure}`)()(...pictures);
   }, { measure: measure.toString(), urls });
-  await page.close();
-  return result;
 }
 
 /** The mean and largest difference of 8-bit values of two pictures, where the picture `mask` is opaque. */
@@ -99,6 +108,40 @@ export const grain = (browser, a, mask) => measured(browser, ({ data, width }, o
   }
   return sum / count;
 }, [a, mask]);
+
+/** Largest grain in steps of 8 bits: rounding to whole steps alone makes 0.3. */
+const GRAIN = 0.5;
+/** Largest difference of light from everywhere from the albedo: a step of rounding, and one of the texture's floats. */
+const EVEN = 2;
+
+/**
+ * Checks that the first picture of a rough body has no grain and is near the sum of many, by a largest mean difference
+ * of 8-bit values; and that in light from everywhere, what its samples see adds up to the albedo.
+ */
+export async function checkSamples(browser, table, largestMean) {
+  const { page, complaints } = await visit(browser, `${table}.html`, SMALL);
+  const side = 96;
+  const body = await picture(page, { shape: "sphere", light: "studio", surroundings: false }, side, 1);
+  const first = await picture(page, { surroundings: true }, side, 1);
+  const last = await picture(page, {}, side, 16);
+  const { mean } = await difference(browser, first, last, body);
+  const [before, after] = [await grain(browser, first, body), await grain(browser, last, body)];
+  console.log(`${table}: mean ${mean.toFixed(2)}; grain ${before.toFixed(2)}, then ${after.toFixed(2)}`);
+  assert.ok(mean <= largestMean, `${mean}`);
+  assert.ok(before <= after + GRAIN, `${before} ${after}`);
+
+  const albedo = await picture(page, { light: "white", surroundings: false }, side, 4);
+  // An image of 1 everywhere is white light too, but samples look into it.
+  await page.evaluate(() => {
+    window.goniochrome.renderer.setImage({ width: 8, height: 4, rgb: new Float32Array(3 * 32).fill(1) });
+  });
+  const seen = await picture(page, { light: "image" }, side, 4);
+  const even = await difference(browser, albedo, seen, body);
+  console.log(`${table} in even light: mean ${even.mean.toFixed(3)}, largest ${even.largest}`);
+  assert.ok(even.largest <= EVEN, `${even.largest}`);
+  assert.deepEqual(complaints, []);
+  await page.context().close();
+}
 
 /** A Radiance HDR file of a coloured sky with a lamp, 64 × 32 pixels, without run-length coding. */
 export function skyHdr() {

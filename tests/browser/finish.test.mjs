@@ -3,52 +3,22 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { difference, grain, launch, picture, visit } from "./browser.mjs";
+import { SMALL, checkSamples, launch, picture, visit } from "./browser.mjs";
 
-const TABLES = ["satin", "brushed", "gold"];
+const TABLES = ["satin", "brushed", "gold", "facets"];
 /** Largest mean difference of 8-bit values of the first picture, whose light is blurred most, from the sum of many. */
 const FIRST = 4;
-/** Largest grain in steps of 8 bits: rounding to whole steps alone makes 0.3. */
-const GRAIN = 0.5;
-/** Largest difference of light from everywhere from the albedo: a step of rounding, and one of single precision. */
-const EVEN = 2;
 
 let browser;
 before(async () => { browser = await launch(); });
 after(() => browser.close());
 
 for (const table of TABLES) {
-  test(`the first picture of ${table} is near the last, and has no grain`, async () => {
-    const { page } = await visit(browser, `${table}.html`);
-    const body = await picture(page, { shape: "sphere", light: "studio", surroundings: false }, 192, 1);
-    const first = await picture(page, { surroundings: true }, 192, 1);
-    const last = await picture(page, {}, 192, 32);
-    const { mean } = await difference(browser, first, last, body);
-    const [before, after] = [await grain(browser, first, body), await grain(browser, last, body)];
-    console.log(`${table}: mean ${mean.toFixed(2)}; grain ${before.toFixed(2)}, then ${after.toFixed(2)}`);
-    assert.ok(mean <= FIRST, `${mean}`);
-    assert.ok(before <= after + GRAIN, `${before} ${after}`);
-    await page.context().close();
-  });
-
-  test(`in light from everywhere, looks at facets of ${table} add up to the albedo`, async () => {
-    const { page } = await visit(browser, `${table}.html`);
-    const body = await picture(page, { shape: "sphere", light: "white", surroundings: false }, 128, 1);
-    const albedo = await picture(page, {}, 128, 4);
-    // An image of 1 everywhere is white light too, but facets look into it.
-    await page.evaluate(() => {
-      window.goniochrome.renderer.setImage({ width: 8, height: 4, rgb: new Float32Array(3 * 32).fill(1) });
-    });
-    const seen = await picture(page, { light: "image" }, 128, 4);
-    const { mean, largest } = await difference(browser, albedo, seen, body);
-    console.log(`${table}: mean ${mean.toFixed(3)}, largest ${largest}`);
-    assert.ok(largest <= EVEN, `${largest}`);
-    await page.context().close();
-  });
+  test(`looks at facets of ${table}`, () => checkSamples(browser, table, FIRST));
 }
 
 test("rough facets are drawn at 720p, in the time that is printed", async () => {
-  const { page, complaints } = await visit(browser, "gold.html", { viewport: { width: 400, height: 300 } });
+  const { page, complaints } = await visit(browser, "gold.html", SMALL);
   for (const light of ["studio", "lamp"]) {
     const { took, lit } = await page.evaluate((light) => {
       const { state, camera, renderer } = window.goniochrome;
@@ -66,7 +36,7 @@ test("rough facets are drawn at 720p, in the time that is printed", async () => 
         return performance.now() - from;
       };
       drawn();
-      const took = Math.min(...Array.from({ length: 10 }, drawn));
+      const took = Math.min(...Array.from({ length: 5 }, drawn));
       return { took, lit: row.filter((value, i) => i % 4 < 3 && value > 0).length };
     }, light);
     console.log(`${light}: ${took.toFixed(0)} ms a picture`);

@@ -1,5 +1,9 @@
 //! Tests of films that light goes through, and of tables over the thickness of a layer.
 
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::Vec3;
+use goniochrome_cli::table::finish::FinishChoice;
 use goniochrome_cli::table::mirror::MirrorTable;
 use goniochrome_cli::table::{Table, file};
 
@@ -36,6 +40,51 @@ fn a_clear_sheet_in_white_light_is_not_seen() {
         for [r, g, b, a] in covered {
             assert!([r, g, b].iter().all(|c| (c / a - 1.0).abs() <= PIXEL), "{mesh} {more}: {r} {g} {b} {a}");
         }
+    }
+}
+
+#[test]
+fn a_rough_sheet_in_white_light_lacks_what_meets_a_second_facet() {
+    /// Steps over √θ_m and φ_m of the integral over the facets.
+    const STEPS: [u32; 2] = [400, 360];
+    let user = User::new();
+    user.write("facets.csv", "theta_deg,D\n0,3\n10,2\n25,1\n40,0.2\n60,0\n");
+    let film =
+        "[stack]\nambient = 1.0\nlayers = [{ material = 1.8, thickness_nm = 90 }]\nsubstrate = 1.0\n\n[finish]\n";
+    for (text, options) in [
+        ("roughness = 0.3", ""),
+        ("roughness = [0.1, 0.4]\ndistribution = \"beckmann\"", "--spectral"),
+        ("distribution = { file = \"facets.csv\" }", ""),
+    ] {
+        user.write("s.toml", format!("{film}{text}\n"));
+        user.ok("estimate s.toml -o t.exr -q");
+        user.ok(&format!(
+            "render t.exr -o a.exr --env white --mesh plane --azimuth 0 --elevation 30 --size 9 --samples 1024 {options}"
+        ));
+        let found = picture(&user, "a.exr").rgba[9 * 4 + 4];
+        let table = table(&user, "t.exr");
+        let owned = FinishChoice::default().of(&table.metadata).unwrap().unwrap();
+        let finish = owned.finish();
+        // The middle of the picture is seen 60 degrees from the normal.
+        let wo = Vec3::new(0.75_f32.sqrt(), 0.0, 0.5);
+        let (mut seen, mut lost) = (0.0, [0.0; 3]);
+        for i in 0..STEPS[0] * STEPS[1] {
+            let part = ((i / STEPS[1]) as f32 + 0.5) / STEPS[0] as f32;
+            let (theta, phi) = (FRAC_PI_2 * part * part, TAU * (i % STEPS[1]) as f32 / STEPS[1] as f32);
+            let m = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+            let solid_angle = theta.sin() * (PI * part / STEPS[0] as f32) * TAU / STEPS[1] as f32;
+            let share = finish.density(m) * wo.dot(m).max(0.0) * solid_angle / finish.visible_area(wo);
+            let wi = 2.0 * wo.dot(m) * m - wo;
+            // G₂/G₁ of the light: what reaches the viewer of what the facet reflects.
+            let reaches =
+                if wi.z > 0.0 { 4.0 * wi.z * finish.visible_area(wo) * finish.shadowing(wi, wo) } else { 0.0 };
+            let rho = table.rgb_at(f64::from(wo.dot(m).clamp(0.0, 1.0)).acos().to_degrees());
+            seen += share;
+            (0..3).for_each(|c| lost[c] += rho[c] * share * (1.0 - reaches));
+        }
+        assert!((seen - 1.0).abs() <= 0.3 * PIXEL, "{text}: the viewer sees {seen} of the facets");
+        assert!(lost.iter().all(|lost| *lost > PIXEL), "{text}: {lost:?}");
+        assert!((0..3).all(|c| (found[c] - 1.0 + lost[c]).abs() <= PIXEL), "{text}: {found:?}, lost {lost:?}");
     }
 }
 

@@ -76,11 +76,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     }
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
     let finish = finish(args.roughness, args.distribution, &table)?;
-    let mut is_sheet = is_sheet(args.body, &table)?;
-    if is_sheet && finish.is_some() {
-        is_sheet = false;
-        note(args.running.quiet, "a sheet with a finish is shown by the light that it reflects alone");
-    }
+    let is_sheet = is_sheet(args.body, &table)?;
     let thickness = thickness(args.thickness.as_deref(), &table)?;
     let surface = Surface::new(&table, args.spectral, MirrorChoice { finish, is_sheet, thickness }).map_err(name)?;
     surface.check_not_black().map_err(name)?;

@@ -9,7 +9,6 @@ use crate::commands::thickness_option::{map_file, thickness};
 use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::support::output;
-use crate::support::progress::note;
 use crate::view::{PageChoice, page};
 
 pub fn run(args: &PageArgs) -> Result<()> {
@@ -23,18 +22,9 @@ pub fn run(args: &PageArgs) -> Result<()> {
     let table = source.table(args.quiet)?;
     let spread = spread(args.spread, &table)?;
     let finish = finish(args.roughness, args.distribution, &table)?;
-    let shown = finish.as_ref().map(OwnedFinish::finish).filter(|finish| finish.alpha().is_some());
-    if finish.is_some() && shown.is_none() {
-        note(
-            args.quiet,
-            format_args!(
-                "{}: the page opens with a mirror, without the table's distribution of normals; --roughness makes it rough",
-                args.output.display()
-            ),
-        );
-    }
     // Without the option, a slider has all thicknesses.
     let thickness = args.thickness.as_deref().map(|word| thickness(Some(word), &table)).transpose()?.flatten();
+    let shown = finish.as_ref().map(OwnedFinish::finish);
     let choice = PageChoice { spread, finish: shown, is_sheet: is_sheet(args.body, &table)?, thickness };
     let html =
         page(&table, &choice).map_err(|error| Error::failed(format_args!("{}: {error}", args.table.display())))?;

@@ -3,7 +3,7 @@
 //!
 //! The viewer is the incident direction, in evaluation and in sampling: f is reciprocal.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3Swizzles};
 use goniochrome::microfacet::{Finish, Lobe};
 
 use super::body::{Body, SurfaceHit};
@@ -85,6 +85,37 @@ impl Glossy<'_> {
         }
     }
 
+    /// Whether light goes through the surface.
+    pub fn is_sheet(&self) -> bool {
+        matches!(self, Self::Finish(finished) if finished.mirror.is_sheet())
+    }
+
+    /// Writes the transmittance of a sheet for the viewer's direction to `out`, by normals drawn with `points`.
+    ///
+    /// The interfaces of a film are parallel to each other, whatever the slope of the film. So light goes straight on
+    /// through each facet, and a sheet lets through the mean of T(θ_d) over the facets that the viewer sees.
+    pub fn transmit(&self, viewed: &Viewed, points: &[[f32; 2]], part: &mut [f32], out: &mut [f32]) {
+        out.fill(0.0);
+        let Self::Finish(FinishedMirror { finish, mirror }) = self else { return };
+        let mut add = |share: f32, cosine: f32| {
+            part.fill(share);
+            let theta_deg = f64::from(cosine).clamp(0.0, 1.0).acos().to_degrees();
+            mirror.transmit(viewed.between, theta_deg, part);
+            out.iter_mut().zip(&*part).for_each(|(sum, part)| *sum += part);
+        };
+        // Of shares whose sum differs from 1 by chance, the rest has the transmittance of the smooth sheet.
+        let mut rest = 1.0;
+        for &u in points {
+            let m = finish.draw_normal(viewed.viewer, u);
+            let share = visible_share(finish, viewed.viewer, m) / points.len() as f32;
+            rest -= share;
+            add(share, viewed.viewer.dot(m));
+        }
+        if finish.distribution().is_none() {
+            add(rest, viewed.viewer.z);
+        }
+    }
+
     /// What is known of a direction towards the light; `None` where nothing is reflected.
     pub fn towards(&self, viewed: &Viewed, direction: Vec3) -> Option<Towards> {
         match self {
@@ -117,5 +148,21 @@ impl Glossy<'_> {
             }
             _ => out.fill(0.0),
         }
+    }
+}
+
+/// Density of the normals that a viewer sees over that of [`Finish::draw_normal`], which draws tabulated facets by
+/// D cos θ_m, turned by half a turn about z where they are not seen.
+fn visible_share(finish: &Finish<'_>, viewer: Vec3, m: Vec3) -> f32 {
+    if finish.distribution().is_some() {
+        return 1.0;
+    }
+    let turned = (-m.xy()).extend(m.z);
+    let density = finish.density(m);
+    let drawn = density + if viewer.dot(turned) < 0.0 { finish.density(turned) } else { 0.0 };
+    if drawn > 0.0 && m.z > 0.0 {
+        density * viewer.dot(m).max(0.0) / (drawn * m.z * finish.visible_area(viewer))
+    } else {
+        0.0
     }
 }

@@ -34,8 +34,8 @@ pub mod camera;
 pub mod noise;
 pub mod framebuffer;
 mod tracer;
-mod scattering;
 mod sheet;
+mod scattering;
 mod film;
 
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -4,7 +4,8 @@
 //! environment; the balance heuristic (Veach 1997) combines the two. Facet lobes come from directions of their own,
 //! which are all looked up.
 //!
-//! Of the ways to other parts of the body, only one is followed, chosen in proportion to what it reflects.
+//! Of the ways to other parts of the body, only one is followed, chosen in proportion to what it reflects. What a sheet
+//! lets through is followed too, as in [`super::sheet`].
 
 use glam::{DVec3, Vec3};
 use goniochrome::trace::sobol::sobol;
@@ -13,13 +14,16 @@ use super::body::SurfaceHit;
 use super::glossy::{Glossy, Towards};
 use super::mesh::ShadingFrame;
 use super::pyramid::Pyramid;
-use super::tracer::{PREVIEW_RAYS, SampleStream, Scratch, Tracer, above};
+use super::sheet::PASSAGES;
+use super::tracer::{PREVIEW_RAYS, SampleStream, Scratch, Tracer, Way, above};
 
 /// Directions that each ray samples by the table. The ray has one place on the body, at which the table is interpolated
 /// once.
 const BY_TABLE: u32 = 16;
 /// Directions that each ray samples by the light: they find small lamps, and are worth less elsewhere.
 const BY_LIGHT: u32 = 4;
+/// Facets of a sheet that each ray passes through: over them, transmittance varies little.
+const PASSED: u32 = 4;
 
 /// Directions that a pixel of a preview samples, shared out among its rays.
 const PREVIEW_SAMPLES: u32 = 64;
@@ -73,12 +77,63 @@ impl Onward {
 }
 
 impl Tracer<'_> {
-    /// Follows scattering reflections from the first hit of a ray that leaves it along `wo`.
+    /// Follows scattering reflections, and what a sheet lets through, from the first hit of a ray that leaves it along
+    /// `wo`.
     pub(super) fn trace_scattered(
         &self,
         surface: &Glossy<'_>,
         first: SurfaceHit,
         wo: DVec3,
+        stream: &mut SampleStream,
+        scratch: &mut Scratch,
+    ) {
+        let (throughput, reflections) = (scratch.throughput.clone(), self.reflections);
+        scratch.ways.push(Way { hit: first, wo, throughput, reflections, passages: PASSAGES, is_straight: true });
+        while let Some(way) = scratch.ways.pop() {
+            scratch.throughput.copy_from_slice(&way.throughput);
+            let frame = way.hit.frame.facing(way.wo);
+            let viewer = above(frame.to_local(way.wo)).as_vec3();
+            surface.look(self.body, &way.hit, viewer, &mut scratch.viewed);
+            self.pass(surface, &way, &frame, stream, scratch);
+            match &self.pyramid {
+                Some(pyramid) => self.preview_scattered(surface, pyramid, &frame, viewer, stream.ray(), scratch),
+                None => self.scatter(surface, way, &frame, viewer, stream, scratch),
+            }
+        }
+    }
+
+    /// Follows what a sheet lets through.
+    fn pass(
+        &self,
+        surface: &Glossy<'_>,
+        way: &Way,
+        frame: &ShadingFrame,
+        stream: &mut SampleStream,
+        scratch: &mut Scratch,
+    ) {
+        if !surface.is_sheet() {
+            return;
+        }
+        let mut points = [[0.0; 2]; PASSED as usize];
+        if self.pyramid.is_some() {
+            points.iter_mut().zip(stream.ray() * PASSED..).for_each(|(u, i)| *u = sobol(i, PREVIEW_SEED));
+        } else {
+            points.iter_mut().zip(stream.several(PASSED)).for_each(|(u, point)| *u = point);
+        }
+        let points = points.map(|u| u.map(|u| u as f32));
+        let mut passed = vec![0.0; way.throughput.len()];
+        surface.transmit(&scratch.viewed, &points, &mut scratch.reflectance, &mut passed);
+        passed.iter_mut().zip(&way.throughput).for_each(|(passed, through)| *passed *= through);
+        self.go_on(way, frame, passed, scratch);
+    }
+
+    /// Adds the light that is reflected at the end of a way, and pushes the way on to another part of the body.
+    fn scatter(
+        &self,
+        surface: &Glossy<'_>,
+        way: Way,
+        frame: &ShadingFrame,
+        viewer: Vec3,
         stream: &mut SampleStream,
         scratch: &mut Scratch,
     ) {
@@ -88,58 +143,56 @@ impl Tracer<'_> {
         let scale = |towards: &Towards, pdf_of_light: f64| {
             1.0 / (f64::from(BY_TABLE) * towards.pdf() + f64::from(by_light) * pdf_of_light)
         };
-        let (mut hit, mut wo) = (first, wo);
-        for left in (0..self.reflections).rev() {
-            let last = left == 0;
-            let (frame, viewer) = self.look(surface, &hit, wo, scratch);
-            let next_hit = |wi: DVec3| if last { None } else { self.next_hit(&hit, &frame, wi) };
-            let mut onward = Onward::new(if last { 0.0 } else { stream.next()[0] });
-            for lobe in 0..surface.lobes() {
-                let Some(wi) = reflect_lobe(surface, lobe, &frame, viewer, scratch) else { continue };
-                match next_hit(wi) {
-                    Some(next) => onward.offer(next, wi, 1.0, scratch),
-                    None => self.add_light(self.widened.radiance(wi), 1.0, scratch),
-                }
+        let left = way.reflections - 1;
+        let last = left == 0;
+        let next_hit = |wi: DVec3| if last { None } else { self.next_hit(&way.hit, frame, wi) };
+        let mut onward = Onward::new(if last { 0.0 } else { stream.next()[0] });
+        for lobe in 0..surface.lobes() {
+            let Some(wi) = reflect_lobe(surface, lobe, frame, viewer, scratch) else { continue };
+            match next_hit(wi) {
+                Some(next) => onward.offer(next, wi, 1.0, scratch),
+                None => self.add_light(self.widened.radiance(wi), 1.0, scratch),
             }
-            for u in stream.several(by_light) {
-                let (wi, pdf) = self.environment.sample(u);
-                let direction = frame.to_local(wi).as_vec3();
-                if direction.z > 0.0 && pdf > 0.0 && next_hit(wi).is_none() {
-                    let Some(towards) = surface.towards(&scratch.viewed, direction) else { continue };
-                    reflect(surface, &towards, scratch);
+        }
+        for u in stream.several(by_light) {
+            let (wi, pdf) = self.environment.sample(u);
+            let direction = frame.to_local(wi).as_vec3();
+            if direction.z > 0.0 && pdf > 0.0 && next_hit(wi).is_none() {
+                let Some(towards) = surface.towards(&scratch.viewed, direction) else { continue };
+                reflect(surface, &towards, scratch);
+                self.add_light(self.environment.radiance(wi), scale(&towards, pdf), scratch);
+            }
+        }
+        for u in stream.several(BY_TABLE) {
+            let Some(towards) = surface.sample(&scratch.viewed, u.map(|u| u as f32)) else { continue };
+            let wi = frame.to_world(towards.direction()).normalize();
+            reflect(surface, &towards, scratch);
+            match next_hit(wi) {
+                Some(next) => onward.offer(next, wi, scale(&towards, 0.0), scratch),
+                None => {
+                    let pdf = if is_even { 0.0 } else { self.environment.pdf(wi) };
                     self.add_light(self.environment.radiance(wi), scale(&towards, pdf), scratch);
                 }
             }
-            for u in stream.several(BY_TABLE) {
-                let Some(towards) = surface.sample(&scratch.viewed, u.map(|u| u as f32)) else { continue };
-                let wi = frame.to_world(towards.direction()).normalize();
-                reflect(surface, &towards, scratch);
-                match next_hit(wi) {
-                    Some(next) => onward.offer(next, wi, scale(&towards, 0.0), scratch),
-                    None => {
-                        let pdf = if is_even { 0.0 } else { self.environment.pdf(wi) };
-                        self.add_light(self.environment.radiance(wi), scale(&towards, pdf), scratch);
-                    }
-                }
-            }
-            let Some((next, wi)) = onward.take(scratch) else { return };
-            (hit, wo) = (next, -wi);
+        }
+        if let Some((next, wi)) = onward.take(scratch) {
+            let throughput = scratch.throughput.clone();
+            scratch.ways.push(Way { hit: next, wo: -wi, throughput, reflections: left, is_straight: false, ..way });
         }
     }
 
-    /// Adds what the first hit of a ray of a preview reflects along `wo`.
-    pub(super) fn preview_scattered(
+    /// Adds what a hit of a ray of a preview reflects to the viewer.
+    fn preview_scattered(
         &self,
         surface: &Glossy<'_>,
         pyramid: &Pyramid<'_>,
-        hit: &SurfaceHit,
-        wo: DVec3,
+        frame: &ShadingFrame,
+        viewer: Vec3,
         ray: u32,
         scratch: &mut Scratch,
     ) {
-        let (frame, viewer) = self.look(surface, hit, wo, scratch);
         for lobe in 0..surface.lobes() {
-            if let Some(wi) = reflect_lobe(surface, lobe, &frame, viewer, scratch) {
+            if let Some(wi) = reflect_lobe(surface, lobe, frame, viewer, scratch) {
                 self.add_light(self.widened.radiance(wi), 1.0, scratch);
             }
         }
@@ -153,14 +206,6 @@ impl Tracer<'_> {
             let light = pyramid.radiance(wi, 1.0 / (f64::from(PREVIEW_SAMPLES) * pdf));
             self.add_light(light, 1.0 / (f64::from(OF_RAY) * pdf), scratch);
         }
-    }
-
-    /// Looks at a hit from `wo`; returns the frame there, and the direction to the viewer in it.
-    fn look(&self, surface: &Glossy<'_>, hit: &SurfaceHit, wo: DVec3, scratch: &mut Scratch) -> (ShadingFrame, Vec3) {
-        let frame = hit.frame.facing(wo);
-        let viewer = above(frame.to_local(wo)).as_vec3();
-        surface.look(self.body, hit, viewer, &mut scratch.viewed);
-        (frame, viewer)
     }
 
     /// Adds light, times the scratch's product and `scale`, to what reaches the viewer.

@@ -1,17 +1,19 @@
 //! Light through a sheet, such as the film of a soap bubble.
 //!
 //! At each hit a ray splits into its mirror image and a ray that goes straight on, L = ρ L(mirror direction) + τ
-//! L(straight on). Both are followed without chance. From the last reflection, and where hardly any light is left, the
-//! environment is seen as if the body did not block it; so a sheet that absorbs nothing is invisible in white light.
+//! L(straight on). Both are followed without chance; rough facets reflect as in [`super::scattering`]. From the last
+//! reflection, and where hardly any light is left, the environment is seen as if the body did not block it; so a smooth
+//! sheet that absorbs nothing is invisible in white light.
 
 use glam::DVec3;
 
 use super::body::SurfaceHit;
+use super::mesh::ShadingFrame;
 use super::mirror_like::MirrorLike;
 use super::tracer::{Scratch, Tracer, Way, mirrored};
 
 /// Largest number of passages of a way: the walls that a straight line meets.
-const PASSAGES: u32 = 64;
+pub(super) const PASSAGES: u32 = 64;
 /// Largest share of light that is not worth following: less than a step of 8-bit sRGB below radiance 10.
 const FAINT: f32 = 1e-4;
 
@@ -46,19 +48,23 @@ impl Tracer<'_> {
                 }
             }
 
-            let mut passed = way.throughput;
+            let mut passed = way.throughput.clone();
             mirror.transmit(between, theta_deg, &mut passed);
-            let onward = -way.wo;
-            let next = (way.passages > 0 && is_seen(&passed)).then(|| self.next_hit_behind(&way.hit, &frame, onward));
-            match next.flatten() {
-                Some(next) => {
-                    scratch.ways.push(Way { hit: next, throughput: passed, passages: way.passages - 1, ..way });
-                }
-                None => {
-                    let behind = self.behind.filter(|_| way.is_straight);
-                    let light = behind.unwrap_or_else(|| self.environment.radiance(onward));
-                    self.channels.add_light(&mut scratch.radiance, &passed, light, 1.0);
-                }
+            self.go_on(&way, &frame, passed, scratch);
+        }
+    }
+
+    /// Pushes the way that goes straight on behind the end of a way with the light that passes there, or adds the light
+    /// that is seen behind it.
+    pub(super) fn go_on(&self, way: &Way, frame: &ShadingFrame, passed: Vec<f32>, scratch: &mut Scratch) {
+        let onward = -way.wo;
+        let next = (way.passages > 0 && is_seen(&passed)).then(|| self.next_hit_behind(&way.hit, frame, onward));
+        match next.flatten() {
+            Some(hit) => scratch.ways.push(Way { hit, throughput: passed, passages: way.passages - 1, ..*way }),
+            None => {
+                let behind = self.behind.filter(|_| way.is_straight);
+                let light = behind.unwrap_or_else(|| self.environment.radiance(onward));
+                self.channels.add_light(&mut scratch.radiance, &passed, light, 1.0);
             }
         }
     }

@@ -135,10 +135,7 @@ impl Tracer<'_> {
         match &self.surface {
             Prepared::Mirror(mirror) if mirror.is_sheet() => self.trace_sheet(mirror, hit, direction, scratch),
             Prepared::Mirror(mirror) => self.trace_mirror(mirror, hit, direction, scratch),
-            Prepared::Glossy(glossy) => match &self.pyramid {
-                Some(pyramid) => self.preview_scattered(glossy, pyramid, &hit, -direction, stream.ray(), scratch),
-                None => self.trace_scattered(glossy, hit, -direction, stream, scratch),
-            },
+            Prepared::Glossy(glossy) => self.trace_scattered(glossy, hit, -direction, stream, scratch),
             Prepared::Orders(orders) => {
                 let frame = hit.frame.facing(-direction);
                 let rgb = orders.radiance(&frame, above(frame.to_local(-direction)), self.widened);

@@ -26,6 +26,16 @@ const VIEWS_PER_STEP: u32 = 4;
 /// Largest number of directions of the viewer. Larger tables have fewer to a step.
 const MAX_VIEWS: usize = 16384;
 
+/// Normals of tabulated facets at which pages look: groups of two rings of three normals.
+const NORMALS: u32 = 192;
+const RING: u32 = 3;
+/// Steps from group to group, by Roberts' R2 sequence.
+const SHIFT: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+
+/// Steps of √cos θ and of φ in tables of what directions see of tabulated facets.
+const SEEN_STEPS: u32 = 64;
+const SEEN_SECTORS: u32 = 48;
+
 /// A table of any kind. A finish is that of a mirror-like one.
 pub(super) fn packed(table: &Table, finish: Option<Finish<'_>>, is_sheet: bool) -> Result<Value> {
     match table {
@@ -67,12 +77,41 @@ fn mirror_like(table: &MirrorTable, finish: Option<Finish<'_>>, is_sheet: bool, 
         "lookup": steps(table.colours()?),
         "through": is_sheet.then(|| steps(&table.rgb_transmitted)),
         "thickness": table.thickness.as_ref().map(|axis| json!({ "layer": axis.layer, "nm": axis.nm })),
+        "facets": finish.filter(|finish| finish.distribution().is_none()).map(|finish| facets(&finish)),
         "finish": {
             "roughness": finish.and_then(|finish| finish.alpha()).unwrap_or([0.0; 2]),
             "beckmann": finish.is_some_and(|finish| finish.distribution() == Some(Distribution::Beckmann)),
             "separable": finish.is_some_and(|finish| finish.masking() == Masking::Separable),
         },
     }))
+}
+
+/// Tabulated facets: normals that the core draws, each with D there and at the normal turned by half a turn about z;
+/// and the squared roughness e of the GGX facets of which a direction sees as much area σ, by e = 4 σ (σ − cos θ)/sin²θ.
+fn facets(finish: &Finish<'_>) -> Value {
+    let normals = (0..NORMALS).flat_map(|i| {
+        let (group, look) = (i / (2 * RING), i % (2 * RING));
+        let [x, y] = SHIFT.map(|step| f64::from(group) * step);
+        let u = [f64::from(look % 2) / 2.0 + 0.25 + y, f64::from(look) / f64::from(2 * RING) + x];
+        let m = finish.draw_normal(Vec3::Z, u.map(|u| u.fract() as f32));
+        [m.x, m.y, finish.density(m), finish.density(Vec3::new(-m.x, -m.y, m.z))]
+    });
+    let sectors = if finish.is_isotropic() { 1 } else { SEEN_SECTORS };
+    let seen = (0..=SEEN_STEPS).flat_map(|step| {
+        // Every direction sees all of a surface from straight above, whatever its roughness.
+        let part = f64::from(step).min(f64::from(SEEN_STEPS) - 0.1) / f64::from(SEEN_STEPS);
+        let theta = (part * part).max(f64::from(f32::EPSILON)).acos();
+        (0..sectors).map(move |sector| {
+            let w = direction(theta, std::f64::consts::TAU * f64::from(sector) / f64::from(sectors)).as_vec3();
+            let area = finish.visible_area(w);
+            4.0 * area * (area - w.z) / (w.x * w.x + w.y * w.y)
+        })
+    });
+    json!({
+        "normals": pack::floats(normals),
+        "views": [SEEN_STEPS + 1, sectors],
+        "seen": pack::floats(seen),
+    })
 }
 
 fn scattering(table: &ScatterTable, facts: &Value) -> Result<Value> {

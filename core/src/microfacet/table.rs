@@ -174,7 +174,7 @@ impl<'a> FacetTable<'a> {
     }
 
     /// Looks up two directions above the horizon, of which the sum is known.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pair(&self, [wi, wo]: [Vec3; 2], sum: Vec3) -> Pair {
         // All roots that can be drawn at once.
         let level = sum.x * sum.x + sum.y * sum.y;
@@ -184,36 +184,33 @@ impl<'a> FacetTable<'a> {
         let (sin, cos) = (level * over, sum.z * over);
         // Of a normal that wi does not see, draw takes the one that is turned by half a turn.
         let is_twin = wi.x * sum.x + wi.y * sum.y > wi.z * sum.z;
-        let places = self.places(sin, [root_i, root_o]);
         let [density, twin, area_i, area_o] = if self.layout.sectors == 1 {
-            let [density, area_i, area_o] = self.even(&places, wi.z, wo.z);
+            let [density, area_i, area_o] = self.even(sin, [root_i, root_o], [wi.z, wo.z]);
             [density, density, area_i, area_o]
         } else {
-            self.around(&places, &wi, &wo, &sum)
+            let [x, y] = [[sum.x, wi.x, wo.x, -sum.x], [sum.y, wi.y, wo.y, -sum.y]].map(f32x4::new);
+            self.around(sin, [root_i, root_o], x, y, [wi.z, wo.z])
         };
         let pdf = 0.5 * (density + if is_twin { twin } else { 0.0 }) * cos * over;
         Pair { cos_d: (0.5 * length).min(1.0), density, pdf, areas: [area_i, area_o] }
     }
 
     /// D at t, and the visible areas of two cosines, of facets that are equally rough in all directions.
-    #[inline]
-    fn even(&self, places: &Places, cos_i: f32, cos_o: f32) -> [f32; 3] {
-        let Places { ring, outward, rows, parts } = *places;
+    #[inline(always)]
+    fn even(&self, sin: f32, roots: [f32; 2], cos: [f32; 2]) -> [f32; 3] {
+        let Places { ring, outward, rows, parts } = self.places(sin, roots);
         let [nodes, of_i, of_o] = self.values.arrays([ring, rows[0], rows[1]]);
         let mix = |[low, high]: [f32; 2], part| mix(low, high, part);
-        let [area_i, area_o] = areas([cos_i, cos_o], [mix(of_i, parts[0]), mix(of_o, parts[1])]);
+        let [area_i, area_o] = areas(cos, [mix(of_i, parts[0]), mix(of_o, parts[1])]);
         [mix(nodes, outward), area_i, area_o]
     }
 
-    /// D at t and at the azimuth of a vector, and half a turn on; the visible areas of two directions.
-    ///
-    /// Azimuths are four lanes. Directions come as references, of which no copy is made that the lanes would wait for.
+    /// D of the first lane and, half a turn on, of the last; the visible areas of the directions in the lanes between.
     #[inline(never)]
-    fn around(&self, places: &Places, wi: &Vec3, wo: &Vec3, m: &Vec3) -> [f32; 4] {
+    fn around(&self, sin: f32, roots: [f32; 2], x: f32x4, y: f32x4, cos: [f32; 2]) -> [f32; 4] {
         let Self { layout, values, .. } = *self;
-        let Places { ring, outward, rows, parts } = *places;
+        let Places { ring, outward, rows, parts } = self.places(sin, roots);
         let sectors = single(layout.sectors);
-        let [x, y] = [[m.x, wi.x, wo.x, -m.x], [m.y, wi.y, wo.y, -m.y]].map(f32x4::new);
         let turned = turns(x, y) * sectors;
         let before = turned.fast_min(f32x4::splat(sectors - 0.5)).fast_trunc_int();
         let [passed_m, passed_i, passed_o, passed_twin] = (turned - before.round_float()).to_array();
@@ -231,12 +228,12 @@ impl<'a> FacetTable<'a> {
             ((low + (high - low) * part) * f32x4::new(cubic(passed))).reduce_add()
         };
         let of_both = [e(low_i, high_i, parts[0], passed_i), e(low_o, high_o, parts[1], passed_o)];
-        let [area_i, area_o] = areas([wi.z, wo.z], of_both);
+        let [area_i, area_o] = areas(cos, of_both);
         [density(inner, outer, passed_m), density(inner_twin, outer_twin, passed_twin), area_i, area_o]
     }
 
     /// Places among rings of sin θ_m, and among rows of e of the roots of two cosines: R √sin θ_m and 256 √cos θ.
-    #[inline]
+    #[inline(always)]
     fn places(&self, sin: f32, [root_i, root_o]: [f32; 2]) -> Places {
         const ROWS: f32 = VIEWS as f32;
         let sin = sin.min(1.0);

@@ -176,6 +176,15 @@ impl<'a> FilmTable<'a> {
     #[must_use]
     #[inline]
     pub fn eval_and_pdf(&self, wi: Vec3, wo: Vec3, thickness_nm: f32) -> ([f32; 3], f32) {
+        self.look_up(wi.x, wi.y, wi.z, wo.x, wo.y, wo.z, thickness_nm)
+    }
+
+    /// [`FilmTable::eval_and_pdf`] of numbers, which come in registers. Vectors come in memory, just written, and two
+    /// components that are read at once wait until both have arrived there: 30 ns.
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments, reason = "two vectors, number by number")]
+    fn look_up(&self, xi: f32, yi: f32, zi: f32, xo: f32, yo: f32, zo: f32, thickness_nm: f32) -> ([f32; 3], f32) {
+        let (wi, wo) = (Vec3::new(xi, yi, zi), Vec3::new(xo, yo, zo));
         let Some(lobe) = self.finish.as_ref().and_then(|finish| finish.lobe(wi, wo)) else { return ([0.0; 3], 0.0) };
         let rho = self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm);
         // Directions near the horizon may reflect more than single precision holds.

@@ -5,7 +5,7 @@
 //! from the tangent.
 //!
 //! Tabulated facets become GGX facets of the same median slope along each axis: half of GGX's normals have a slope
-//! below α/√3 along an axis. A mean square would not do, as that of GGX is infinite.
+//! along an axis below α/√3. A mean square would not do, as that of GGX is infinite.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

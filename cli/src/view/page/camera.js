@@ -46,6 +46,16 @@ class Camera {
     };
   }
 
+  /** Pixels of a picture, as left, bottom, width and height, beyond which no part of the unit sphere is seen. */
+  around(width, height) {
+    const { distance, scale } = this.at(width, height);
+    const reach = 1 / Math.sqrt(distance * distance - 1);
+    // Jitter moves the picture by less than a pixel.
+    const [x, y] = [width, height].map((side, i) => Math.min(Math.ceil((side / 2) * scale[i] * reach) + 2, side));
+    const [left, bottom] = [Math.max(Math.floor(width / 2 - x), 0), Math.max(Math.floor(height / 2 - y), 0)];
+    return [left, bottom, Math.min(2 * x, width - left), Math.min(2 * y, height - bottom)];
+  }
+
   /** Origin and direction of the ray through a place of the picture, from −1 to 1 to the right and up. */
   ray(x, y, width, height) {
     const { eye, right, up, backward, scale } = this.at(width, height);

@@ -1,20 +1,28 @@
 // Pictures of a mirror-like table with a finish: see `finish.frag`.
 
 class Finished {
-  constructor(renderer, shaders, finish) {
+  constructor(renderer, shaders, finish, isSheet) {
     this.renderer = renderer;
     const { common, light, frame, surface, levels } = shaders;
     // Written out, looks take software renderers a fifth less time than a loop.
-    const looks = Array.from({ length: LOOKS }, (_, i) => `lookAlong(looks[${i}]);`).join(" ");
-    const constants = `
-      #define ALL_LOOKS ${looks}
-      const bool BECKMANN = ${finish.beckmann}, SEPARABLE = ${finish.separable};
-      const int LOOKS = ${LOOKS};
+    const looks = (count) => Array.from({ length: count }, (_, i) => `lookAlong(looks[${i}]);`).join(" ");
+    const constants = (count) => `
+      #define ALL_LOOKS ${looks(count)}
+      const bool BECKMANN = ${finish.beckmann}, SEPARABLE = ${finish.separable}, SHEET = ${isSheet};
+      const int LOOKS = ${count};
       const float RHO_STEPS = ${RHO_STEPS}.0;
     `;
-    this.program = renderer.program(surface, common + constants + light + frame + levels + shaders.finish);
+    const program = (tabulated) => renderer.program(
+      surface, `${common}const bool TABULATED = ${tabulated};${constants(tabulated ? NORMALS : LOOKS)}${light}${frame}${levels}${shaders.finish}`,
+    );
+    this.analytic = program(false);
+    this.tabulated = finish.facets && program(true);
     this.levels = new Levels(renderer, shaders);
-    this.albedo = null;
+    [this.albedo, this.through] = [null, null];
+    if (finish.facets) {
+      const { views: [rows, sectors], seen } = finish.facets;
+      this.seen = renderer.texture(this.levels.format, sectors, rows, Float32Array.from({ length: 4 * seen.length }, (_, i) => seen[i >> 2]), true);
+    }
     this.setFinish(finish);
   }
 
@@ -27,13 +35,19 @@ class Finished {
     this.prepared = null;
   }
 
+  /** The program that draws facets of a roughness. */
+  program(alpha) {
+    return alpha === TABULATED ? this.tabulated : this.analytic;
+  }
+
   /** Prepares the albedo of a roughness, and a light. */
   prepare(alpha, light) {
     const { renderer, finish, levels } = this;
     if (this.prepared !== alpha.join()) {
-      const { columns, rows, values } = finish.albedo(alpha);
-      renderer.gl.deleteTexture(this.albedo);
-      this.albedo = renderer.texture(levels.format, columns, rows, opaque(values), true);
+      const { columns, rows, values, through } = finish.albedo(alpha);
+      for (const texture of [this.albedo, this.through]) renderer.gl.deleteTexture(texture);
+      [this.albedo, this.through] =
+        [values, through].map((list) => renderer.texture(levels.format, columns, rows, opaque(list), true));
       this.prepared = alpha.join();
     }
     if (light !== "white") levels.of(light);
@@ -43,11 +57,13 @@ class Finished {
   bind(alpha, picture, light) {
     const { renderer, finish, levels } = this;
     const { gl } = renderer;
-    const { at } = this.program;
+    const { at } = this.program(alpha);
     renderer.bind(0, this.table, at("table"));
     renderer.bind(1, this.albedo, at("albedo"));
-    gl.uniform2fv(at("alpha"), alpha);
-    gl.uniform4fv(at("looks"), finish.looks(picture));
+    renderer.bind(4, this.through, at("through"));
+    if (alpha === TABULATED) renderer.bind(5, this.seen, at("seenFacets"));
+    else gl.uniform2fv(at("alpha"), alpha);
+    gl.uniform4fv(at("looks"), finish.looks(alpha, picture));
     if (light === "white") return;
     const seen = levels.of(light);
     levels.bind(at, 2, seen);

@@ -7,7 +7,9 @@ data.shapes = Object.fromEntries(Object.entries(data.shapes).map(([name, shape])
 const camera = new Camera(data.view);
 const stage = $("stage");
 /** Roughness of the surface along its tangent and across; 0 is a mirror. */
-const ownRoughness = table.finish ? data.table.finish.roughness.map((alpha) => Number(alpha.toPrecision(4))) : [0, 0];
+const ownRoughness = data.table.facets
+  ? TABULATED
+  : (data.table.finish?.roughness ?? [0, 0]).map((alpha) => Number(alpha.toPrecision(4)));
 const state = { shape: "teapot", light: "studio", exposure: 0, turn: 0, surroundings: false, roughness: ownRoughness };
 /** First and last thickness of the layer that varies; `null` for one surface. */
 const range = table.thickness && [table.thickness.nm[0], table.thickness.nm[table.thickness.nm.length - 1]];
@@ -261,7 +263,7 @@ function setLabels() {
   const nm = Math.round(state.thickness ?? 0);
   const sign = isMapped ? (nm > 0 ? "+" : nm === 0 ? "±" : "") : "";
   if (range) $("thickness-value").textContent = `${sign}${nm} nm`;
-  $("roughness-value").textContent = state.roughness[0];
+  $("roughness-value").textContent = state.roughness[0] ?? "the table’s";
   $("across-value").textContent = state.roughness[1];
   $("exposure-value").textContent = `${state.exposure > 0 ? "+" : ""}${state.exposure.toFixed(1)} EV`;
   $("turn-value").textContent = `${state.turn.toFixed(0)}°`;
@@ -276,7 +278,8 @@ function showState() {
     setThickness(state.thickness);
     $("thickness").value = state.thickness;
   }
-  [$("roughness").value, $("across").value] = state.roughness.map(Math.sqrt);
+  const { roughness: [along = 0, across = 0] } = state;
+  [$("roughness").value, $("across").value] = [along, across].map(Math.sqrt);
   $("brushed").checked = state.roughness[0] !== state.roughness[1];
   setFinish(state.roughness);
 }

@@ -64,7 +64,7 @@ class Renderer {
         response: wide([table.response.length / 4, 1], table.response),
       };
     } else {
-      this.finished = new Finished(this, data.shaders, table.finish);
+      this.finished = new Finished(this, data.shaders, table.finish, table.sheet);
       const rows = table.thickness?.nm.length ?? 1;
       const list = (values) => this.texture(gl.RGB32F, values.length / 3 / rows, rows, values);
       const { lookup, through } = table.every;
@@ -320,7 +320,7 @@ class Renderer {
     this.bind(3, surroundings ?? this.surroundings, at("surroundings"));
   }
 
-  /** Draws one more picture and adds it to the sum. */
+  /** Draws one more picture and adds it to the sum, within the rectangle that shows something. */
   add(state, camera) {
     const { gl, programs } = this;
     const [width, height] = this.size;
@@ -332,10 +332,13 @@ class Renderer {
     if (alpha) this.finished.prepare(alpha, state.light);
     if (this.samples && this.spread) this.wide[state.light] ??= this.spreadLight(state.light);
     const seen = camera.at(width, height);
+    this.shown = state.surroundings ? [0, 0, width, height] : camera.around(width, height);
     // Roberts' R2 sequence. The first point is the middle of the pixel.
     const within = SHIFT.map((step) => (0.5 + this.drawn * step) % 1);
     const jitter = [(1 - 2 * within[0]) / width, (1 - 2 * within[1]) / height];
     gl.viewport(0, 0, width, height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(...this.shown);
     const [latest, added] = this.targets.filter((target) => target !== this.sum);
     gl.bindFramebuffer(gl.FRAMEBUFFER, latest.buffer);
     gl.clearColor(0, 0, 0, 0);
@@ -353,7 +356,7 @@ class Renderer {
       this.screen();
     }
     gl.enable(gl.DEPTH_TEST);
-    const program = alpha ? this.finished.program : programs.surface;
+    const program = alpha ? this.finished.program(alpha) : programs.surface;
     const { at } = program;
     gl.useProgram(program.program);
     this.lighten(program, state, state.light === "white" ? null : this.wide[state.light]);
@@ -371,7 +374,7 @@ class Renderer {
     if (alpha) this.finished.bind(alpha, this.drawn, state.light);
     const body = this.bodies[state.shape];
     gl.bindVertexArray(body.array);
-    if (this.tables.through && !alpha) this.drawSheet(body, at, state.surroundings);
+    if (this.tables.through) this.drawSheet(body, at, state.surroundings);
     else gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_SHORT, 0);
 
     gl.disable(gl.DEPTH_TEST);
@@ -382,6 +385,7 @@ class Renderer {
       this.bind(1, latest.texture, programs.add.at("latest"));
       this.screen();
     }
+    gl.disable(gl.SCISSOR_TEST);
     this.sum = this.drawn > 0 ? added : latest;
     this.drawn += 1;
   }
@@ -429,11 +433,16 @@ class Renderer {
     const { gl } = this;
     const { program, at } = this.programs.display;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(...this.shown);
     gl.useProgram(program);
     this.bind(0, this.sum.texture, at("sum"));
     gl.uniform1f(at("factor"), 2 ** state.exposure);
     gl.uniform1f(at("samples"), this.drawn);
     this.screen();
+    gl.disable(gl.SCISSOR_TEST);
   }
 
   screen() {

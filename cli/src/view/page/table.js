@@ -9,7 +9,7 @@ class MirrorTable {
     this.sheet = Boolean(data.through);
     /** Thicknesses of a layer, for each of which there are values; `null` for one surface. */
     this.thickness = data.thickness;
-    this.facets = data.finish;
+    this.facets = { ...data.finish, facets: data.facets };
     const names = ["s", "p", "lookup", ...(this.sheet ? ["through"] : [])];
     this.every = Object.fromEntries(names.map((name) => [name, floats(data[name])]));
     /** Roughness of the facets; `null` for a mirror. */
@@ -46,10 +46,20 @@ class MirrorTable {
 
   /** Linear RGB of unpolarised light that a mirror reflects. */
   mirrored(theta) {
-    const last = this.lookup.length / 3 - 1;
+    return MirrorTable.between(this.lookup, theta);
+  }
+
+  /** Linear RGB of unpolarised light that goes through a sheet. */
+  passed(theta) {
+    return MirrorTable.between(this.through, theta);
+  }
+
+  /** Colour at an angle, between those of a list in equal steps from 0 to 90°. */
+  static between(list, theta) {
+    const last = list.length / 3 - 1;
     const row = clamp((theta / 90) * last, 0, last);
     const below = Math.min(Math.floor(row), last - 1);
-    const at = (i, c) => this.lookup[3 * i + c];
+    const at = (i, c) => list[3 * i + c];
     return [0, 1, 2].map((c) => at(below, c) + (row - below) * (at(below + 1, c) - at(below, c)));
   }
 
@@ -82,7 +92,7 @@ class MirrorTable {
     if (!this.alpha) return (theta) => this.mirrored(theta);
     const { columns, rows, values } = this.finish.albedo(this.alpha);
     return (theta, phi) => {
-      const [x, y] = [Math.cos(radians(theta)) * (columns - 1), Math.cos(radians(phi)) ** 2 * (rows - 1)];
+      const [x, y] = [Math.cos(radians(theta)) * (columns - 1), Finish.rowOf(this.alpha, phi) * (rows - 1)];
       const [left, below] = [Math.min(Math.floor(x), columns - 2), Math.max(Math.min(Math.floor(y), rows - 2), 0)];
       const at = (column, row, c) => values[3 * (Math.min(row, rows - 1) * columns + column) + c];
       const along = (row, c) => at(left, row, c) + (x - left) * (at(left + 1, row, c) - at(left, row, c));
