@@ -21,7 +21,8 @@ fi
 scene=$1 table=$(realpath -m "$2") parts=$3
 shift 3
 program=${GONIOCHROME:-goniochrome}
-command -v "$program" >/dev/null || { echo "slurm.sh: no program $program; set GONIOCHROME" >&2; exit 2; }
+program=$(command -v "$program") || { echo "slurm.sh: no program $program; set GONIOCHROME" >&2; exit 2; }
+program=$(realpath -s "$program")
 folder=$table.parts
 mkdir -p "$folder"
 quoted=$(printf '%q ' "$program" estimate "$scene" "$@")
@@ -33,5 +34,5 @@ array=$(sbatch --parsable --job-name="$name" --requeue --open-mode=append --arra
     --wrap "test -s $part || exec $quoted --part array --output $part --threads ${CPUS:-1} --quiet")
 sbatch --parsable --job-name="$name-merge" --requeue --dependency="afterok:$array" --kill-on-invalid-dep=yes \
     --ntasks=1 --cpus-per-task="${CPUS:-1}" --output="$folder/merge.log" \
-    --wrap "$(printf '%q ' "$program" merge) $(printf '%q' "$folder")/*.part \
+    --wrap "cd $(printf '%q' "$folder") && $(printf '%q ' "$program" merge) *.part \
         $(printf '%q ' --output "$table" --threads "${CPUS:-1}" --quiet) && rm -r $(printf '%q' "$folder")"

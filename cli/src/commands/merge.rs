@@ -3,6 +3,8 @@
 //! The records of all parts become the checkpoint of the table, from which `estimate` then makes the table as if it
 //! went on after an interruption: nothing is left to compute.
 
+use std::path::Path;
+
 use clap::Parser;
 
 use crate::commands::args::{Command, CommandLine, EstimateArgs, MergeArgs};
@@ -39,13 +41,13 @@ pub fn run(args: &MergeArgs) -> Result<()> {
 
 /// Opens all parts: each of one table, once.
 fn parts(args: &MergeArgs) -> Result<Vec<SealedPart>> {
-    let parts = args.parts.iter().map(|path| SealedPart::open(path)).collect::<Result<Vec<_>>>()?;
-    let first = &parts[0];
-    let of = first.share().of;
-    let mut found: Vec<Option<&SealedPart>> = vec![None; of as usize];
-    let wanted = asked(first)?;
-    for part in &parts {
-        let name = part.path().display();
+    let first = SealedPart::open(&args.parts[0])?;
+    let (of, wanted) = (first.share().of, asked(&first)?);
+    let mut found: Vec<Option<&Path>> = vec![None; of as usize];
+    let mut parts = Vec::with_capacity(args.parts.len());
+    for path in &args.parts {
+        let mut part = SealedPart::open(path)?;
+        let name = path.display();
         let place = part.share().number.checked_sub(1).and_then(|place| found.get_mut(place as usize));
         let Some(place) = place.filter(|_| part.share().of == of) else {
             return Err(Error::failed(format_args!(
@@ -54,19 +56,24 @@ fn parts(args: &MergeArgs) -> Result<Vec<SealedPart>> {
                 first.path().display()
             )));
         };
-        if part.head != first.head || asked(part)? != wanted {
+        if part.head != first.head || asked(&part)? != wanted {
             return Err(Error::failed(format_args!(
                 "{name}: belongs to another table than {}: another scene, other options or another version",
                 first.path().display()
             )));
         }
-        if let Some(other) = place.replace(part) {
+        if let Some(other) = place.replace(path) {
             return Err(Error::failed(format_args!(
                 "{name}: is part {} as {} is; leave one of them out",
                 part.share(),
-                other.path().display()
+                other.display()
             )));
         }
+        // The first stands for what all have in common: of thousands of parts, a kilobyte each.
+        if !parts.is_empty() {
+            (part.head, part.seal.arguments) = (Vec::new(), Vec::new());
+        }
+        parts.push(part);
     }
     let missing: Vec<String> =
         found.iter().zip(1..).filter(|(part, _)| part.is_none()).map(|(_, number)| number.to_string()).collect();

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use goniochrome::geometry::bvh::{Bvh, Node, Ray};
+use goniochrome::geometry::bvh::{Bvh, Hit, Node, Ray};
 
 use super::mesh::{ShadingFrame, TriangleMesh};
 use crate::support::error::{Error, Result};
@@ -121,6 +121,18 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// The nearest hits of rays from one origin along unit directions: those of [`Body::intersect`].
+    #[must_use]
+    pub fn intersect_each(&self, origin: DVec3, directions: &[DVec3]) -> Vec<Option<SurfaceHit>> {
+        let Intersector::Mesh(mesh, bvh) = &self.intersector else {
+            return directions.iter().map(|&direction| self.intersect(origin, direction)).collect();
+        };
+        let rays: Vec<Ray> = directions.iter().map(|&direction| ray(origin, direction)).collect();
+        let mut hits = vec![None; rays.len()];
+        bvh.intersect_batch(&rays, &mut hits, |_, _| true);
+        hits.into_iter().zip(&rays).map(|(hit, ray)| Some(surface_hit(mesh, ray, hit?))).collect()
+    }
+
     /// The nearest hit of the ray from `origin` along a unit `direction`.
     #[must_use]
     pub fn intersect(&self, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
@@ -128,10 +140,8 @@ impl<'a> Body<'a> {
             Intersector::Sphere => intersect_sphere(origin, direction),
             Intersector::Disc => intersect_disc(origin, direction),
             Intersector::Mesh(mesh, bvh) => {
-                let hit =
-                    bvh.intersect_nearest(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }, |_| true)?;
-                let point = origin + hit.t * direction;
-                Some(SurfaceHit { point, triangle: hit.triangle, frame: mesh.frame(hit.triangle, point) })
+                let ray = ray(origin, direction);
+                Some(surface_hit(mesh, &ray, bvh.intersect_nearest(&ray, |_| true)?))
             }
         }
     }
@@ -141,6 +151,15 @@ impl<'a> Body<'a> {
     pub fn offset_origin(&self, point: DVec3, frame: &ShadingFrame) -> DVec3 {
         point + OFFSET * self.bounds.1 * frame.face
     }
+}
+
+fn ray(origin: DVec3, direction: DVec3) -> Ray {
+    Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+}
+
+fn surface_hit(mesh: &TriangleMesh, ray: &Ray, hit: Hit) -> SurfaceHit {
+    let point = ray.origin + hit.t * ray.direction;
+    SurfaceHit { point, triangle: hit.triangle, frame: mesh.frame(hit.triangle, point) }
 }
 
 fn intersect_sphere(origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {

@@ -40,7 +40,9 @@ mod film;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use body::Body;
+use glam::DVec3;
+
+use body::{Body, SurfaceHit};
 use camera::Camera;
 use environment::Environment;
 use film::{Film, Pixel};
@@ -161,6 +163,16 @@ pub fn render(stage: &Stage<'_>, quality: &Quality, report: &(dyn Fn(Progress) +
     }
 }
 
+/// Number of rays from the camera whose first hits are found together, unless those of the last pixel are more.
+const TOGETHER: usize = 512;
+
+/// A ray from the camera, with its first hit on the body.
+struct First {
+    stream: SampleStream,
+    direction: DVec3,
+    hit: Option<SurfaceHit>,
+}
+
 /// What all pixels share while they are painted.
 struct Painter<'a> {
     stage: &'a Stage<'a>,
@@ -178,36 +190,60 @@ impl Painter<'_> {
         let rows = film.rows_mut().zip(0..);
         let scratch = || Scratch::new(self.tracer.channels.count());
         parallel::for_each(self.quality.threads, rows, scratch, |scratch, (row, y)| {
-            let mut rays = 0;
-            for (pixel, x) in row.iter_mut().zip(0..) {
-                if pixel.done < pixel.wanted {
-                    rays += halves as u64 * u64::from(pixel.wanted - pixel.done);
-                    (0..halves).for_each(|half| self.shade(pixel, half, [x, y], scratch));
+            let (mut rays, mut rest, mut x) = (0, row, 0);
+            while !rest.is_empty() {
+                let (count, firsts) = self.first_hits(rest, [x, y], halves);
+                rays += firsts.len() as u64;
+                let mut firsts = firsts.into_iter();
+                let (pixels, others) = rest.split_at_mut(count);
+                for pixel in pixels.iter_mut().filter(|pixel| pixel.done < pixel.wanted) {
+                    (0..halves).for_each(|half| self.shade(pixel, half, &mut firsts, scratch));
                     pixel.done = pixel.wanted;
                     if halves == 2 {
                         pixel.variance = self.quality.display.variance(pixel.means());
                     }
                 }
+                (rest, x) = (others, x + count as u32);
             }
             let done = done.fetch_add(rays, Ordering::Relaxed) + rays;
             (self.report)(Progress { done, expected, noise });
         });
     }
 
-    /// Adds the rays that a pixel still wants to one of its halves.
-    fn shade(&self, pixel: &mut Pixel, half: usize, [x, y]: [u32; 2], scratch: &mut Scratch) {
+    /// The rays that the next pixels of a row still want, by pixel and half, with their first hits; and how many pixels
+    /// these are. [x, y] is the place of the first.
+    fn first_hits(&self, pixels: &[Pixel], [x, y]: [u32; 2], halves: usize) -> (usize, Vec<First>) {
         let camera = self.stage.camera;
+        let (mut count, mut firsts) = (0, Vec::new());
+        for (pixel, x) in pixels.iter().zip(x..) {
+            if firsts.len() >= TOGETHER {
+                break;
+            }
+            count += 1;
+            for (half, ray) in (0..halves).flat_map(|half| (pixel.done..pixel.wanted).map(move |ray| (half, ray))) {
+                let mut stream = SampleStream::new(ray, y * camera.size[0] + x, half as u32);
+                let [right, down] = match self.quality.sampling {
+                    Sampling::Fixed(1) => [0.5; 2],
+                    Sampling::Preview => tracer::preview_place(ray),
+                    _ => stream.next(),
+                };
+                let direction = camera.direction(f64::from(x) + right, f64::from(y) + down);
+                firsts.push(First { stream, direction, hit: None });
+            }
+        }
+        let directions: Vec<DVec3> = firsts.iter().map(|first| first.direction).collect();
+        let hits = self.tracer.body.intersect_each(camera.eye, &directions);
+        firsts.iter_mut().zip(hits).for_each(|(first, hit)| first.hit = hit);
+        (count, firsts)
+    }
+
+    /// Adds the rays that a pixel still wants to one of its halves; they come next of `firsts`.
+    fn shade(&self, pixel: &mut Pixel, half: usize, firsts: &mut impl Iterator<Item = First>, scratch: &mut Scratch) {
         let (mut behind, mut covered) = ([0.0; 3], 0);
         scratch.radiance.fill(0.0);
-        for ray in pixel.done..pixel.wanted {
-            let mut stream = SampleStream::new(ray, y * camera.size[0] + x, half as u32);
-            let [right, down] = match self.quality.sampling {
-                Sampling::Fixed(1) => [0.5; 2],
-                Sampling::Preview => tracer::preview_place(ray),
-                _ => stream.next(),
-            };
-            let direction = camera.direction(f64::from(x) + right, f64::from(y) + down);
-            if self.tracer.trace(camera.eye, direction, &mut stream, scratch) {
+        for First { mut stream, direction, hit } in firsts.take((pixel.wanted - pixel.done) as usize) {
+            if let Some(hit) = hit {
+                self.tracer.trace(hit, direction, &mut stream, scratch);
                 covered += 1;
                 continue;
             }

@@ -128,9 +128,8 @@ impl SampleStream {
 }
 
 impl Tracer<'_> {
-    /// Traces a ray from the camera and adds its light to the scratch's radiance; false if the ray misses the body.
-    pub fn trace(&self, eye: DVec3, direction: DVec3, stream: &mut SampleStream, scratch: &mut Scratch) -> bool {
-        let Some(hit) = self.body.intersect(eye, direction) else { return false };
+    /// Adds the light along a ray from the camera, whose first hit is given, to the scratch's radiance.
+    pub fn trace(&self, hit: SurfaceHit, direction: DVec3, stream: &mut SampleStream, scratch: &mut Scratch) {
         scratch.throughput.fill(1.0);
         match &self.surface {
             Prepared::Mirror(mirror) if mirror.is_sheet() => self.trace_sheet(mirror, hit, direction, scratch),
@@ -142,7 +141,6 @@ impl Tracer<'_> {
                 scratch.radiance.iter_mut().zip(rgb).for_each(|(sum, c)| *sum += c);
             }
         }
-        true
     }
 
     /// Follows mirror reflections from the first hit of a ray.

@@ -261,14 +261,18 @@ impl<'m, V: RayLanes, G: DirectionGrid> ExitBuffer<'m, V, G> {
             if powers.abs().any_above(0.0) {
                 let mut numbers = [0.0; MAX_LANES];
                 powers.store(&mut numbers);
-                let cells = exit.cells.get(..V::Wavevector::WIDTH).unwrap_or(&[]);
-                let mut lane = 0;
-                for of_cell in cells.chunk_by(|a, b| a == b) {
-                    let end = if lane + of_cell.len() == cells.len() { V::WIDTH } else { lane + of_cell.len() };
-                    if let (Some(&cell), Some(powers)) = (of_cell.first(), numbers.get(lane..end)) {
-                        histogram.add_lanes(lane, exit.side, cell as usize, powers);
+                match exit.cells.get(..V::Wavevector::WIDTH).unwrap_or(&[]) {
+                    &[cell] => {
+                        let powers = numbers.get(..V::WIDTH).unwrap_or(&[]);
+                        histogram.add_lanes(0, exit.side, cell as usize, powers);
                     }
-                    lane = end;
+                    cells => {
+                        for (lane, (&cell, &power)) in cells.iter().zip(&numbers).enumerate() {
+                            if power.abs() > 0.0 {
+                                histogram.add(lane, exit.side, cell as usize, power);
+                            }
+                        }
+                    }
                 }
             }
             exits = tail;

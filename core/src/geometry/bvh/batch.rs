@@ -85,8 +85,7 @@ struct Traversal {
 }
 
 impl Traversal {
-    /// Begins at the root with `ray`. Fields are set in place: a copy of the whole would wait for its parts to be
-    /// stored.
+    /// Begins at the entry with `ray`. Fields are set in place: a copy would wait until all of them are stored.
     #[inline(always)]
     fn start(&mut self, tree: &Tree<'_>, ray: &Ray) {
         self.slabs = Slabs::new(ray, &tree.frame);
