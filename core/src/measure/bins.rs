@@ -15,7 +15,7 @@ use crate::geometry::side::Side;
 use crate::optics::medium::MediaLanes;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
-use crate::simd::phase::propagate;
+use crate::simd::phase::{propagate, propagate_real};
 use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::{RealLanes, VectorLanes};
 use crate::trace::coherent_mesh::{ExitWave, MAX_WAVEVECTOR_DIFFERENCE, WaveField, hero};
@@ -179,7 +179,7 @@ impl<V: RayLanes> ExitRecord<V> {
     fn interfere(&mut self, other: &mut Self, per_wavelength: V::Precise) {
         let half_step = RealLanes::<V::Wavevector>::splat(0.5 * (other.point_nm - self.point_nm));
         let turns = V::precise((self.wavevector + other.wavevector).dot(half_step)) * per_wavelength;
-        let phase = propagate::<V>(ComplexLanes::real(turns));
+        let phase = propagate_real::<V>(turns);
         // Unpolarised light is half s and half p: half of 2 Re(E_a·E_b*) for each.
         let Polarised { s, p } = self.field.zip(other.field, |a, b| {
             let [x, y, z] = [a.x * b.x.conj(), a.y * b.y.conj(), a.z * b.z.conj()];

@@ -94,8 +94,14 @@ pub fn cis<V: Lanes>(turn: V) -> ComplexLanes<V> {
 /// The propagation factor exp(2πi z) of a complex path z in wavelengths, Im z ≥ 0: phase and attenuation.
 #[inline]
 pub fn propagate<V: Lanes>(turns: ComplexLanes<V::Precise>) -> ComplexLanes<V> {
-    let phase = cis(V::narrow(turns.re - turns.re.round()));
+    let phase = propagate_real(turns.re);
     if turns.im.any_above(0.0) { phase.scale(attenuation(turns)) } else { phase }
+}
+
+/// The propagation factor exp(2πi x) of a real path x in wavelengths: a phase.
+#[inline]
+pub fn propagate_real<V: Lanes>(turns: V::Precise) -> ComplexLanes<V> {
+    cis(V::narrow(turns - turns.round()))
 }
 
 /// The attenuation exp(−2π Im z) of the amplitude along a complex path z in wavelengths.

@@ -80,11 +80,15 @@ impl<V: Lanes, const N: usize> Lanes for Registers<V, N> {
     }
     #[inline]
     fn narrow(precise: Self::Precise) -> Self {
-        Self(precise.0.map(V::narrow))
+        let mut out = [V::zero(); N];
+        out.iter_mut().zip(precise.0).for_each(|(register, precise)| *register = V::narrow(precise));
+        Self(out)
     }
     #[inline]
     fn widen(self) -> Self::Precise {
-        Registers(self.0.map(V::widen))
+        let mut out = [V::Precise::zero(); N];
+        out.iter_mut().zip(self.0).for_each(|(precise, register)| *precise = register.widen());
+        Registers(out)
     }
     #[inline]
     fn mul_add(self, m: Self, a: Self) -> Self {

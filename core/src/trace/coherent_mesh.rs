@@ -19,7 +19,7 @@ use crate::optics::medium::{MediaLanes, MediumIndex};
 use crate::optics::stack::Response;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
-use crate::simd::phase::propagate;
+use crate::simd::phase::{propagate, propagate_real};
 use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::VectorLanes;
 use crate::trace::plane_of_incidence::s_axis_of_wave;
@@ -188,7 +188,12 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
     /// Phase factor exp(i k₀ q·Δx) of a step.
     #[inline]
     fn phase_factor(&self, wavevector: &VectorLanes<V::Wavevector>, step_nm: DVec3) -> ComplexLanes<V> {
-        propagate(wavevector.dot_real(step_nm).map(V::precise).scale(self.per_wavelength))
+        let path = wavevector.dot_real(step_nm);
+        if path.im.any_above(0.0) {
+            propagate(path.map(V::precise).scale(self.per_wavelength))
+        } else {
+            propagate_real(V::precise(path.re) * self.per_wavelength)
+        }
     }
 
     /// Power of a field in a tube in a medium, for each polarisation.
