@@ -87,7 +87,8 @@ fn mirror_like(table: &MirrorTable, finish: Option<Finish<'_>>, is_sheet: bool, 
 }
 
 /// Tabulated facets: normals that the core draws, each with D there and at the normal turned by half a turn about z;
-/// and the squared roughness e of the GGX facets of which a direction sees as much area σ, by e = 4 σ (σ − cos θ)/sin²θ.
+/// and the squared roughness e of the GGX facets of which a direction sees as much area σ, by e = 4 σ (σ − cos
+/// θ)/sin²θ.
 fn facets(finish: &Finish<'_>) -> Value {
     let normals = (0..NORMALS).flat_map(|i| {
         let (group, look) = (i / (2 * RING), i % (2 * RING));
