@@ -51,18 +51,24 @@ impl Beam {
         let longest = |direction: DVec3| direction.abs().max_position();
         let z = longest(rays.first()?.direction);
         let axes = [z, (z + 1) % 3, (z + 2) % 3];
+        // Coordinates along the axes, in their order.
+        let along = |v: DVec3| match z {
+            0 => [v.x, v.y, v.z],
+            1 => [v.y, v.z, v.x],
+            _ => [v.z, v.x, v.y],
+        };
         let (mut low, mut high) = ([[f64::INFINITY; 2]; 2], [[f64::NEG_INFINITY; 2]; 2]);
         let mut size: f64 = 0.0;
         for ray in rays {
             if longest(ray.direction) != z || !ray.has_direction() {
                 return None;
             }
-            let (origin, direction) = (frame.to_local(ray.origin), ray.direction.to_array());
-            size = size.max(origin.abs().max_element());
-            let origin = origin.to_array();
+            let local = frame.to_local(ray.origin);
+            size = size.max(local.abs().max_element());
+            let ([height, origin @ ..], [length, direction @ ..]) = (along(local), along(ray.direction));
             for i in 0..2 {
-                let slope = direction[axes[i + 1]] / direction[z];
-                let middle = origin[axes[i + 1]] - slope * origin[z];
+                let slope = direction[i] / length;
+                let middle = origin[i] - slope * height;
                 for (end, x) in [middle - slope, middle + slope].into_iter().enumerate() {
                     low[i][end] = low[i][end].min(x);
                     high[i][end] = high[i][end].max(x);
