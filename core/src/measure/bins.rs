@@ -306,7 +306,7 @@ impl<V: RayLanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for ExitBuff
         let direction = wave.wavevector.direction(hero::<V::Wavevector>()).normalize_or_zero();
         let same = |exit: &&mut ExitRecord<V>| exit.is_same_wave(side, direction);
         if let Some(exit) = self.memory.iter_mut().take(self.count).find(same) {
-            let phase = propagate(phase_of(&wave, exit.point_nm - point_nm, self.per_wavelength));
+            let phase = propagate_real(phase_of(&wave, exit.point_nm - point_nm, self.per_wavelength));
             let more = scaled_to_power(field, power, phase);
             exit.field = exit.field.zip(more, |a, b| a + b);
             return;
@@ -371,7 +371,7 @@ impl<'m, V: RayLanes, G: DirectionGrid> BinFields<'m, V, G> {
 
 impl<V: RayLanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for BinFields<'_, V, G> {
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
-        let phase = propagate::<V>(phase_of(&wave, -wave.point_nm, self.per_wavelength));
+        let phase = propagate_real::<V>(phase_of(&wave, -wave.point_nm, self.per_wavelength));
         let field = scaled_to_power(field, wave.power, phase * self.arrival);
         let bins = cells_of_lanes(&self.grid, wave.wavevector.map(|q| q.re));
         let hemisphere = if wave.side == Side::Above { 0 } else { self.grid.count() };
@@ -392,8 +392,8 @@ impl<V: RayLanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V>> for BinField
 /// Phase of a ray over a step, in turns. The amplitude is not changed: where it varies across the ray, as in an
 /// absorbing substrate or behind a tilted facet of an absorbing body, the power of the ray's tube counts, wherever the
 /// phase is referred to.
-fn phase_of<V: RayLanes>(wave: &ExitWave<V>, step_nm: DVec3, per_wavelength: V::Precise) -> ComplexLanes<V::Precise> {
-    ComplexLanes::real(V::precise(wave.wavevector.dot_real(step_nm).re) * per_wavelength)
+fn phase_of<V: RayLanes>(wave: &ExitWave<V>, step_nm: DVec3, per_wavelength: V::Precise) -> V::Precise {
+    V::precise(wave.wavevector.dot_real(step_nm).re) * per_wavelength
 }
 
 /// Field times a phase factor, scaled so that its square is the power of the ray, in an absorbing substrate too.
