@@ -1,6 +1,6 @@
 //! Tests of blobs of films: their bytes, their rules, and look-ups before and after.
 
-use goniochrome::microfacet::{Distribution, FacetTable, Finish, FinishError, Masking};
+use goniochrome::microfacet::{Compensation, Distribution, FacetTable, Finish, FinishError, Masking};
 use goniochrome::table::blob::{Blob, BlobError, Contents, Precision};
 use goniochrome::table::{FilmArrays, FilmTable, TableError};
 
@@ -148,4 +148,43 @@ fn tabulated_facets_are_looked_up_in_bytes_as_in_memory() {
     // Analytic facets have no table.
     let ggx = Finish::new(Distribution::Ggx, Masking::Correlated, [0.5; 2]).unwrap();
     assert_eq!(ggx.facets(), None);
+}
+
+#[test]
+fn energy_compensation_is_looked_up_in_bytes_as_in_memory() {
+    let ggx = Finish::new(Distribution::Ggx, Masking::Separable, [0.5, 0.25]).unwrap();
+    let losses: [f32; Compensation::LEN] = std::array::from_fn(|node| 0.5 - node as f32 / 512.0);
+    let finish = ggx.with_compensation(Compensation::of(&losses).unwrap());
+    let returned = [0.5, 0.25, 0.125, 1.0, 2.0, 4.0];
+    let [reflectance, transmittance]: [Vec<f32>; 2] = [(); 2].map(|()| (0..24).map(|i| 0.04 * i as f32).collect());
+    let thickness_nm = [100.0, 250.0];
+    let arrays = FilmArrays { reflectance: &reflectance, transmittance: &transmittance, thickness_nm: &thickness_nm };
+    let film = FilmTable::new(&arrays, 3, 1.5, Some(finish)).unwrap().with_returned(&returned).unwrap();
+    let bytes = written(Contents::Film(film), Precision::Single);
+    let Contents::Film(read) = Blob::read(&bytes).unwrap().contents else { panic!("a film") };
+    for (wi, wo) in directions().zip(directions().skip(3)) {
+        assert_eq!(read.eval_and_pdf(wi, wo, 180.0), film.eval_and_pdf(wi, wo, 180.0));
+        let u = [(wi.x + 1.0) / 2.0, (wo.y + 1.0) / 2.0];
+        assert_eq!(read.sample(wi, u, 180.0), film.sample(wi, u, 180.0));
+    }
+    let numbers = 64 + 4 * 48;
+    assert_eq!((bytes[36..40].to_vec(), bytes.len()), (vec![8, 0, 0, 0], numbers + 4 * (2 + 2 + 129 + 6)));
+    let behind: Vec<u8> = losses.iter().chain(&returned).flat_map(|x| x.to_le_bytes()).collect();
+    assert_eq!(bytes[numbers + 16..], behind);
+    for (place, value, error) in [
+        (4, -0.1, TableError::Finish),
+        (132, 1.5, TableError::Finish),
+        (4, f32::NAN, TableError::Finish),
+        (134, f32::INFINITY, TableError::NotFinite { index: 1 }),
+    ] {
+        let mut bad = bytes.clone();
+        bad[numbers + 4 * place..][..4].copy_from_slice(&value.to_le_bytes());
+        assert_eq!(Blob::read(&resealed(bad)).map(drop), Err(BlobError::Table(error)), "{place} {value}");
+    }
+    let mut bad = bytes.clone();
+    bad[36] = 2;
+    assert_eq!(Blob::read(&resealed(bad)).map(drop), Err(BlobError::Dimensions));
+    let mut bad = bytes;
+    bad[36] = 13;
+    assert_eq!(Blob::read(&resealed(bad)).map(drop), Err(BlobError::Field { offset: 36 }));
 }

@@ -11,9 +11,9 @@ const ROUGHNESSES: [[f32; 2]; 5] = [[0.05, 0.05], [0.3, 0.3], [1.0, 1.0], [0.1, 
 
 /// A finish, and the roughness along x and y to which quadratures fit.
 #[derive(Clone, Copy, Debug)]
-struct Rough {
-    finish: Finish<'static>,
-    alpha: [f32; 2],
+pub(crate) struct Rough {
+    pub finish: Finish<'static>,
+    pub alpha: [f32; 2],
 }
 
 fn finishes() -> impl Iterator<Item = Rough> {
@@ -24,12 +24,12 @@ fn finishes() -> impl Iterator<Item = Rough> {
     analytic.chain(tabulated_finishes())
 }
 
-fn analytic(distribution: Distribution, alpha: [f32; 2]) -> Finish<'static> {
+pub(crate) fn analytic(distribution: Distribution, alpha: [f32; 2]) -> Finish<'static> {
     Finish::new(distribution, Masking::Correlated, alpha).unwrap()
 }
 
 /// Tables of both distributions, of two tilted lobes, and of a ring of slopes without any facet along z.
-fn tabulated_finishes() -> impl Iterator<Item = Rough> {
+pub(crate) fn tabulated_finishes() -> impl Iterator<Item = Rough> {
     let of = |size, alpha, density: &dyn Fn(Vec3) -> f32| Rough { finish: tabulated(size, density), alpha };
     let lobes = |m: Vec3| {
         let (x, y) = (m.x / m.z, m.y / m.z);
@@ -60,7 +60,7 @@ fn tabulated(size: [usize; 2], density: &dyn Fn(Vec3) -> f32) -> Finish<'static>
     Finish::tabulated(FacetTable::new(size, &nodes, memory).unwrap(), Masking::Correlated)
 }
 
-fn direction(theta: f64, phi: f64) -> Vec3 {
+pub(crate) fn direction(theta: f64, phi: f64) -> Vec3 {
     DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()).as_vec3()
 }
 
@@ -185,13 +185,19 @@ impl Cells {
 
 #[test]
 fn samples_are_as_dense_as_evaluation_says() {
+    // Of 300 tests at 0.01, three are expected to fail by chance.
+    check_samples(finishes());
+}
+
+/// Compares counts of samples with the integrated density, in 20 directions for each finish.
+pub(crate) fn check_samples(finishes: impl Iterator<Item = Rough>) {
     /// Samples of each direction, and the fewest that are expected in a cell; smaller cells are counted together.
     const SAMPLES: u64 = 100_000;
     const FEWEST: f64 = 10.0;
     /// Smallest probability of a result as far off by chance, in 20 directions for each finish.
     const P_VALUE: f64 = 0.01;
     let mut failed = Vec::new();
-    for (rough, which) in finishes().zip(0..) {
+    for (rough, which) in finishes.zip(0..) {
         for test in 0..20u64 {
             let mut random = Random(1000 * which + test);
             let wi = direction(random.between(0.001, 1.0).acos(), random.between(0.0, TAU));
@@ -225,7 +231,6 @@ fn samples_are_as_dense_as_evaluation_says() {
             }
         }
     }
-    // Of 300 tests at 0.01, three are expected to fail by chance.
     assert!(failed.is_empty(), "{failed:?}");
 }
 

@@ -2,6 +2,7 @@
 
 mod allocation;
 mod colour;
+mod compensation;
 mod finish;
 mod flow;
 mod growth;

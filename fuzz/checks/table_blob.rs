@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use goniochrome::colour::RgbSpace;
-use goniochrome::microfacet::{Distribution, FacetTable, Finish, Masking};
+use goniochrome::microfacet::{Compensation, Distribution, FacetTable, Finish, Masking};
 use goniochrome::table::blob::{Blob, Contents, Precision};
 use goniochrome::table::{
     FacetLobe, FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
@@ -52,11 +52,16 @@ pub fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
             let sampler = incident.checked_mul(nodes.checked_add(fourth)?.checked_add(1)?)?;
             sampler.checked_add(2 * knots)?.checked_add(lobes.checked_mul(FacetLobe::LEN)?)?
         }
-        FILM => columns.checked_add(match fourth & 0xff {
-            0 => 0,
-            1..=4 => 2,
-            _ => FacetTable::required_len([fourth >> 16, fourth >> 8 & 0xff]),
-        })?,
+        FILM => {
+            let (number, size) = (fourth & 0xff, [fourth >> 16, fourth >> 8 & 0xff]);
+            let compensation = if number > 6 { Compensation::LEN + columns.checked_mul(channels)? } else { 0 };
+            let of_finish = match number {
+                0 => 0,
+                1..=4 | 7..=10 => 2,
+                _ => FacetTable::required_len(size),
+            };
+            columns.checked_add(compensation)?.checked_add(of_finish)?
+        }
         ORDERS => channels.checked_mul(2)?.checked_add(third.checked_mul(5)?)?,
         _ => 0,
     };
@@ -76,6 +81,7 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
     let values: Vec<f32> = numbers.as_chunks().0.iter().map(|&bits| f32::from_le_bytes(bits)).collect();
     let channels = 1 + usize::from(kind >> 2 & 3);
     let precision = if kind & 2 == 0 { Precision::Single } else { Precision::Half };
+    let is_compensated = space & 0x80 != 0;
     let spaces = [RgbSpace::Srgb, RgbSpace::Rec2020, RgbSpace::AcesCg, RgbSpace::Paper];
     let space = usize::from(space % 5).checked_sub(1).map(|place| spaces[place]);
     let write = |contents| {
@@ -134,7 +140,15 @@ pub fn made(bytes: &[u8]) -> Option<Vec<u8>> {
             };
             let transmittance = if kind & 0x40 == 0 { &[][..] } else { &values };
             let arrays = FilmArrays { reflectance: &values, transmittance, thickness_nm: &thickness_nm };
-            return write(Contents::Film(FilmTable::new(&arrays, channels, theta_max, finish).ok()?));
+            let film = |finish| FilmTable::new(&arrays, channels, theta_max, finish).ok();
+            if !is_compensated {
+                return write(Contents::Film(film(finish)?));
+            }
+            let losses = numbers.iter().cycle().map(|&byte| f32::from(byte) / 255.0);
+            let losses: Vec<f32> = losses.take(Compensation::LEN).collect();
+            let film = film(Some(finish?.with_compensation(Compensation::of(&losses).ok()?)))?;
+            let returned = values.get(..channels * thickness_nm.len())?;
+            return write(Contents::Film(film.with_returned(returned).ok()?));
         }
         return write(Contents::Mirror(MirrorTable::new(&values, channels, theta_max).ok()?));
     }

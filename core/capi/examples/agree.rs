@@ -10,7 +10,7 @@ use goniochrome::geometry::facet::Facet;
 use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionBins, ExitBuffer, ExitRecord, Histogram};
-use goniochrome::microfacet::{Distribution, FacetTable, Finish, Masking};
+use goniochrome::microfacet::{Compensation, Distribution, FacetTable, Finish, Masking};
 use goniochrome::optics::incidence::Incidence;
 use goniochrome::optics::interface::{Below, Interface, Model};
 use goniochrome::optics::medium::{Dispersion, Extrapolate, MediaLanes, Medium};
@@ -322,12 +322,14 @@ fn main() {
     let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, [0.1, 0.4]).unwrap();
     let film = FilmTable::new(&arrays, 3, 1.5, Some(finish)).unwrap();
     table(&written(Contents::Film(film), Precision::Single, &folder.join("film.gonio")));
-    // Facets that depend on the azimuth: a bump along x.
+    // Facets that depend on the azimuth, a bump along x, with energy compensation.
     let density: Vec<f32> = (0..9 * 4).map(|i| if i % 2 == 0 { 1.0 } else { 0.25 } / (1.0 + (i / 4) as f32)).collect();
     let mut memory = vec![0.0; FacetTable::required_len([8, 4])];
     let facets = FacetTable::new([8, 4], &density, &mut memory).unwrap();
-    let finish = Finish::tabulated(facets, Masking::Separable);
-    let film = FilmTable::new(&arrays, 3, 1.5, Some(finish)).unwrap();
+    let losses: [f32; Compensation::LEN] = std::array::from_fn(|node| 0.5 - node as f32 / 512.0);
+    let compensation = Compensation::of(&losses).unwrap();
+    let finish = Finish::tabulated(facets, Masking::Separable).with_compensation(compensation);
+    let film = FilmTable::new(&arrays, 3, 1.5, Some(finish)).unwrap().with_returned(&ramp[..15]).unwrap();
     table(&written(Contents::Film(film), Precision::Single, &folder.join("facets.gonio")));
     let layout = OrderLayout::new([5, 3], Periodicity::X, [1600.0, 1.0]).unwrap();
     let strength: Vec<f32> = (0..3 * layout.count() * 7).map(|i| (i * 31 % 97) as f32 / 970.0).collect();

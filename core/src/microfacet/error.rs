@@ -1,6 +1,6 @@
 //! Errors of finishes.
 
-use super::limits::{MAX_RINGS, MAX_SECTORS, MIN_ROUGHNESS};
+use super::limits::{LOSSES, MAX_RINGS, MAX_SECTORS, MIN_ROUGHNESS};
 
 /// An error for which a finish or a table of facets is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub enum FinishError {
     Density,
     /// Facets have a mean slope.
     Tilt,
+    /// Losses of a compensation are not from 0 to 1, or memory for them has another length.
+    Losses,
 }
 
 impl core::fmt::Display for FinishError {
@@ -25,6 +27,7 @@ impl core::fmt::Display for FinishError {
             ),
             Self::Density => write!(f, "densities of normals must be finite, not negative, and positive somewhere"),
             Self::Tilt => write!(f, "the facets have a mean slope; level them"),
+            Self::Losses => write!(f, "energy compensation has {LOSSES} losses, each from 0 to 1"),
         }
     }
 }

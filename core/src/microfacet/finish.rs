@@ -1,11 +1,12 @@
 //! A distribution of microfacets with Smith's masking.
 
 use super::beckmann;
+use super::compensation::Compensation;
 use super::error::FinishError;
 use super::roughness::Roughness;
 use super::table::{FacetTable, Pair};
 use crate::simd::lanes::sqrtf;
-use core::f32::consts::TAU;
+use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
 use libm::{cosf, sinf};
 use wide::f32x4;
@@ -41,6 +42,7 @@ pub enum Masking {
 pub struct Finish<'a> {
     facets: Facets<'a>,
     masking: Masking,
+    compensation: Option<Compensation<'a>>,
 }
 
 /// Distribution of facets, with what it needs.
@@ -60,6 +62,9 @@ pub struct Lobe {
     pub value: f32,
     /// Density per solid angle with which [`Finish::sample`] draws wo for wi.
     pub pdf: f32,
+    /// (1 − E(cos θ_i)) (1 − E(cos θ_o)), what both directions lose to further facets; 0 without a [`Compensation`].
+    /// Times [`Compensation::returned`], it is f of the light that several bounces return.
+    pub multiple: f32,
 }
 
 impl Finish<'static> {
@@ -73,7 +78,7 @@ impl Finish<'static> {
             Distribution::Ggx => Facets::Ggx(roughness),
             Distribution::Beckmann => Facets::Beckmann(roughness),
         };
-        Ok(Self { facets, masking })
+        Ok(Self { facets, masking, compensation: None })
     }
 }
 
@@ -81,7 +86,19 @@ impl<'a> Finish<'a> {
     /// Finish of a tabulated distribution of normals.
     #[must_use]
     pub fn tabulated(table: FacetTable<'a>, masking: Masking) -> Self {
-        Self { facets: Facets::Tabulated(table), masking }
+        Self { facets: Facets::Tabulated(table), masking, compensation: None }
+    }
+
+    /// The finish with energy compensation, of losses that [`Finish::compensated`] computes.
+    #[must_use]
+    pub fn with_compensation(self, compensation: Compensation<'a>) -> Self {
+        Self { compensation: Some(compensation), ..self }
+    }
+
+    /// The energy compensation; `None` if light that meets a second facet is left out.
+    #[must_use]
+    pub fn compensation(&self) -> Option<Compensation<'a>> {
+        self.compensation
     }
 
     /// The distribution; `None` if it is tabulated.
@@ -219,20 +236,34 @@ impl<'a> Finish<'a> {
                 (cos_d, density, areas, pdf)
             }
         };
-        Some(Lobe { cos_d, value: density * self.shadowing_of(wi, wo, areas), pdf })
+        let lobe = Lobe { cos_d, value: density * self.shadowing_of(wi, wo, areas), pdf, multiple: 0.0 };
+        Some(match &self.compensation {
+            None => lobe,
+            Some(compensation) => {
+                let [loss_i, loss_o] = [wi.z, wo.z].map(|cos| compensation.loss(cos));
+                let pdf = (1.0 - loss_i) * pdf + loss_i * FRAC_1_PI * wo.z;
+                Lobe { pdf, multiple: loss_i * loss_o, ..lobe }
+            }
+        })
     }
 
     /// Draws wo for light from `wi` by `u` uniform in [0, 1)²: the mirror direction at a facet from
-    /// [`Finish::draw_normal`]. `None` if `wi` is below the horizon, or wo is: that is a sample without light, and
-    /// counts.
+    /// [`Finish::draw_normal`]. With compensation, it is instead drawn in proportion to cos θ_o with the probability
+    /// 1 − E(cos θ_i). `None` if `wi` is below the horizon, or wo is: that is a sample without light, and counts.
     #[must_use]
     pub fn sample(&self, wi: Vec3, u: [f32; 2]) -> Option<Vec3> {
         let above = wi.z > 0.0;
         if !above {
             return None;
         }
-        let m = self.draw_normal(wi, u);
-        let wo = (2.0 * wi.dot(m) * m - wi).normalize();
+        let loss = self.compensation.map_or(0.0, |compensation| compensation.loss(wi.z));
+        let wo = if u[0] < loss {
+            around_normal([u[0] / loss, u[1]])
+        } else {
+            let u = if loss > 0.0 { [(u[0] - loss) / (1.0 - loss), u[1]] } else { u };
+            let m = self.draw_normal(wi, u);
+            (2.0 * wi.dot(m) * m - wi).normalize()
+        };
         (wo.z > 0.0).then_some(wo)
     }
 
@@ -260,6 +291,13 @@ impl<'a> Finish<'a> {
             Facets::Tabulated(table) => table.draw(wi, u),
         }
     }
+}
+
+/// Draws a direction above the horizon in proportion to its cosine.
+fn around_normal(u: [f32; 2]) -> Vec3 {
+    let (square, phi) = (u[0].min(1.0), TAU * u[1]);
+    let sin = sqrtf(square);
+    Vec3::new(sin * cosf(phi), sin * sinf(phi), sqrtf(1.0 - square))
 }
 
 /// Draws a normal of the GGX surface of roughness 1, a hemisphere, as `wi` sees it: the mirror directions of `wi` at

@@ -7,7 +7,7 @@
 //!
 //! (Cook & Torrance 1982; Ashikhmin, Premoze & Shirley 2000). D is the density of normals, ∫ D cos θ_m dω_m = 1, and G₂
 //! the part of them that both directions see, by Smith's model (Heitz, "Understanding the masking-shadowing function in
-//! microfacet-based BRDFs", JCGT 2014). Light that meets a second facet is left out.
+//! microfacet-based BRDFs", JCGT 2014). Light that meets a second facet is left out, or returned by a [`Compensation`].
 //!
 //! Directions are unit vectors in the surface's frame. All functions are in single precision; the caller owns no
 //! memory.
@@ -20,8 +20,11 @@ mod beckmann;
 mod facet_layout;
 mod visible;
 mod table;
+mod compensation;
 mod finish;
+mod losses;
 
+pub use compensation::{Compensation, mean_reflectance};
 pub use error::FinishError;
 pub use finish::{Distribution, Finish, Lobe, Masking};
 pub use limits::{MAX_RINGS, MAX_SECTORS, MIN_ROUGHNESS};

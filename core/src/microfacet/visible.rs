@@ -14,6 +14,14 @@ const MAX_TILT: f64 = 0.02;
 /// Rows of e for each that is integrated; the rest are cubic between those.
 const FINER: usize = 4;
 
+/// Gauss nodes in [−1, 1] and their weights.
+pub(super) const GAUSS: [[f64; 2]; 4] = [
+    [-0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
+    [-0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
+    [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
+    [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
+];
+
 /// Computes the squared roughness e of directions, all rows of it, of D in rows of `layout`.
 ///
 /// What a direction w does not see, ∫ D (w·m)⁻ dω_m = σ − w·∫ D m dω_m, is summed over cos θ_m by four Gauss nodes in
@@ -121,13 +129,6 @@ fn between(layout: FacetLayout, nodes: &[f32], ring: usize, part: f64, sector: u
 /// Calls `of` with the ring, the part of the way to the next, cos θ_m and the weight of each node of a quadrature over
 /// cos θ_m.
 fn over_rings(layout: FacetLayout, mut of: impl FnMut(usize, f64, f64, f64)) {
-    /// Gauss nodes in [−1, 1] and their weights.
-    const GAUSS: [[f64; 2]; 4] = [
-        [-0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
-        [-0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
-        [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
-        [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
-    ];
     for ring in 0..layout.rings {
         let [low, high] = [ring, ring + 1].map(|ring| layout.sin_square(ring));
         let [from, to] = [low, high].map(|t| sqrt(1.0 - t));

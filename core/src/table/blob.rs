@@ -17,7 +17,7 @@
 //! | 24 | 4 | u32 rows T: mirror and film: angles, at least 2; scatter: rows of incident directions; orders: nodes along β |
 //! | 28 | 4 | u32 columns P of incident directions; mirror: 1; film: thicknesses; orders: nodes along α |
 //! | 32 | 4 | u32 nodes U of half vectors along x; mirror: 1; film: 1 reflectance, 2 transmittance too; orders: number of wavelengths N |
-//! | 36 | 4 | u32 nodes V along y; mirror: 1; film: u8 finish, 0 none, 1 GGX, 2 GGX with separable masking, 3 and 4 Beckmann, 5 and 6 tabulated facets likewise; tabulated facets: u8 sectors S and u16 rings K, else 0; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
+//! | 36 | 4 | u32 nodes V along y; mirror: 1; film: u8 finish, 0 none, 1 GGX, 2 GGX with separable masking, 3 and 4 Beckmann, 5 and 6 tabulated facets likewise, 7 to 12 these six with energy compensation; tabulated facets: u8 sectors S and u16 rings K, else 0; orders: axes along which the surface repeats, 1 x, 2 y, 3 both |
 //! | 40 | 8 | f64 largest angle in radians, in (0, π/2]; scatter: u32 number of lobes L, u16 knots K_u and K_v of the warp; orders: two binary32, the periods along x and y in nm |
 //! | 48 | 8 | u64 size of the whole blob |
 //! | 56 | 4 | u32 colour space of the first three channels, or of the RGB weights of orders: 0 unknown, 1 linear sRGB, 2 linear Rec. 2020, 3 ACEScg, 4 the paper's matrix ([`RgbSpace`]) |
@@ -26,7 +26,7 @@
 //! | | 0 to 3 | zeros, up to a multiple of 4 |
 //! | | 4·(2·(K_u + K_v) + 10·L + T·P·(1 + V + U·V)) | scatter only: binary32: normalised density and integral at each knot over u, then over v; index and matrix of each lobe, by columns ([`FacetLobe`]); for each incident direction: what it reflects without lobes, the mean of \|s\| over channels summed over the square, over cos θ_i; V cumulative probabilities of the rows of nodes; in each row, U cumulative probabilities of its nodes |
 //! | | 4·(2·C + 5·N) | orders only: binary32: m and n of each order; N vacuum wavelengths in nm; N refractive indices of the medium above; three RGB weights of each wavelength |
-//! | | 4·P, 4·(P + 2) with a finish, or 4·(P + F) with tabulated facets | film only: binary32: thicknesses in nm; roughness α along x and along y, or the facets |
+//! | | 4·P, 4·(P + 2) with a finish, or 4·(P + F) with tabulated facets; 4·(129 + P·C) more with energy compensation | film only: binary32: thicknesses in nm; roughness α along x and along y, or the facets; losses of facets at cos θ = (i/128)², then what several bounces return, `[thickness][channel]` |
 //!
 //! Angle t of a mirror or film is t/(T − 1) of the largest. Thicknesses of films increase, from 0 to 10⁹ nm; where none
 //! varies there is one, of any size. Roughnesses are from 0.001 to 1. Values are finite and their magnitudes at most
@@ -44,6 +44,9 @@
 //!
 //! D is linear in sin²θ_m and φ_m, e is linear in √cos θ and cubic (Catmull & Rom) in φ. Magnitudes are at most 10¹⁸, D
 //! is not negative.
+//!
+//! With energy compensation ([`Compensation`](crate::microfacet::Compensation)), losses are from 0 to 1 and linear in
+//! √cos θ. f has a further part: both directions' losses times what several bounces return, in 1/sr.
 //!
 //! Incident directions and nodes are those of [`ScatterLayout`], columns running fastest; the warp is
 //! [`HalfVectorWarp`]'s. Scatter sides are at most 1024, T and U at least 2; knots are from 2 to 1025. The first number
@@ -186,7 +189,7 @@ impl Dimensions {
         let values = self.count()?.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
         let numbers = match self.kind {
             MIRROR => 0,
-            FILM => columns + FinishField::of(self.sides[3])?.numbers() as u64,
+            FILM => FinishField::of(self.sides[3])?.numbers([self.sides[1], self.channels])?.checked_add(columns)?,
             // Sums of products of 32 bits.
             ORDERS => 2 * u64::from(self.channels) + 5 * third,
             _ => {
@@ -295,7 +298,8 @@ impl<'a> Blob<'a> {
                     Some(None) => Values::Numbers(&alpha),
                     Some(Some(facets)) => facets.values(),
                 };
-                (table.values(), [table.thickness_values(), of_finish, nothing, nothing])
+                let losses = finish.and_then(|finish| finish.compensation()).map_or(nothing, |losses| losses.values());
+                (table.values(), [table.thickness_values(), of_finish, losses, table.returned_values()])
             }
             Contents::Scatter(table, sampler) => {
                 let [u, v] = table.warp().values();
@@ -413,10 +417,9 @@ fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, Blob
             let of_one = if third == 1 { values.len() } else { values.len() / 2 };
             let quantities = [values.part(0, of_one), values.part(of_one, values.len() - of_one)];
             let columns = columns as usize;
-            let finish = finish.finish(numbers.part(columns, finish.numbers()))?;
             let thickness_nm = numbers.part(0, columns);
-            let table = FilmTable::of(quantities, thickness_nm, channels, f64::from_bits(extent), finish)?;
-            Ok(Contents::Film(table))
+            let table = FilmTable::of(quantities, thickness_nm, channels, f64::from_bits(extent), None)?;
+            Ok(Contents::Film(finish.on(table, numbers.part(columns, numbers.len() - columns))?))
         }
         SCATTER => {
             let layout = ScatterLayout::new([rows, columns], [third, fourth], dimensions.lobes() as u32)?;

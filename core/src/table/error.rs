@@ -14,8 +14,8 @@ pub enum TableError {
     ThetaMax,
     /// The thicknesses of a film do not increase, or are not from 0 to 10⁹ nm.
     Thickness,
-    /// A roughness of a finish is not from 0.001 to 1, or numbers of tabulated facets are too large, not finite, or
-    /// negative where they are densities.
+    /// A roughness of a finish is not from 0.001 to 1, numbers of tabulated facets are too large, not finite, or
+    /// negative where they are densities, or energy compensation is missing or has losses that are not from 0 to 1.
     Finish,
     /// A value is NaN, infinite or beyond [`MAX_MAGNITUDE`], or an incident direction's cumulative probabilities in a
     /// blob are not sound.
@@ -58,7 +58,11 @@ impl core::fmt::Display for TableError {
             Self::ThetaMax => write!(f, "the largest angle must lie in (0, 90] degrees"),
             Self::Thickness => write!(f, "thicknesses must increase, from 0 to 1e9 nm"),
             Self::Finish => {
-                write!(f, "a roughness must be from 0.001 to 1, and tabulated facets must be finite and not negative")
+                write!(
+                    f,
+                    "a finish needs a roughness from 0.001 to 1, or tabulated facets that are finite and not negative, and \
+                     losses from 0 to 1 if it has any"
+                )
             }
             Self::NotFinite { index } => {
                 write!(f, "value {index} is not a number from −{MAX_MAGNITUDE:e} to {MAX_MAGNITUDE:e}")

@@ -4,7 +4,7 @@ use super::angle_axis::AngleAxis;
 use super::angles::angle_of_cosine;
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::mirror::MirrorTable;
-use crate::microfacet::Finish;
+use crate::microfacet::{Finish, Lobe};
 use crate::values::Values;
 use glam::Vec3;
 
@@ -25,7 +25,8 @@ pub struct FilmArrays<'a> {
 /// BRDF of a mirror-like surface, smooth or with a [`Finish`], and its transmittance.
 ///
 /// A smooth surface reflects ρ(θ) into the mirror direction: f(wi, wo) = ρ(θ) δ(wo − mirror(wi))/cos θ. With a finish
-/// f(wi, wo) = ρ(θ_d) D G₂/(4 cos θ_i cos θ_o), with θ_d the angle to the half vector. f is in 1/sr, without the
+/// f(wi, wo) = ρ(θ_d) D G₂/(4 cos θ_i cos θ_o), with θ_d the angle to the half vector, and the light that several
+/// bounces return where the finish has a [`Compensation`](crate::microfacet::Compensation). f is in 1/sr, without the
 /// cosine.
 ///
 /// Angles are uniform from 0 to the largest, ends included. Values are linear between angles and between thicknesses,
@@ -39,6 +40,8 @@ pub struct FilmTable<'a> {
     axis: AngleAxis,
     channels: usize,
     finish: Option<Finish<'a>>,
+    /// What several bounces return, `[thickness][channel]`; empty without compensation.
+    returned: Values<'a>,
 }
 
 /// Direction that [`FilmTable::sample`] has drawn.
@@ -96,7 +99,38 @@ impl<'a> FilmTable<'a> {
         let second = transmittance.first_beyond(MAX_MAGNITUDE).map(|index| count + index);
         match reflectance.first_beyond(MAX_MAGNITUDE).or(second) {
             Some(index) => Err(TableError::NotFinite { index }),
-            None => Ok(Self { reflectance, transmittance, thickness_nm, axis, channels, finish }),
+            None => {
+                let returned = Values::Numbers(&[]);
+                Ok(Self { reflectance, transmittance, thickness_nm, axis, channels, finish, returned })
+            }
+        }
+    }
+
+    /// The table of a finish with compensation, with what its facets return in each channel, `[thickness][channel]`, by
+    /// [`Compensation::returned`](crate::microfacet::Compensation::returned). Without it nothing is returned.
+    ///
+    /// # Errors
+    /// [`TableError::Finish`] for a surface without compensation, [`TableError::Shape`] unless there is a number for
+    /// each thickness and channel, [`TableError::NotFinite`] for a number that is NaN or beyond [`MAX_MAGNITUDE`].
+    pub fn with_returned(self, returned: &'a [f32]) -> Result<Self, TableError> {
+        self.returning(Values::Numbers(returned))
+    }
+
+    /// The table of a surface with a finish.
+    pub(super) fn finished(self, finish: Finish<'a>) -> Self {
+        Self { finish: Some(finish), ..self }
+    }
+
+    pub(super) fn returning(self, returned: Values<'a>) -> Result<Self, TableError> {
+        if self.finish.and_then(|finish| finish.compensation()).is_none() {
+            return Err(TableError::Finish);
+        }
+        if returned.len() != self.channels * self.thicknesses() {
+            return Err(TableError::Shape);
+        }
+        match returned.first_beyond(MAX_MAGNITUDE) {
+            Some(index) => Err(TableError::NotFinite { index }),
+            None => Ok(Self { returned, ..self }),
         }
     }
 
@@ -186,9 +220,30 @@ impl<'a> FilmTable<'a> {
     fn look_up(&self, xi: f32, yi: f32, zi: f32, xo: f32, yo: f32, zo: f32, thickness_nm: f32) -> ([f32; 3], f32) {
         let (wi, wo) = (Vec3::new(xi, yi, zi), Vec3::new(xo, yo, zo));
         let Some(lobe) = self.finish.as_ref().and_then(|finish| finish.lobe(wi, wo)) else { return ([0.0; 3], 0.0) };
-        let rho = self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm);
+        (self.reflected(&lobe, thickness_nm), lobe.pdf)
+    }
+
+    /// RGB of f for a pair of directions.
+    #[inline]
+    fn reflected(&self, lobe: &Lobe, thickness_nm: f32) -> [f32; 3] {
+        let mut rgb = self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm).map(|rho| rho * lobe.value);
+        if self.returned.len() > 0 {
+            let returned = self.returned(thickness_nm);
+            rgb = core::array::from_fn(|c| rgb[c] + returned[c] * lobe.multiple);
+        }
         // Directions near the horizon may reflect more than single precision holds.
-        (rho.map(|rho| (rho * lobe.value).clamp(f32::MIN, f32::MAX)), lobe.pdf)
+        rgb.map(|f| f.clamp(f32::MIN, f32::MAX))
+    }
+
+    /// RGB of what several bounces return, for a thickness in nm.
+    #[inline(never)]
+    fn returned(&self, thickness_nm: f32) -> [f32; 3] {
+        let at = |thickness: usize| self.returned.three(self.channels * thickness, self.channels);
+        if self.thicknesses() == 1 {
+            return at(0);
+        }
+        let (below, across) = self.locate_thickness(thickness_nm);
+        mixed([below, below + 1].map(at), across)
     }
 
     /// Draws wo for the unit vector `wi` and a thickness in nm: by a finish among the facets that `wi` sees, with `u`
@@ -204,13 +259,17 @@ impl<'a> FilmTable<'a> {
         let wo = finish.sample(wi, u)?;
         let lobe = finish.lobe(wi, wo)?;
         let pdf = lobe.pdf;
-        // f cos θ_o over the density; where it is that of visible normals without D, as both may be too small for
-        // single precision.
-        let share = match finish.distribution() {
-            Some(_) => 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z,
-            None => lobe.value * wo.z / pdf,
+        let weight = if finish.compensation().is_some() {
+            self.reflected(&lobe, thickness_nm).map(|f| f * (wo.z / pdf))
+        } else {
+            // f cos θ_o over the density; where it is that of visible normals without D, as both may be too small for
+            // single precision.
+            let share = match finish.distribution() {
+                Some(_) => 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z,
+                None => lobe.value * wo.z / pdf,
+            };
+            self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm).map(|rho| rho * share)
         };
-        let weight = self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm).map(|rho| rho * share);
         (pdf > 0.0).then_some(FilmSample { wo, pdf: Some(pdf), weight })
     }
 
@@ -233,8 +292,7 @@ impl<'a> FilmTable<'a> {
             return at(0);
         }
         let (below, across) = self.locate_thickness(thickness_nm);
-        let [thin, thick]: [[f32; 3]; 2] = [below, below + 1].map(at);
-        core::array::from_fn(|c| thin[c] + across * (thick[c] - thin[c]))
+        mixed([below, below + 1].map(at), across)
     }
 
     /// Thickness before one in nm, of two or more, and the position between it and the next, in [0, 1]. NaN counts as
@@ -258,6 +316,10 @@ impl<'a> FilmTable<'a> {
     pub(super) fn thickness_values(&self) -> Values<'a> {
         self.thickness_nm
     }
+
+    pub(super) fn returned_values(&self) -> Values<'a> {
+        self.returned
+    }
 }
 
 /// A smooth surface of one thickness.
@@ -270,8 +332,15 @@ impl<'a> From<MirrorTable<'a>> for FilmTable<'a> {
             axis: mirror.axis(),
             channels: mirror.channels(),
             finish: None,
+            returned: Values::Numbers(&[]),
         }
     }
+}
+
+/// Colour between two.
+#[inline]
+fn mixed([thin, thick]: [[f32; 3]; 2], across: f32) -> [f32; 3] {
+    core::array::from_fn(|c| thin[c] + across * (thick[c] - thin[c]))
 }
 
 /// Number clamped to [0, 1]; NaN counts as 0.
