@@ -63,10 +63,6 @@ fn a_finish_goes_into_blobs_shaders_materials_and_plots() {
     assert_eq!(blob.finish().and_then(|finish| finish.alpha()), Some([0.1, 0.4]));
     // f as `lookup` finds it in the table.
     let csv = user.ok("lookup film.exr --thickness 250 --wi 20,10 --wo 30,200 --csv - -q").stdout;
-    let direction = |theta: f64, phi: f64| {
-        let (theta, phi) = (theta.to_radians(), phi.to_radians());
-        DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()).as_vec3()
-    };
     let f = blob.eval(direction(20.0, 10.0), direction(30.0, 200.0), 250.0);
     for (f, name) in f.into_iter().zip(["f_R", "f_G", "f_B"]) {
         let expected = column(&csv, name)[0];
@@ -139,6 +135,56 @@ fn a_rough_mirror_reflects_what_its_facets_integrate_to() {
 }
 
 #[test]
+fn energy_compensation_travels_with_the_table_and_returns_all_light() {
+    let user = User::with(&[
+        ("a.toml", &mirror("[finish]\nroughness = 0.8\nenergy_compensation = true\n")),
+        ("b.toml", &mirror("[finish]\nroughness = 0.8\n")),
+    ]);
+    for name in ["a", "b"] {
+        user.ok(&format!("estimate {name}.toml -o {name}.exr --wavelengths 380:780:20 -q"));
+    }
+    let view = "--mesh plane --elevation 40 --azimuth 0 --fov 0.1 --distance 100 --size 8 --env white --samples 64 -q";
+    for (table, more, is_white) in
+        [("a", "", true), ("a", "--spectral", true), ("b", "--energy-compensation", true), ("b", "", false)]
+    {
+        user.ok(&format!("render {table}.exr -o p.exr {view} {more}"));
+        let pixels = picture(&user, "p.exr").rgba;
+        let mean = pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / pixels.len() as f64;
+        assert_eq!((mean - 1.0).abs() <= ALBEDO, is_white, "{table} {more}: {mean}");
+    }
+    // One f, wherever it is evaluated.
+    let f = |options: &str| column(&user.ok(&format!("lookup {options} --csv - -q")).stdout, "f_G")[0];
+    let expected = f("a.exr --wi 20,10 --wo 60,200");
+    assert!(expected > 1.5 * f("a.exr --wi 20,10 --wo 60,200 --energy-compensation=false"));
+    for other in ["b.exr --wi 20,10 --wo 60,200 --energy-compensation", "a.exr --wi 60,200 --wo 20,10"] {
+        assert!((f(other) / expected - 1.0).abs() <= SINGLE, "{other}");
+    }
+    user.ok("export b.exr --to blob --energy-compensation -o b.gonio -q");
+    let bytes = user.read("b.gonio");
+    let Contents::Film(blob) = Blob::read(&bytes).unwrap().contents else { panic!("a film") };
+    let found = f64::from(blob.eval(direction(20.0, 10.0), direction(60.0, 200.0), 0.0)[1]);
+    assert!((found / expected - 1.0).abs() <= SINGLE, "{found} {expected}");
+    let lut = "--to lut -o a-lut.exr --shader a.glsl";
+    user.ok(&format!("export a.exr {lut} --compensation a-compensation.exr -q"));
+    let shader = String::from_utf8(user.read("a.glsl")).unwrap();
+    assert!(shader.contains("vec3 goniochrome_compensated_sample(sampler2D compensation,"), "{shader}");
+    user.refused(&format!("export a.exr {lut}"), 2, &["--compensation is missing"]);
+    user.refused(&format!("export b.exr {lut} --compensation c.exr"), 2, &["energy compensation", "leave it out"]);
+    let said = user.ok("export soap-bubble --to gltf --roughness 0.3 --energy-compensation -o a.gltf").stderr;
+    assert!(said.contains("glTF has no energy compensation"), "{said}");
+    for table in ["a", "b"] {
+        user.ok(&format!("plot {table}.exr --kind lobes -o {table}.svg -q"));
+    }
+    assert_ne!(user.read("a.svg"), user.read("b.svg"));
+}
+
+/// Unit vector of two angles in degrees.
+fn direction(theta: f64, phi: f64) -> Vec3 {
+    let (theta, phi) = (theta.to_radians(), phi.to_radians());
+    DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()).as_vec3()
+}
+
+#[test]
 fn a_roughness_of_0_is_the_mirror() {
     let user = User::with(&[("a.toml", &mirror("[finish]\nroughness = 0.3\n")), ("b.toml", &mirror(""))]);
     for name in ["a", "b"] {
@@ -160,6 +206,12 @@ fn finishes_that_cannot_be_are_refused() {
         ("c", mirror("[finish]\nroughness = 0.1\ndistribution = \"phong\"\n"), ["\"phong\" is unknown", "beckmann"]),
         ("d", mirror("[finish]\ndistribution = \"ggx\"\n"), ["roughness", "d.toml"]),
         ("e", mirror("[finish]\nroughness = 0.1\nshine = 2\n"), ["shine", "e.toml"]),
+        (
+            "g",
+            mirror("[finish]\nroughness = 0.1\nenergy_compensation = 3\n"),
+            ["energy_compensation: expected true or false, found 3", "g.toml"],
+        ),
+        ("h", mirror("[finish]\nenergy_compensation = true\n"), ["\"roughness\" is missing", "h.toml"]),
     ] {
         user.write(&format!("{name}.toml"), text);
         user.refused(&format!("spectrum {name}.toml"), 1, &says);
@@ -168,6 +220,11 @@ fn finishes_that_cannot_be_are_refused() {
     user.write("f.toml", format!("{preset}\n[finish]\nroughness = 0.2\n"));
     user.refused("scatter f.toml --rays 64", 1, &["a cell of tilted facets has its own roughness", "remove [finish]"]);
     user.refused("render soap-bubble -o a.png --distribution ggx -q", 2, &["--distribution", "give --roughness too"]);
+    user.refused(
+        "render soap-bubble -o a.png --energy-compensation --roughness 0 -q",
+        2,
+        &["--energy-compensation", "a mirror loses no light"],
+    );
     user.refused("render soap-bubble -o a.png --roughness 2", 2, &["--roughness", "(0, 1]"]);
     save(&user, "t.exr", &twisted(0.1));
     user.refused("render t.exr -o a.png --roughness 0.2", 2, &["--roughness", "mirror-like tables"]);

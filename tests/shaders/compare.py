@@ -87,15 +87,17 @@ def texture(context, path):
     return lut, (width, height)
 
 
-def run(context, shader, lut, at, facets=None):
+def run(context, shader, lut, at, facets=None, compensation=None):
     program = context.program(VERTEX, open(shader).read())
     names = [name for name in program if isinstance(program[name], moderngl.Uniform)]
     # spirv-cross and naga choose names that hold the variable's name or its binding; a texture may have several names.
     of_points = [name for name in names if "points" in name or "binding_2" in name]
     of_facets = [name for name in names if "facets" in name or "binding_3" in name]
-    assert len(of_points) == 1 and len(names) > 1 + len(of_facets) and bool(of_facets) == bool(facets), names
+    of_compensation = [name for name in names if "compensation" in name or "binding_4" in name]
+    assert len(of_points) == 1 and len(names) > 1 + len(of_facets + of_compensation), names
+    assert (bool(of_facets), bool(of_compensation)) == (bool(facets), bool(compensation)), names
     for name in names:
-        program[name] = 2 if name in of_facets else int(name in of_points)
+        program[name] = 3 if name in of_compensation else 2 if name in of_facets else int(name in of_points)
     # Lines of two numbers are a texel each, lines of eight are two.
     texels = max(1, at.shape[1] // 4)
     listed = context.texture((texels * SIDE, SIDE), at.shape[1] // texels, at.tobytes(), dtype="f4")
@@ -104,6 +106,8 @@ def run(context, shader, lut, at, facets=None):
     listed.use(1)
     if facets:
         facets.use(2)
+    if compensation:
+        compensation.use(3)
     target = context.framebuffer([context.texture((SIDE, SIDE), 4, dtype="f4")])
     target.use()
     context.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
@@ -127,9 +131,11 @@ def main():
     if kind == "facets":
         facets, _ = texture(context, f"{folder}/facets.exr")
         facets.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    compensated = os.path.exists(f"{folder}/compensation.exr")
+    compensation = texture(context, f"{folder}/compensation.exr")[0] if compensated else None
     failed = False
     for language in ("glsl", "hlsl", "wgsl"):
-        got = run(context, f"{folder}/{language}.frag", lut, at, facets)[:, :channels]
+        got = run(context, f"{folder}/{language}.frag", lut, at, facets, compensation)[:, :channels]
         difference = numpy.abs(got - want)
         failed |= not (difference <= allowed).all()  # NaN is a failure too
         print(f"{os.path.basename(path)} {size[0]} × {size[1]}, {language} on {context.info['GL_RENDERER']}: "

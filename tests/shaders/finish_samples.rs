@@ -1,7 +1,7 @@
 //! The texture of a soap film with a finish, and its shader functions, in the folder of the first argument; the others
 //! are the distribution (ggx, beckmann, or tabulated, which is a coarse table of Beckmann's), the masking (correlated,
-//! separable), and the roughness along x and y. Tabulated facets go into facets.exr of that folder. Then
-//! reads lines of eight numbers: wi, a parameter, then wo and 0, or two numbers, 0 and 1. For the first it prints f and
+//! separable), the roughness along x and y, and `compensated` for energy compensation. Tabulated facets go into
+//! facets.exr of that folder, compensation into compensation.exr. Then reads lines of eight numbers: wi, a parameter, then wo and 0, or two numbers, 0 and 1. For the first it prints f and
 //! the density by the library, for the second the direction that it draws and its density: the truth for the shader
 //! functions. Four more numbers bound the difference.
 
@@ -15,7 +15,7 @@ use glam::Vec3;
 use goniochrome::microfacet::{Distribution, FacetTable, Finish, Lobe};
 use goniochrome_cli::export::ShaderLanguage;
 use goniochrome_cli::export::lut::Lut;
-use goniochrome_cli::scene::{DISTRIBUTIONS, MASKINGS, OwnedFacets, OwnedFinish, load, named};
+use goniochrome_cli::scene::{DISTRIBUTIONS, FinishFacets, MASKINGS, OwnedFacets, OwnedFinish, load, named};
 
 /// Half floats round values below 1 by at most 2⁻¹², and single precision what is interpolated between them: 2⁻¹⁰, as
 /// for the look-up alone.
@@ -77,9 +77,12 @@ fn end([x, y]: [f32; 2], m: Vec3) -> f32 {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, distribution, masking, x, y] = arguments.as_slice() else {
-        return Err("usage: finish_samples FOLDER ggx|beckmann|tabulated correlated|separable ALPHA ALPHA".into());
+    let [folder, distribution, masking, x, y, rest @ ..] = arguments.as_slice() else {
+        return Err(
+            "usage: finish_samples FOLDER ggx|beckmann|tabulated correlated|separable ALPHA ALPHA [compensated]".into(),
+        );
     };
+    let is_compensated = !rest.is_empty();
     let is_tabulated = distribution == "tabulated";
     let distribution = named(&DISTRIBUTIONS, distribution)
         .or(is_tabulated.then_some(Distribution::Beckmann))
@@ -87,8 +90,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let masking = named(&MASKINGS, masking).ok_or("no such masking")?;
     let alpha = [x.parse()?, y.parse()?];
     let finish = Finish::new(distribution, masking, alpha)?;
-    let own =
-        if is_tabulated { OwnedFinish::Tabulated(tabulated(&finish)?, masking) } else { OwnedFinish::Analytic(finish) };
+    let facets = if is_tabulated {
+        FinishFacets::Tabulated(tabulated(&finish)?, masking)
+    } else {
+        FinishFacets::Analytic(finish)
+    };
+    let own = OwnedFinish::new(facets).compensated(is_compensated);
     let mut lut = Lut::of_scene(&load("soap-bubble")?, 64, Some("1=100:800:48".parse()?))?;
     lut.finish = Some(own.clone());
     let finish = own.finish();
@@ -97,7 +104,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(facets) = lut.facets_exr()? {
         fs::write(folder.join("facets.exr"), facets)?;
     }
-    let shader = if is_tabulated { "facets" } else { "finish" };
+    if let Some(compensation) = lut.compensation_exr()? {
+        fs::write(folder.join("compensation.exr"), compensation)?;
+    }
+    let shader = if is_compensated {
+        "compensation"
+    } else if is_tabulated {
+        "facets"
+    } else {
+        "finish"
+    };
+    let returned = lut.returned();
+    let returned = |parameter: f32| {
+        let at = parameter * (returned.len().max(1) - 1) as f32;
+        let row = (at as usize).min(returned.len().saturating_sub(2));
+        let [low, high] = [row, row + 1].map(|row| returned.get(row).copied().unwrap_or_default());
+        std::array::from_fn::<f32, 3, _>(|c| low[c] + (at - row as f32) * (high[c] - low[c]))
+    };
     for (language, name) in
         [(ShaderLanguage::Glsl, "glsl"), (ShaderLanguage::Hlsl, "hlsl"), (ShaderLanguage::Wgsl, "wgsl")]
     {
@@ -107,23 +130,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         let numbers = line?.split(',').map(str::parse).collect::<Result<Vec<f32>, _>>()?;
         let &[a, b, c, parameter, d, e, f, draw] = numbers.as_slice() else { return Err("expected 8 numbers".into()) };
         let (wi, given) = (Vec3::new(a, b, c), Vec3::new(d, e, f));
+        let loss = finish.compensation().map_or(0.0, |compensation| compensation.loss(wi.z));
+        let slack_of_loss = if is_compensated { loss * TEXEL + ROUNDING } else { 0.0 };
         let of_pair = |wo: Vec3| {
             let m = (wi + wo).normalize();
             let Some(lobe) = finish.lobe(wi, wo) else { return (0.0, 0.0) };
+            let mixed = slack_of_loss * (1.0 + lobe.pdf);
             if is_tabulated {
-                return (lobe.pdf, change(&finish, wi, wo)[1]);
+                return (lobe.pdf, change(&finish, wi, wo)[1] + mixed);
             }
-            (lobe.pdf, lobe.pdf * relative(alpha, m) + 0.25 * end(alpha, m) / finish.visible_area(wi))
+            (lobe.pdf, lobe.pdf * relative(alpha, m) + 0.25 * end(alpha, m) / finish.visible_area(wi) + mixed)
         };
         if draw > 0.5 {
-            let drawn = |u: [f32; 2]| {
+            let drawn = |[u, v]: [f32; 2]| {
+                if u < loss {
+                    return finish.sample(wi, [u, v]).unwrap_or(Vec3::X);
+                }
+                let u = [(u - loss) / (1.0 - loss), v];
                 let m = finish.draw_normal(wi, u);
                 (2.0 * wi.dot(m) * m - wi).normalize()
             };
             let wo = drawn([d, e]);
-            let moved = [-1.0, 1.0].map(|sign| sign * PROBABILITY);
-            let moved = [[moved[0], 0.0], [moved[1], 0.0], [0.0, moved[0]], [0.0, moved[1]]];
-            let near = moved.map(|[du, dv]| drawn([d + du, e + dv]));
+            // Where the loss differs, so does the choice between both ways to draw, and what is left of the number.
+            let across = PROBABILITY + slack_of_loss / (1.0 - loss).max(0.1);
+            let moved = [[-across, 0.0], [across, 0.0], [0.0, -PROBABILITY], [0.0, PROBABILITY]];
+            let near = moved.map(|[du, dv]| drawn([(d + du).max(0.0), e + dv]));
             let slack = near.iter().map(|near| near.distance(wo)).sum::<f32>() + 10.0 * ROUNDING;
             let (pdf, slack_of_pdf) = of_pair(wo);
             // The density where the shader's own direction lies.
@@ -138,11 +169,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             let rho = lut.sample(lobe.map_or(0.0, |lobe| lobe.cos_d), parameter);
             let share = relative(alpha, (wi + given).normalize());
             let ended = lobe.map_or(0.0, |_| end(alpha, (wi + given).normalize()) * finish.shadowing(wi, given));
-            let slack = rho.map(|rho| {
+            let several = returned(parameter).map(|returned| returned * lobe.map_or(0.0, |lobe| lobe.multiple));
+            let slack: [f32; 3] = std::array::from_fn(|c| {
+                let rho = rho[c];
                 let of_facets = if is_tabulated { change(&finish, wi, given)[0] } else { value * share + ended };
-                value * TEXEL + rho.abs() * of_facets
+                // Half floats of two losses and of what is returned.
+                value * TEXEL + rho.abs() * of_facets + several[c] * 3.0 * TEXEL
             });
-            let [r, g, b] = rho.map(|rho| rho * value);
+            let [r, g, b] = std::array::from_fn(|c| rho[c] * value + several[c]);
             println!("{r},{g},{b},{pdf},{},{},{},{slack_of_pdf}", slack[0], slack[1], slack[2]);
         }
     }

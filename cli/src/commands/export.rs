@@ -43,7 +43,10 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     }
     let table = one_surface(read_table(args)?, args.thickness)?;
     let named = |error| named(args, error);
-    let width = LobeWidth { finish: finish_choice(args.roughness, args.distribution), spread_deg: args.spread };
+    let width = LobeWidth {
+        finish: finish_choice(args.roughness, args.distribution, args.compensating.energy_compensation),
+        spread_deg: args.spread,
+    };
     let (bytes, residual) = match args.to {
         ExportKind::Merl => merl::encode(&table, width).map_err(named)?,
         _ => (bsdf::encode(&table, width, args.rgb.then(|| args.gamut.unwrap_or_default())).map_err(named)?, None),
@@ -65,10 +68,10 @@ fn write_blob(args: &ExportArgs) -> Result<()> {
     let source = Path::new(&args.source);
     output::check_destination(&args.output, slice::from_ref(&source.to_owned()))?;
     let table = read_table(args)?;
-    let finish = finish_choice(args.roughness, args.distribution);
+    let finish = finish_choice(args.roughness, args.distribution, args.compensating.energy_compensation);
     if finish.is_given() && !matches!(table, Table::Mirror(_)) {
         return Err(Error::usage(format_args!(
-            "--roughness, --distribution: are for mirror-like tables, and {} is none; leave them out",
+            "--roughness, --distribution, --energy-compensation: are for mirror-like tables, and {} is none; leave them out",
             args.source
         )));
     }
@@ -114,6 +117,12 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (args.roughness.is_some(), "roughness", args.to != ExportKind::OrderLut, "other formats"),
         (args.distribution.is_some(), "distribution", args.to != ExportKind::OrderLut, "other formats"),
         (
+            args.compensating.energy_compensation.is_some(),
+            "energy-compensation",
+            args.to != ExportKind::OrderLut,
+            "other formats",
+        ),
+        (
             args.thickness.is_some(),
             "thickness",
             matches!(args.to, ExportKind::Merl | ExportKind::Bsdf | ExportKind::Gltf),
@@ -128,6 +137,7 @@ fn check_options(args: &ExportArgs) -> Result<()> {
         (args.spread.is_some(), "spread", matches!(args.to, ExportKind::Merl | ExportKind::Bsdf), "merl and bsdf"),
         (args.shader.is_some(), "shader", lut || args.to == ExportKind::OrderLut, "lut and order-lut"),
         (args.facets.is_some(), "facets", lut, "lut"),
+        (args.compensation.is_some(), "compensation", lut, "lut"),
         (args.half, "half", args.to == ExportKind::Blob, "blob"),
     ] {
         if given && !fits {
@@ -170,17 +180,20 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         output::check_destination(path, inputs)?;
         output::refuse_same_output(&args.output, path)?;
     }
-    if let Some(path) = &args.facets {
+    let mut outputs: Vec<&PathBuf> = [Some(&args.output), args.shader.as_ref()].into_iter().flatten().collect();
+    for (option, path) in [("facets", &args.facets), ("compensation", &args.compensation)] {
+        let Some(path) = path else { continue };
         if !has_extension(path, "exr") {
-            return Err(Error::usage(format_args!("--facets {}: name it .exr", path.display())));
+            return Err(Error::usage(format_args!("--{option} {}: name it .exr", path.display())));
         }
         output::check_destination(path, inputs)?;
-        for other in [Some(&args.output), args.shader.as_ref()].into_iter().flatten() {
+        for other in &outputs {
             output::refuse_same_output(other, path)?;
         }
+        outputs.push(path);
     }
     let width = usize::from(args.width.unwrap_or(WIDTH));
-    let finish = finish_choice(args.roughness, args.distribution);
+    let finish = finish_choice(args.roughness, args.distribution, args.compensating.energy_compensation);
     let path = Path::new(&args.source);
     let to_png = has_extension(&args.output, "png");
     let lut = if is_table(path) {
@@ -229,19 +242,25 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     if args.origin.is_some() && lut.rows_nm.is_none() {
         return Err(Error::usage("--origin is for the rows of --vary; this lut has one row: leave it out"));
     }
-    let tabulated = matches!(lut.finish, Some(OwnedFinish::Tabulated(..)));
-    if args.facets.is_some() && !tabulated {
-        return Err(Error::usage(format_args!(
-            "--facets is for a finish of tabulated facets, and {} has none: leave it out",
-            args.source
-        )));
-    }
-    if tabulated && shader.is_some() && args.facets.is_none() {
-        return Err(Error::usage(format_args!(
-            "--facets is missing: the shader functions of {} read its tabulated facets from a texture; name it, as \
-             --facets facets.exr",
-            args.source
-        )));
+    let tabulated = lut.finish.as_ref().is_some_and(|finish| finish.tabulated().is_some());
+    let compensated = lut.finish.as_ref().is_some_and(OwnedFinish::is_compensated);
+    for (option, path, is_used, what, held) in [
+        ("facets", &args.facets, tabulated, "a finish of tabulated facets", "tabulated facets"),
+        ("compensation", &args.compensation, compensated, "a finish with energy compensation", "energy compensation"),
+    ] {
+        if path.is_some() && !is_used {
+            return Err(Error::usage(format_args!(
+                "--{option} is for {what}, and {} has none: leave it out",
+                args.source
+            )));
+        }
+        if is_used && shader.is_some() && path.is_none() {
+            return Err(Error::usage(format_args!(
+                "--{option} is missing: the shader functions of {} read its {held} from a texture; name it, as \
+                 --{option} {option}.exr",
+                args.source
+            )));
+        }
     }
     if lut.finish.is_some() && shader.is_none() {
         note(
@@ -254,19 +273,15 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
     }
     let lut = if args.origin == Some(Origin::Bottom) { lut.turned_over() } else { lut };
     let bytes = if to_png { png::encode(&lut)? } else { lut.exr()? };
-    let facets = match &args.facets {
-        Some(path) => lut.facets_exr()?.map(|bytes| (path, bytes)),
-        None => None,
-    };
-    let functions = args.shader.as_ref().zip(shader).map(|(path, language)| (path, lut.shader(language).into_bytes()));
-    // Each file appears when those after it have been written.
-    output::write_file_and(&args.output, &bytes, || {
-        let also = || facets.map_or(Ok(()), |(path, bytes)| output::write_file(path, &bytes));
-        match functions {
-            Some((path, text)) => output::write_file_and(path, &text, also),
-            None => also(),
-        }
-    })?;
+    let mut files = vec![(&args.output, bytes)];
+    files.extend(args.shader.as_ref().zip(shader).map(|(path, language)| (path, lut.shader(language).into_bytes())));
+    if let Some(path) = &args.facets {
+        files.extend(lut.facets_exr()?.map(|bytes| (path, bytes)));
+    }
+    if let Some(path) = &args.compensation {
+        files.extend(lut.compensation_exr()?.map(|bytes| (path, bytes)));
+    }
+    write_all(&files)?;
     let height = lut.texels.len() / width;
     let output = args.output.display();
     note(args.quiet, format_args!("{output}: {width} × {height} texels"));
@@ -280,6 +295,12 @@ fn lut(args: &ExportArgs, inputs: &[PathBuf]) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Writes files, each of which appears when those after it have been written.
+fn write_all(files: &[(&PathBuf, Vec<u8>)]) -> Result<()> {
+    let Some(((path, bytes), rest)) = files.split_first() else { return Ok(()) };
+    output::write_file_and(path, bytes, || write_all(rest))
 }
 
 /// Writes a glTF material and notes how well it fits.
@@ -296,7 +317,7 @@ fn gltf(args: &ExportArgs) -> Result<()> {
         load(&args.source)?
     };
     output::check_destination(&args.output, &scene.files)?;
-    let finish = finish_choice(args.roughness, args.distribution);
+    let finish = finish_choice(args.roughness, args.distribution, args.compensating.energy_compensation);
     scene.finish = finish.instead_of(scene.finish.take()).map_err(|error| named(args, error))?;
     let fitted = Fitted::new(&scene)?;
     output::write_text(&args.output, &fitted.json())?;

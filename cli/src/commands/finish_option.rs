@@ -1,8 +1,8 @@
-//! The options `--roughness` and `--distribution` of `render` and `view`.
+//! The options `--roughness`, `--distribution` and `--energy-compensation` of `render` and `view`.
 
 use goniochrome::microfacet::Distribution;
 
-use crate::commands::args::{RoughnessArg, finish_choice};
+use crate::commands::args::{Compensating, RoughnessArg, finish_choice};
 use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
@@ -14,14 +14,15 @@ use crate::table::Table;
 pub(super) fn finish(
     roughness: Option<RoughnessArg>,
     distribution: Option<Distribution>,
+    compensating: Compensating,
     table: &Table,
 ) -> Result<Option<OwnedFinish>> {
-    let choice = finish_choice(roughness, distribution);
+    let choice = finish_choice(roughness, distribution, compensating.energy_compensation);
     match table {
         Table::Mirror(table) => choice.of(&table.metadata),
         _ if choice.is_given() => Err(Error::usage(
-            "--roughness, --distribution: are for mirror-like tables, and this one has directions of its own; leave them \
-             out",
+            "--roughness, --distribution, --energy-compensation: are for mirror-like tables, and this one has directions of \
+             its own; leave them out",
         )),
         _ => Ok(None),
     }

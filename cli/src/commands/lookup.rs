@@ -32,7 +32,10 @@ pub fn run(args: &LookupArgs) -> Result<()> {
     if let Some(csv) = &args.csv {
         output::check_destination(csv, &inputs)?;
     }
-    let width = LobeWidth { finish: finish_choice(args.roughness, args.distribution), spread_deg: args.spread };
+    let width = LobeWidth {
+        finish: finish_choice(args.roughness, args.distribution, args.compensating.energy_compensation),
+        spread_deg: args.spread,
+    };
     let with_width = width != LobeWidth::default();
     let pairs = match (&args.pairs, args.wi) {
         (Some(path), _) => read_pairs(path)?,

@@ -48,10 +48,10 @@ pub fn run(args: &PlotArgs) -> Result<()> {
             )));
         }
     }
-    let finish = finish_choice(args.roughness, args.distribution);
+    let finish = finish_choice(args.roughness, args.distribution, args.compensating.energy_compensation);
     if finish.is_given() && !(args.kind == PlotKind::Lobes && matches!(table, Table::Mirror(_))) {
         return Err(Error::usage(format_args!(
-            "{}: --roughness and --distribution are for --kind lobes of a mirror-like table; leave them out",
+            "{}: --roughness, --distribution and --energy-compensation are for --kind lobes of a mirror-like table; leave them out",
             args.table.display()
         )));
     }

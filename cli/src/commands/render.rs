@@ -75,7 +75,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         return Err(Error::usage(what));
     }
     let name = |error: Error| Error::failed(format_args!("{}: {error}", args.table.display()));
-    let finish = finish(args.roughness, args.distribution, &table)?;
+    let finish = finish(args.roughness, args.distribution, args.compensating, &table)?;
     let is_sheet = is_sheet(args.body, &table)?;
     let thickness = thickness(args.thickness.as_deref(), &table)?;
     let surface = Surface::new(&table, args.spectral, MirrorChoice { finish, is_sheet, thickness }).map_err(name)?;

@@ -21,7 +21,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
     output::check_destination(&args.output, &inputs)?;
     let table = source.table(args.quiet)?;
     let spread = spread(args.spread, &table)?;
-    let finish = finish(args.roughness, args.distribution, &table)?;
+    let finish = finish(args.roughness, args.distribution, args.compensating, &table)?;
     // Without the option, a slider has all thicknesses.
     let thickness = args.thickness.as_deref().map(|word| thickness(Some(word), &table)).transpose()?.flatten();
     let shown = finish.as_ref().map(OwnedFinish::finish);

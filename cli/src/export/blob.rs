@@ -10,7 +10,7 @@ use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
 use crate::table::Table;
-use crate::table::finish::FinishChoice;
+use crate::table::finish::{FinishChoice, returned};
 use crate::table::mirror::MirrorTable;
 
 /// The bytes of the blob of a table, with the finish of a mirror-like one.
@@ -57,7 +57,11 @@ fn of_mirror(mirror: &MirrorTable, finish: FinishChoice, precision: Precision) -
     };
     let transmittance = mirror.rgb_transmitted.as_flattened();
     let arrays = FilmArrays { reflectance, transmittance, thickness_nm: &thickness_nm };
-    let table = FilmTable::new(&arrays, 3, largest, finish).map_err(Error::failed)?;
+    let returned = finish.map_or(Vec::new(), |finish| returned(&finish, &mirror.theta_deg, reflectance, 3));
+    let mut table = FilmTable::new(&arrays, 3, largest, finish).map_err(Error::failed)?;
+    if !returned.is_empty() {
+        table = table.with_returned(&returned).map_err(Error::failed)?;
+    }
     write(space, Contents::Film(table), precision)
 }
 
@@ -146,9 +150,9 @@ mod tests {
             ..MirrorTable::default()
         };
         let own = Finish::new(Distribution::Beckmann, Masking::Separable, [0.1, 0.4]).unwrap();
-        keep(&OwnedFinish::Analytic(own), &mut table.metadata);
-        let other = FinishChoice { roughness: Some([0.5, 0.5]), distribution: None };
-        let mirror = FinishChoice { roughness: Some([0.0, 0.0]), distribution: None };
+        keep(&OwnedFinish::analytic(own), &mut table.metadata);
+        let other = FinishChoice { roughness: Some([0.5, 0.5]), ..FinishChoice::default() };
+        let mirror = FinishChoice { roughness: Some([0.0, 0.0]), ..FinishChoice::default() };
         for (choice, roughness) in
             [(FinishChoice::default(), Some([0.1, 0.4])), (other, Some([0.5; 2])), (mirror, None)]
         {

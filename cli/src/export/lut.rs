@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{FlatSamples, Vec2, f16};
 use goniochrome::colour::{Illuminant, RgbSpace, VISIBLE_NM};
-use goniochrome::microfacet::{Distribution, Masking};
+use goniochrome::microfacet::{Compensation, Distribution, Masking};
 use goniochrome::optics::interface::Model;
 
 use super::shader::ShaderLanguage;
@@ -27,7 +27,7 @@ use crate::support::error::Result;
 use crate::support::parallel;
 use crate::support::text;
 use crate::table::file::PREFIX;
-use crate::table::finish::{TABULATED, name_of};
+use crate::table::finish::{TABULATED, name_of, returned};
 use crate::table::mirror::{MirrorTable, ThicknessAxis, neighbours};
 
 /// A look-up texture.
@@ -127,10 +127,13 @@ impl Lut {
             about.insert("first_row_thickness_nm", first.to_string());
             about.insert("last_row_thickness_nm", last.to_string());
         }
-        if let Some(finish) = self.finish.as_ref().map(OwnedFinish::finish) {
+        if let Some(finish) = self.finish.as_ref().map(OwnedFinish::uncompensated) {
             let distribution = finish.distribution().map_or(TABULATED, |known| name_of(&DISTRIBUTIONS, known));
             about.insert("finish_distribution", distribution.into());
             about.insert("finish_masking", name_of(&MASKINGS, finish.masking()).into());
+            if self.finish.as_ref().is_some_and(OwnedFinish::is_compensated) {
+                about.insert("finish_energy_compensation", "true".into());
+            }
             if let Some([x, y]) = finish.alpha() {
                 about.insert("finish_roughness", format!("{x} {y}"));
             }
@@ -158,7 +161,7 @@ impl Lut {
     /// What the OpenEXR encoder refuses.
     pub fn facets_exr(&self) -> Result<Option<Vec<u8>>> {
         const WIDTH: usize = 256;
-        let Some(OwnedFinish::Tabulated(facets, _)) = &self.finish else { return Ok(None) };
+        let Some(facets) = self.finish.as_ref().and_then(OwnedFinish::tabulated) else { return Ok(None) };
         let mut numbers = facets.numbers().to_vec();
         numbers.resize(numbers.len().next_multiple_of(WIDTH), 0.0);
         let size = (WIDTH, numbers.len() / WIDTH);
@@ -167,28 +170,73 @@ impl Lut {
         texture::encode(size, [("R", FlatSamples::F32(numbers))], None, about).map(Some)
     }
 
+    /// Linear RGB of what several bounces return, for each row; empty without energy compensation.
+    #[must_use]
+    pub fn returned(&self) -> Vec<[f32; 3]> {
+        let Some(finish) = self.finish.as_ref().map(OwnedFinish::finish) else { return Vec::new() };
+        // Columns are in the order of cos θ; angles count from the normal.
+        let mut theta_deg: Vec<f64> = angles(self.width).collect();
+        theta_deg.reverse();
+        let rho: Vec<f32> =
+            self.texels.chunks(self.width).flat_map(|row| row.iter().rev().copied().flatten()).collect();
+        returned(&finish, &theta_deg, &rho, 3).as_chunks().0.to_vec()
+    }
+
+    /// The bytes of an OpenEXR file of a finish's energy compensation, for the shader functions: half floats. Columns are
+    /// the nodes of [`Compensation`], rows those of the texture; A is the loss, and R, G and B are what several bounces
+    /// return. `None` without compensation.
+    ///
+    /// # Errors
+    /// What the OpenEXR encoder refuses.
+    pub fn compensation_exr(&self) -> Result<Option<Vec<u8>>> {
+        let losses = self.finish.as_ref().map(OwnedFinish::finish).and_then(|finish| finish.compensation());
+        let Some(losses) = losses else { return Ok(None) };
+        let rows = self.returned();
+        let half = |x: f32| f16::from_f32(x.min(f16::MAX.to_f32()));
+        let channel = |name, c: usize| {
+            let row = |rgb: &[f32; 3]| vec![half(rgb[c]); Compensation::LEN];
+            (name, FlatSamples::F16(rows.iter().flat_map(row).collect()))
+        };
+        let loss: Vec<f16> =
+            (0..Compensation::LEN).map(|node| half(losses.loss(Compensation::cosine(node) as f32))).collect();
+        let channels =
+            [channel("R", 0), channel("G", 1), channel("B", 2), ("A", FlatSamples::F16(loss.repeat(rows.len())))];
+        let mut about = self.about();
+        about.insert(format!("{PREFIX}kind"), "compensation".into());
+        texture::encode((Compensation::LEN, rows.len()), channels, chromaticities(self.space), about).map(Some)
+    }
+
     /// The function that samples the texture, in a shading language; with a finish, those that evaluate and sample its
-    /// facets too.
+    /// facets too; with energy compensation, those that add it.
     #[must_use]
     pub fn shader(&self, language: ShaderLanguage) -> String {
-        let [look_up, analytic, tabulated] = match language {
+        let [look_up, analytic, tabulated, compensation] = match language {
             ShaderLanguage::Glsl => [
                 include_str!("../../data/shaders/lut.glsl"),
                 include_str!("../../data/shaders/finish.glsl"),
                 include_str!("../../data/shaders/facets.glsl"),
+                include_str!("../../data/shaders/compensation.glsl"),
             ],
             ShaderLanguage::Hlsl => [
                 include_str!("../../data/shaders/lut.hlsl"),
                 include_str!("../../data/shaders/finish.hlsl"),
                 include_str!("../../data/shaders/facets.hlsl"),
+                include_str!("../../data/shaders/compensation.hlsl"),
             ],
             ShaderLanguage::Wgsl => [
                 include_str!("../../data/shaders/lut.wgsl"),
                 include_str!("../../data/shaders/finish.wgsl"),
                 include_str!("../../data/shaders/facets.wgsl"),
+                include_str!("../../data/shaders/compensation.wgsl"),
             ],
         };
-        let Some(finish) = self.finish.as_ref().map(OwnedFinish::finish) else { return look_up.into() };
+        let Some(own) = &self.finish else { return look_up.into() };
+        let finish = own.uncompensated();
+        let compensation = if own.is_compensated() {
+            format!("\n{}", with_facets(compensation, finish.facets().is_some()))
+        } else {
+            String::new()
+        };
         let constant = |kind: [&str; 3], name: &str, value: String| {
             let [glsl, hlsl, wgsl] = kind;
             match language {
@@ -204,7 +252,7 @@ impl Lut {
             let size = size.map(|(name, count)| constant(whole, name, count.to_string())).concat();
             return format!(
                 "{look_up}\n// Rings and sectors of the facets; separable masking in place of correlated.\n\
-                 {size}{separable}\n{tabulated}"
+                 {size}{separable}\n{tabulated}{compensation}"
             );
         }
         let pair = ["vec2", "float2", "vec2<f32>"];
@@ -214,7 +262,7 @@ impl Lut {
         let beckmann = constant(["bool"; 3], "BECKMANN", beckmann.to_string());
         format!(
             "{look_up}\n// Roughness along x and y; Beckmann's facets in place of GGX; separable masking in place of \
-             correlated.\n{roughness}{beckmann}{separable}\n{analytic}"
+             correlated.\n{roughness}{beckmann}{separable}\n{analytic}{compensation}"
         )
     }
 
@@ -235,6 +283,15 @@ impl Lut {
             along(y0) + v * (along(y1) - along(y0))
         })
     }
+}
+
+/// Shader functions whose comments hold the parameter and the argument of tabulated facets: with them, or without.
+fn with_facets(text: &str, is_tabulated: bool) -> String {
+    let [open, close] = ["/*", "*/"];
+    if is_tabulated {
+        return text.replace(open, "").replace(close, "");
+    }
+    text.split(open).map(|part| part.split_once(close).map_or(part, |(_, after)| after)).collect()
 }
 
 /// What is known of the colours. The name may come from a file of a stranger.
@@ -305,7 +362,7 @@ mod tests {
             ..MirrorTable::default()
         };
         let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, [0.125, 1.0]).unwrap();
-        let finish = OwnedFinish::Analytic(finish);
+        let finish = OwnedFinish::analytic(finish);
         let lut = Lut { finish: Some(finish), ..Lut::of_table(&table, 2).unwrap() };
         // Grazing first.
         assert_eq!(lut.texels.iter().map(|rgb| rgb[0]).collect::<Vec<_>>(), [1.0, 0.0, 3.0, 2.0, 5.0, 4.0]);

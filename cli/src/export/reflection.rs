@@ -8,7 +8,7 @@ use super::order_lobes::{LobesAt, OrderLobes};
 use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
-use crate::table::finish::FinishChoice;
+use crate::table::finish::{FinishChoice, returned};
 use crate::table::mirror::neighbours;
 use crate::table::scatter::{ScatterLookup, ScatterTable};
 
@@ -32,6 +32,8 @@ pub enum ReflectionKind {
         finish: OwnedFinish,
         /// The table's angles in radians.
         theta: Vec<f64>,
+        /// What several bounces return in each channel; empty without energy compensation.
+        returned: Vec<f32>,
     },
     /// A table of tilted facets, and the width of the lobes of its flat ones; without it they are left out.
     Scatter(ScatterLookup, Option<Gaussian>),
@@ -77,25 +79,29 @@ impl Reflection {
                 ))
             })
         };
+        let channels = if rgb { 3 } else { wavelength_nm.len() };
+        let values;
         let kind = match (table, width.finish.is_given()) {
-            (Table::Mirror(table), _) => {
-                let Some(finish) = width.finish.of(&table.metadata)? else {
+            (Table::Mirror(mirror), _) => {
+                let Some(finish) = width.finish.of(&mirror.metadata)? else {
                     return Err(Error::usage(
                         "--roughness is missing: the table is mirror-like, a delta in direction, which this format cannot hold; \
                          give the width of the GGX lobe that shall stand in for it, as --roughness 0.1",
                     ));
                 };
-                let theta = table.theta_deg.iter().map(|theta| theta.to_radians()).collect();
-                ReflectionKind::Lobe { finish, theta }
+                values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra()? };
+                let returned = returned(&finish.finish(), &mirror.theta_deg, &values, channels);
+                let theta = mirror.theta_deg.iter().map(|theta| theta.to_radians()).collect();
+                ReflectionKind::Lobe { finish, theta, returned }
             }
             (Table::Scatter(_), true) => {
                 return Err(Error::usage(
-                    "--roughness is for mirror-like tables; this one holds the scattering of tilted facets as it is: leave it out",
+                    "--roughness, --energy-compensation: are for mirror-like tables; this one holds the scattering of tilted facets as it is: leave it out",
                 ));
             }
             (Table::Orders(_), true) => {
                 return Err(Error::usage(
-                    "--roughness is for mirror-like tables; this one holds diffraction orders: give their width, as --spread 2",
+                    "--roughness, --energy-compensation: are for mirror-like tables; this one holds diffraction orders: give their width, as --spread 2",
                 ));
             }
             (Table::Scatter(table), false) => {
@@ -108,8 +114,6 @@ impl Reflection {
                 return Ok(Self { channels, wavelength_nm, values: Vec::new(), kind: ReflectionKind::Orders(lobes) });
             }
         };
-        let values = if rgb { table.rgb()?.as_flattened().to_vec() } else { table.spectra()? };
-        let channels = if rgb { 3 } else { wavelength_nm.len() };
         Ok(Self { channels, wavelength_nm, values, kind })
     }
 
@@ -230,10 +234,12 @@ impl<'r> Evaluator<'r> {
             lookup.eval(single(wi), single(wo), &mut self.values);
             out.iter_mut().zip(&self.values).for_each(|(out, value)| *out = f64::from(*value));
             self.add_facets(wi, wo, 1.0 / wo.z, out);
-        } else if let ReflectionKind::Lobe { finish, .. } = &self.reflection.kind {
-            let lobe = finish.finish().lobe(wi.as_vec3(), wo.as_vec3()).map_or(0.0, |lobe| f64::from(lobe.value));
+        } else if let ReflectionKind::Lobe { finish, returned, .. } = &self.reflection.kind {
+            let lobe = finish.finish().lobe(wi.as_vec3(), wo.as_vec3());
+            let [value, multiple] = lobe.map_or([0.0; 2], |lobe| [lobe.value, lobe.multiple].map(f64::from));
             self.reflection.reflectance(wi.dot((wi + wo).normalize()), out);
-            out.iter_mut().for_each(|value| *value *= lobe);
+            out.iter_mut().for_each(|rho| *rho *= value);
+            out.iter_mut().zip(returned).for_each(|(f, returned)| *f += multiple * f64::from(*returned));
         }
     }
 

@@ -145,6 +145,7 @@ impl Glossy<'_> {
             (Self::Finish(finished), Towards::Finish(direction, lobe)) => {
                 out.fill(lobe.value * direction.z);
                 finished.mirror.reflect(viewed.between, f64::from(lobe.cos_d).acos().to_degrees(), out);
+                finished.mirror.add_returned(viewed.between, lobe.multiple * direction.z, out);
             }
             _ => out.fill(0.0),
         }

@@ -13,6 +13,8 @@ pub(super) struct MirrorLike {
     pub reflected: Vec<f32>,
     /// The transmittance like ρ, or empty: no light goes through.
     pub transmitted: Vec<f32>,
+    /// What several bounces among facets return, `[thickness][channel]`, or empty.
+    pub returned: Vec<f32>,
     /// Thicknesses in nm of a table over them, and where on a body the film has which.
     pub thickness: Option<(Vec<f64>, ThicknessMap)>,
 }
@@ -38,6 +40,15 @@ impl MirrorLike {
     /// Multiplies each channel by ρ(θ): linear between the table's angles and constant beyond them.
     pub fn reflect(&self, between: Between, at_deg: f64, throughput: &mut [f32]) {
         self.multiply(&self.reflected, between, at_deg, throughput);
+    }
+
+    /// Adds what several bounces return, times `multiple`, to each channel.
+    pub fn add_returned(&self, Between { below, above, weight }: Between, multiple: f32, out: &mut [f32]) {
+        let channels = out.len();
+        let row = |thickness: usize| self.returned.get(thickness * channels..).unwrap_or_default();
+        for ((f, thin), thick) in out.iter_mut().zip(row(below)).zip(row(above)) {
+            *f += multiple * (thin + weight * (thick - thin));
+        }
     }
 
     /// Multiplies each channel by the transmittance, as [`MirrorLike::reflect`].
@@ -99,6 +110,7 @@ mod tests {
                 theta_deg: table.theta_deg.clone(),
                 reflected: table.rgb.iter().flatten().copied().collect(),
                 transmitted: Vec::new(),
+                returned: Vec::new(),
                 thickness: Some((vec![100.0, 200.0], ThicknessMap::Even(share))),
             };
             let one = table.at_thickness(100.0 + 100.0 * share);

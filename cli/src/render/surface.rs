@@ -9,6 +9,7 @@ use super::viewed::SampledTable;
 use crate::scene::OwnedFinish;
 use crate::support::error::{Error, Result};
 use crate::table::Table;
+use crate::table::finish::returned;
 use crate::table::mirror::MirrorTable;
 use crate::table::scatter::ScatterLookup;
 
@@ -62,11 +63,15 @@ impl Surface {
             Table::Mirror(mirror) => {
                 let (channels, values) = channels_and_values(table, spectral)?;
                 let transmitted = if choice.is_sheet { transmitted(mirror, spectral) } else { Vec::new() };
+                let returned = choice.finish.as_ref().map_or(Vec::new(), |finish| {
+                    returned(&finish.finish(), &mirror.theta_deg, &values, channels.count())
+                });
                 let axis = mirror.thickness.as_ref();
                 let mirror_like = MirrorLike {
                     theta_deg: mirror.theta_deg.clone(),
                     reflected: values,
                     transmitted,
+                    returned,
                     thickness: axis.map(|axis| axis.nm.clone()).zip(choice.thickness),
                 };
                 Ok(Self { channels, reflectance: Reflectance::Mirror(mirror_like, choice.finish) })

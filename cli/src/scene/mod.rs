@@ -26,7 +26,7 @@ mod load;
 
 pub use builtin::{list as list_materials, names as material_names};
 pub use dispersion::OwnedDispersion;
-pub use finish::{DISTRIBUTIONS, LEAST_ROUGHNESS, MASKINGS, OwnedFacets, OwnedFinish, named};
+pub use finish::{DISTRIBUTIONS, FinishFacets, LEAST_ROUGHNESS, MASKINGS, OwnedFacets, OwnedFinish, named};
 pub use load::{load, parse, parse_columns, parse_mesh, parse_nk, parse_without_finish};
 pub use medium::OwnedMedium;
 pub use mesh::{Mesh, Triangle};

@@ -57,6 +57,8 @@ pub enum MetadataKey {
     FinishMasking,
     /// Tabulated facets of a finish: rings, sectors and densities.
     FinishFacets,
+    /// `true` where a finish has energy compensation; else absent.
+    FinishCompensation,
 }
 
 impl AsRef<str> for MetadataKey {
@@ -86,6 +88,7 @@ impl AsRef<str> for MetadataKey {
             Self::FinishDistribution => "finish_distribution",
             Self::FinishMasking => "finish_masking",
             Self::FinishFacets => "finish_facets",
+            Self::FinishCompensation => "finish_energy_compensation",
         }
     }
 }

@@ -45,7 +45,7 @@ const SCRIPTS: [&str; 15] = [
 ];
 
 /// Shaders of the page by name; `common` is put before each fragment shader.
-const SHADERS: [(&str, &str); 20] = [
+const SHADERS: [(&str, &str); 21] = [
     ("surface", include_str!("shaders/surface.vert")),
     ("screen", include_str!("shaders/screen.vert")),
     ("common", include_str!("shaders/common.glsl")),
@@ -54,6 +54,7 @@ const SHADERS: [(&str, &str); 20] = [
     ("mirror", include_str!("shaders/mirror.frag")),
     ("levels", include_str!("shaders/levels.glsl")),
     ("level", include_str!("shaders/level.frag")),
+    ("returned", include_str!("shaders/returned.frag")),
     ("finish", include_str!("shaders/finish.frag")),
     ("scatter", include_str!("shaders/scatter.frag")),
     ("prepare", include_str!("shaders/prepare.frag")),

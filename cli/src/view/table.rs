@@ -81,6 +81,7 @@ fn mirror_like(table: &MirrorTable, finish: Option<Finish<'_>>, is_sheet: bool, 
         "finish": {
             "roughness": finish.and_then(|finish| finish.alpha()).unwrap_or([0.0; 2]),
             "beckmann": finish.is_some_and(|finish| finish.distribution() == Some(Distribution::Beckmann)),
+            "compensated": finish.is_some_and(|finish| finish.compensation().is_some()),
             "separable": finish.is_some_and(|finish| finish.masking() == Masking::Separable),
         },
     }))

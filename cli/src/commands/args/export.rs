@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use goniochrome::microfacet::Distribution;
 
+use crate::commands::args::shared::Compensating;
 use crate::commands::args::values::{RoughnessArg, distribution, roughness_or_mirror, spread};
 use crate::export::bsdf::Gamut;
 use crate::scene::vary::Vary;
@@ -33,6 +34,9 @@ pub struct ExportArgs {
     /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
     #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
     pub distribution: Option<Distribution>,
+    /// Several bounces among facets
+    #[command(flatten)]
+    pub compensating: Compensating,
     /// bsdf of diffraction orders, bsdf and merl of tables with exact lobes of flat facets: the width of each, the
     /// standard deviation of a Gaussian lobe in degrees
     #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]
@@ -61,6 +65,9 @@ pub struct ExportArgs {
     /// lut of a finish of tabulated facets: also write their texture, for the functions of --shader (.exr)
     #[arg(long, value_name = "FILE")]
     pub facets: Option<PathBuf>,
+    /// lut of a finish with energy compensation: also write its texture, for the functions of --shader (.exr)
+    #[arg(long, value_name = "FILE")]
+    pub compensation: Option<PathBuf>,
     /// Print no notes on standard error
     #[arg(long, short)]
     pub quiet: bool,

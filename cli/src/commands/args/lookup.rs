@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use goniochrome::microfacet::Distribution;
 
+use crate::commands::args::shared::Compensating;
 use crate::commands::args::values::{DirectionArg, RoughnessArg, distribution, spread};
 
 /// Arguments of `lookup`. Both directions point away from the surface; azimuths count from the tangent +x.
@@ -33,6 +34,9 @@ pub struct LookupArgs {
     /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
     #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
     pub distribution: Option<Distribution>,
+    /// Several bounces among facets
+    #[command(flatten)]
+    pub compensating: Compensating,
     /// Diffraction orders and flat facets: f with a Gaussian lobe of this standard deviation in degrees around each
     /// exact direction, as `export` takes it; without it they are listed
     #[arg(long, value_name = "DEGREES", value_parser = spread, allow_negative_numbers = true)]

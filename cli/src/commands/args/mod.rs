@@ -34,7 +34,7 @@ pub use plot::{OrderArg, PlotArgs, PlotKind};
 pub use render::{BackgroundArg, RenderArgs, SizeArg, ViewArgs};
 pub use sampling::SamplingArgs;
 pub use scatter::ScatterArgs;
-pub use shared::{Colouring, Computing, Diffracting, Running};
+pub use shared::{Colouring, Compensating, Computing, Diffracting, Running};
 pub use spectrum::SpectrumArgs;
 pub use values::{
     Bins, BodyArg, DirectionArg, IlluminantArg, ModelArg, RoughnessArg, SpaceArg, finish_choice, spelled,

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use goniochrome::microfacet::Distribution;
 
+use super::shared::Compensating;
 use super::values::{RoughnessArg, distribution, positive};
 use crate::solve::grid::Angles;
 
@@ -67,6 +68,9 @@ pub struct PlotArgs {
     /// else ggx]
     #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
     pub distribution: Option<Distribution>,
+    /// Several bounces among facets
+    #[command(flatten)]
+    pub compensating: Compensating,
     /// Spectrum, angles and map of diffraction orders: the order to draw, as M or M,N; repeat it for more [default: the
     /// strongest; for the map all together]
     #[arg(long = "order", value_name = "M[,N]", allow_hyphen_values = true)]

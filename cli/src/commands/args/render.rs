@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use goniochrome::microfacet::Distribution;
 
-use crate::commands::args::shared::Running;
+use crate::commands::args::shared::{Compensating, Running};
 use crate::commands::args::values::{BodyArg, RoughnessArg, distribution, roughness_or_mirror};
 use crate::render::Background;
 use crate::render::camera::View;
@@ -75,6 +75,9 @@ pub struct RenderArgs {
     /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
     #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
     pub distribution: Option<Distribution>,
+    /// Several bounces among facets
+    #[command(flatten)]
+    pub compensating: Compensating,
     /// Shade each wavelength of the table and then integrate, with the environment's RGB turned into smooth spectra;
     /// without this option RGB is shaded
     #[arg(long)]

@@ -91,3 +91,17 @@ pub struct Colouring {
     #[arg(long, value_enum, default_value_t = SpaceArg(RgbSpace::Srgb))]
     pub space: SpaceArg,
 }
+
+/// The option of commands that show a finish: whether several bounces count.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Compensating {
+    /// Mirror-like tables: whether light that meets several facets is returned [default: as the table's finish says]
+    #[arg(
+        long = "energy-compensation",
+        value_name = "true|false",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "true"
+    )]
+    pub energy_compensation: Option<bool>,
+}

@@ -199,10 +199,14 @@ pub(super) fn roughness_or_mirror(text: &str) -> Result<RoughnessArg, String> {
     if text.parse() == Ok(0.0) { Ok(RoughnessArg([0.0; 2])) } else { text.parse() }
 }
 
-/// What `--roughness` and `--distribution` ask for.
+/// What `--roughness`, `--distribution` and `--energy-compensation` ask for.
 #[must_use]
-pub fn finish_choice(roughness: Option<RoughnessArg>, distribution: Option<Distribution>) -> FinishChoice {
-    FinishChoice { roughness: roughness.map(|RoughnessArg(alpha)| alpha), distribution }
+pub fn finish_choice(
+    roughness: Option<RoughnessArg>,
+    distribution: Option<Distribution>,
+    energy_compensation: Option<bool>,
+) -> FinishChoice {
+    FinishChoice { roughness: roughness.map(|RoughnessArg(alpha)| alpha), distribution, energy_compensation }
 }
 
 /// Parses `--distribution`.

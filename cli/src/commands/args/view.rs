@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use goniochrome::microfacet::Distribution;
 
+use crate::commands::args::shared::Compensating;
 use crate::commands::args::values::{BodyArg, RoughnessArg, distribution, roughness_or_mirror};
 
 /// Arguments of `view`.
@@ -33,6 +34,9 @@ pub struct PageArgs {
     /// Mirror-like tables: the distribution of the facets' normals, ggx or beckmann [default: the table's, else ggx]
     #[arg(long, value_name = "ggx|beckmann", value_parser = distribution)]
     pub distribution: Option<Distribution>,
+    /// Several bounces among facets
+    #[command(flatten)]
+    pub compensating: Compensating,
     /// Print no progress and no notes on standard error
     #[arg(long, short)]
     pub quiet: bool,

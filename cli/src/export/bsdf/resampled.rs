@@ -6,6 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
+use goniochrome::microfacet::Finish;
 
 use super::albedo;
 use super::contents::{Contents, OverSquare, raise};
@@ -18,20 +19,58 @@ use crate::support::error::Result;
 use crate::support::memory::filled;
 use crate::support::parallel;
 
+/// Facets of a mirror-like table in a file.
+#[derive(Clone, Copy, Debug)]
+struct FileFacets<'f> {
+    finish: Finish<'f>,
+    /// With energy compensation, a density that all directions have: light of several bounces over D alone would have no
+    /// bound.
+    even: f64,
+}
+
+impl<'f> FileFacets<'f> {
+    /// Facets of a BRDF; `None` if it has none.
+    fn of(reflection: &'f Reflection) -> Option<Self> {
+        let ReflectionKind::Lobe { finish, .. } = reflection.kind() else { return None };
+        let finish = finish.finish();
+        let even =
+            finish.compensation().map_or(0.0, |compensation| (compensation.mean_loss() / PI).max(f64::MIN_POSITIVE));
+        Some(Self { finish, even })
+    }
+
+    /// The density by which the file divides f cos θ_o.
+    fn density(&self, m: DVec3) -> f64 {
+        f64::from(self.finish.density(m.as_vec3())) + self.even
+    }
+}
+
 /// Computes f cos θ_o in each channel, for facets over their density D at `m`; returns whether wo is above the horizon.
 ///
 /// Renderers do not evaluate directions below the horizon, but interpolate across it. There f cos θ_o is continued
 /// without a kink: that of facets as an odd function of cos θ_o, lobes of orders by their formula.
-fn projected(evaluator: &mut Evaluator<'_>, wi: DVec3, m: DVec3, out: &mut [f64]) -> bool {
+fn projected(
+    evaluator: &mut Evaluator<'_>,
+    facets: Option<&FileFacets<'_>>,
+    wi: DVec3,
+    m: DVec3,
+    out: &mut [f64],
+) -> bool {
     let wo = 2.0 * wi.dot(m) * m - wi;
     if !evaluator.projected_orders(wi, wo, out) {
         let reflection = evaluator.reflection();
         reflection.reflectance(wi.dot(m), out);
-        if let ReflectionKind::Lobe { finish, .. } = reflection.kind() {
-            let finish = finish.finish();
+        if let (ReflectionKind::Lobe { returned, .. }, Some(facets)) = (reflection.kind(), facets) {
             let raised = wo.with_z(wo.z.abs()).as_vec3();
-            let lobe = f64::from(finish.shadowing(wi.as_vec3(), raised)) * wo.z;
+            let lobe = f64::from(facets.finish.shadowing(wi.as_vec3(), raised)) * wo.z;
             out.iter_mut().for_each(|value| *value *= lobe);
+            if let Some(compensation) = facets.finish.compensation() {
+                let loss = |w: DVec3| f64::from(compensation.loss(w.z.abs() as f32));
+                let (density, multiple) = (facets.density(m), loss(wi) * loss(wo) * wo.z);
+                let of_facets = 1.0 - facets.even / density;
+                for (value, returned) in out.iter_mut().zip(returned) {
+                    *value = *value * of_facets + f64::from(*returned) * multiple / density;
+                }
+            }
         }
     }
     wo.z > 0.0
@@ -54,24 +93,20 @@ fn fill(evaluator: &mut Evaluator<'_>, grid: &BsdfGrid, number: usize, slice: Sl
     let area = slice.luminance.len();
     let [across, along] = [&grid.across.nodes, &grid.along[column].nodes];
     // D may be too small for single precision, so that nothing is divided by it.
-    let (density, scale) = match reflection.kind() {
-        ReflectionKind::Lobe { finish, .. } => {
-            (Some(finish.finish()), 4.0 * f64::from(finish.finish().visible_area(wi.as_vec3())))
-        }
-        _ => (None, 1.0),
-    };
+    let facets = FileFacets::of(reflection);
+    let scale = facets.map_or(1.0, |facets| 4.0 * f64::from(facets.finish.visible_area(wi.as_vec3())));
     let places = along.iter().flat_map(|v| across.iter().map(move |u| (*u, *v)));
     for (i, ((u, density_u), (v, density_v))) in places.enumerate() {
         let theta_m = u * u * FRAC_PI_2;
         let m = direction(theta_m, TAU * v - PI + origin);
-        let above = projected(evaluator, wi, m, &mut values);
+        let above = projected(evaluator, facets.as_ref(), wi, m, &mut values);
         // |dω_o| per area of the square, up to a constant factor.
         let jacobian = u * theta_m.sin() * wi.dot(m).max(0.0);
         // Of all densities for all channels, the root of the sum of squares has the smallest sum of variances. It is
         // also positive where components of colours out of gamut cancel each other.
         let strength = if above { values.iter().map(|value| value * value).sum::<f64>().sqrt() } else { 0.0 };
-        let facets = density.map_or(1.0, |finish| f64::from(finish.density(m.as_vec3())));
-        slice.luminance[i] = (strength * facets * jacobian / (density_u * density_v)) as f32;
+        let density = facets.map_or(1.0, |facets| facets.density(m));
+        slice.luminance[i] = (strength * density * jacobian / (density_u * density_v)) as f32;
         for (c, value) in values.iter().enumerate() {
             slice.spectra[c * area + i] = (value * scale) as f32;
         }
@@ -150,10 +185,10 @@ pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Conten
     if let ReflectionKind::Lobe { .. } = reflection.kind() {
         balance(&mut spectra, &grid, channels)?;
     }
-    let (density_of_facets, visible_area) = match reflection.kind() {
-        ReflectionKind::Lobe { finish, .. } => {
-            let finish = finish.finish();
-            let density = |theta, phi| finish.density(direction(theta, phi).as_vec3()).into();
+    let (density_of_facets, visible_area) = match FileFacets::of(reflection) {
+        Some(facets) => {
+            let finish = facets.finish;
+            let density = |theta, phi| facets.density(direction(theta, phi));
             let visible_area = |theta, phi| finish.visible_area(direction(theta, phi).as_vec3()).into();
             match finish.alpha() {
                 Some(alpha) if !grid.isotropic() => {
@@ -166,7 +201,7 @@ pub(super) fn contents(reflection: &Reflection, grid: BsdfGrid) -> Result<Conten
                 }
             }
         }
-        _ => (OverSquare::isotropic(|_| 1.0), OverSquare::isotropic(|_| 0.25)),
+        None => (OverSquare::isotropic(|_| 1.0), OverSquare::isotropic(|_| 0.25)),
     };
     let singles = |density: &Density| density.0.iter().map(|d| *d as f32).collect::<Vec<_>>();
     let across = singles(&grid.across.density);

@@ -50,6 +50,8 @@ pub struct Fitted {
     pub finish: Option<Finish<'static>>,
     /// Whether it stands for tabulated facets.
     pub tabulated: bool,
+    /// Whether the finish has energy compensation, which materials have not.
+    pub compensated: bool,
     /// The fitted parameters.
     pub parameters: Parameters,
     /// ΔE2000 of the fitted parameters.
@@ -76,12 +78,14 @@ impl Fitted {
             )));
         }
         let finish = scene.finish.as_ref().map(roughness::equivalent);
-        let tabulated = matches!(scene.finish, Some(OwnedFinish::Tabulated(..)));
+        let tabulated = scene.finish.as_ref().is_some_and(|finish| finish.tabulated().is_some());
         let exact = exact_rgb(&planar, &angles())?;
         let colours: Vec<Lab> = exact.iter().map(|rgb| lab(*rgb)).collect();
         let (parameters, residual) = fit(&film, &colours);
         let unfitted = Summary::of(&Parameters::of(&film).differences(&colours));
-        Ok(Self { name: scene.name.clone(), film, finish, tabulated, parameters, residual, unfitted, exact })
+        let compensated = scene.finish.as_ref().is_some_and(OwnedFinish::is_compensated);
+        let name = scene.name.clone();
+        Ok(Self { name, film, finish, tabulated, compensated, parameters, residual, unfitted, exact })
     }
 
     /// The text of a glTF 2.0 file: a sphere that wears the material.
@@ -154,7 +158,9 @@ impl Fitted {
     }
 
     fn finish_words(&self) -> Option<String> {
-        self.finish.map(|finish| roughness::words(finish, self.tabulated))
+        let words = roughness::words(self.finish?, self.tabulated);
+        let lost = if self.compensated { "; glTF has no energy compensation, which is left out" } else { "" };
+        Some(format!("{words}{lost}"))
     }
 
     /// The rows of both reports: θ in degrees, exact linear sRGB, that of glTF, and ΔE2000.

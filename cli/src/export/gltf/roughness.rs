@@ -13,7 +13,7 @@ use goniochrome::microfacet::{Distribution, FacetTable, Finish, MIN_ROUGHNESS, M
 use serde_json::{Value, json};
 
 use super::fit::round;
-use crate::scene::OwnedFinish;
+use crate::scene::{FinishFacets, OwnedFinish};
 
 /// The finish, or GGX facets in place of tabulated ones.
 ///
@@ -21,9 +21,9 @@ use crate::scene::OwnedFinish;
 /// Never: the roughness is within its range.
 #[must_use]
 pub fn equivalent(finish: &OwnedFinish) -> Finish<'static> {
-    match finish {
-        OwnedFinish::Analytic(finish) => *finish,
-        OwnedFinish::Tabulated(facets, masking) => {
+    match finish.facets() {
+        FinishFacets::Analytic(finish) => *finish,
+        FinishFacets::Tabulated(facets, masking) => {
             let [x, y] = roughness(facets.table()).map(|alpha| (alpha as f32).clamp(MIN_ROUGHNESS, 1.0));
             let alpha = if facets.table().size()[1] == 1 { [x; 2] } else { [x, y] };
             Finish::new(Distribution::Ggx, *masking, alpha).expect("a roughness within its range")
@@ -144,7 +144,7 @@ mod tests {
                     ggx.density(Vec3::new(t.sqrt() * cos, t.sqrt() * sin, (1.0 - t).sqrt()))
                 })
                 .collect();
-            OwnedFinish::Tabulated(OwnedFacets::new(size, &density).unwrap(), Masking::Separable)
+            OwnedFinish::new(FinishFacets::Tabulated(OwnedFacets::new(size, &density).unwrap(), Masking::Separable))
         };
         for (size, alpha) in [([128, 1], [0.2; 2]), ([96, 72], [0.1, 0.4])] {
             /// Steps of the slopes and of the table, 1 % of each.

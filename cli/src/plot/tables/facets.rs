@@ -8,6 +8,7 @@ use crate::plot::Picture;
 use crate::plot::line_chart::{Dash, LineOptions, PALETTE, Series, line_chart};
 use crate::support::direction::direction;
 use crate::support::error::Result;
+use crate::table::finish::returned;
 use crate::table::mirror::{MirrorTable, neighbours};
 
 /// Steps of the outgoing angle in half a degree on either side of the normal.
@@ -32,14 +33,19 @@ pub fn lobes(table: &MirrorTable, finish: &Finish<'_>, name: &str, theta_deg: &[
         let (below, above, weight) = neighbours(&table.theta_deg, theta);
         luminance[below] + weight * (luminance[above] - luminance[below])
     };
+    let singles: Vec<f32> = reflectance.iter().map(|rho| *rho as f32).collect();
+    let returned = returned(finish, &table.theta_deg, &singles, weights.len());
+    let returned: f64 = weights.iter().zip(returned).map(|(weight, returned)| weight[1] * f64::from(returned)).sum();
     // Tabulated facets are drawn as if they were of this roughness.
     let [x, y] = finish.alpha().unwrap_or([0.1; 2]);
     let curve = |(&theta, colour): (&f64, &&str)| {
         let wi = direction(theta.to_radians(), phi_deg.to_radians()).as_vec3();
         let point = |theta_o: f64| {
             let wo = direction(theta_o.to_radians(), (phi_deg + 180.0).to_radians()).as_vec3();
-            let leaving =
-                |lobe: Lobe| f64::from(lobe.value) * f64::from(wo.z) * rho(f64::from(lobe.cos_d).acos().to_degrees());
+            let leaving = |lobe: Lobe| {
+                let [value, multiple] = [lobe.value, lobe.multiple].map(f64::from);
+                (value * rho(f64::from(lobe.cos_d).acos().to_degrees()) + multiple * returned) * f64::from(wo.z)
+            };
             (theta_o, finish.lobe(wi, wo).map_or(0.0, leaving))
         };
         // Evenly spaced, and around the mirror direction as finely as the lobe is narrow.

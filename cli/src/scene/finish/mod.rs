@@ -15,7 +15,7 @@ use super::surface;
 use super::toml_value::{TomlItem, TomlTable};
 use crate::support::error::Result;
 
-pub use owned::{OwnedFacets, OwnedFinish};
+pub use owned::{FinishFacets, OwnedFacets, OwnedFinish};
 
 /// The smallest roughness that a user may give: a smoother surface is a mirror.
 pub const LEAST_ROUGHNESS: f64 = 1e-3;
@@ -43,14 +43,24 @@ pub(super) fn finish(
     label: &str,
     find: &mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
 ) -> Result<OwnedFinish> {
-    table.allow(&["roughness", "distribution", "masking", "isotropic"])?;
+    table.allow(&["roughness", "distribution", "masking", "isotropic", "energy_compensation"])?;
+    let compensation = table.get("energy_compensation").map(|item| item.flag()).transpose()?.unwrap_or(false);
+    Ok(OwnedFinish::new(finish_facets(table, label, find)?).compensated(compensation))
+}
+
+/// Reads the facets of `[finish]`.
+fn finish_facets(
+    table: &TomlTable<'_>,
+    label: &str,
+    find: &mut dyn FnMut(&TomlItem<'_>) -> Result<PathBuf>,
+) -> Result<FinishFacets> {
     let masking = choice(table, "masking", &MASKINGS)?.unwrap_or_default();
     let distribution = table.get("distribution");
     if let Some(item) = distribution.as_ref().filter(|item| item.as_text().is_none()) {
         if let Some(roughness) = table.get("roughness") {
             return Err(roughness.refuse("tabulated facets have their own; remove it"));
         }
-        return Ok(OwnedFinish::Tabulated(facets(item, table.get("isotropic"), label, find)?, masking));
+        return Ok(FinishFacets::Tabulated(facets(item, table.get("isotropic"), label, find)?, masking));
     }
     if let Some(item) = table.get("isotropic") {
         return Err(item.refuse("is for the normals of a mesh or a surface; remove it"));
@@ -68,7 +78,7 @@ pub(super) fn finish(
     }
     let distribution = choice(table, "distribution", &DISTRIBUTIONS)?.unwrap_or_default();
     Finish::new(distribution, masking, alpha.map(|alpha| alpha as f32))
-        .map(OwnedFinish::Analytic)
+        .map(FinishFacets::Analytic)
         .map_err(|error| roughness.refuse(error))
 }
 

@@ -13,6 +13,9 @@ const ALBEDO_LOOKS = [233, 89];
 const ALBEDO_STEPS = [64, 6, 16];
 /** Steps of cos θ in tables of ρ. */
 const RHO_STEPS = 1024;
+/** Steps of √cos θ in tables of what facets lose, and azimuths of unequally rough ones. */
+const LOSS_STEPS = 64;
+const LOSS_AZIMUTHS = 12;
 /** Standard deviation of the light's blur in units of the side of its solid angle. */
 const SOFTNESS = 0.4;
 const GOLDEN = 0.6180339887498949;
@@ -20,8 +23,8 @@ const GOLDEN = 0.6180339887498949;
 const TABULATED = Object.freeze([]);
 
 class Finish {
-  constructor({ beckmann, separable, facets }, table) {
-    [this.beckmann, this.separable] = [beckmann, separable];
+  constructor({ beckmann, separable, compensated, facets }, table) {
+    [this.beckmann, this.separable, this.compensated] = [beckmann, separable, compensated];
     const steps = (of) => Float32Array.from(Array.from({ length: RHO_STEPS + 1 }, (_, i) => of(degrees(Math.acos(i / RHO_STEPS)))).flat());
     /** Linear RGB of ρ in equal steps of cos θ, and of the light that goes through a sheet. */
     this.rho = steps((theta) => table.mirrored(theta));
@@ -151,8 +154,76 @@ class Finish {
     }
   }
 
-  /** Linear RGB of the albedo for a viewer's direction; with `through`, of the light that goes straight on. */
-  rgb(alpha, wo, count = ALBEDO_LOOKS[0], through = false) {
+  /** Whether facets are equally rough in all directions. */
+  isEqual(alpha) {
+    return alpha === TABULATED ? this.facets.views[1] === 1 : alpha[0] === alpha[1];
+  }
+
+  /** What facets lose to others in equal steps of √cos θ, and the mean of it. */
+  losses(alpha) {
+    if (this.lost?.alpha === alpha.join()) return this.lost;
+    const [azimuths, turn] = this.isEqual(alpha) ? [1, 0] : [LOSS_AZIMUTHS, (alpha === TABULATED ? 2 : 0.5) * Math.PI];
+    const values = Float32Array.from({ length: LOSS_STEPS + 1 }, (_, i) => {
+      const z = Math.max((i / LOSS_STEPS) ** 2, 1e-5);
+      const sin = Math.sqrt(1 - z * z);
+      let kept = 0;
+      for (let k = 0; k < azimuths; k += 1) {
+        const phi = (turn * (k + 0.5)) / azimuths;
+        this.each(alpha, [sin * Math.cos(phi), sin * Math.sin(phi), z], ALBEDO_LOOKS[0], (_, share) => { kept += share / azimuths; });
+      }
+      return clamp(1 - kept, 0, 1);
+    });
+    // Over x = √cos θ, 2 cos θ d(cos θ) = 4 x³ dx: by parts of the interpolation.
+    const mean = values.subarray(1).reduce((sum, high, i) => {
+      const [a, b, slope] = [i / LOSS_STEPS, (i + 1) / LOSS_STEPS, (high - values[i]) * LOSS_STEPS];
+      return sum + (values[i] - slope * a) * (b ** 4 - a ** 4) + 0.8 * slope * (b ** 5 - a ** 5);
+    }, 0);
+    this.lost = { alpha: alpha.join(), values, mean };
+    return this.lost;
+  }
+
+  /** Part of the light that facets lose which several bounces return, for a mean reflectance of the facets. */
+  severalOf(alpha, reflectance) {
+    const { mean } = this.losses(alpha);
+    const reflected = clamp(reflectance, 0, 1);
+    return mean > 0 ? (reflected ** 2 * (1 - mean)) / (1 - reflected * mean) : 0;
+  }
+
+  /** That part in linear RGB. */
+  several(alpha) {
+    const mean = [0, 0, 0];
+    for (let i = 0; i < 3 * RHO_STEPS; i += 1) {
+      const cosine = (Math.floor(i / 3) + 0.5) / RHO_STEPS;
+      mean[i % 3] += (cosine * (this.rho[i] + this.rho[i + 3])) / RHO_STEPS;
+    }
+    return mean.map((reflectance) => this.severalOf(alpha, reflectance));
+  }
+
+  /** What facets lose of the light of a direction. */
+  lossAt(alpha, z) {
+    const { values } = this.losses(alpha);
+    const at = Math.sqrt(clamp(z, 0, 1)) * LOSS_STEPS;
+    const i = Math.min(Math.floor(at), LOSS_STEPS - 1);
+    return values[i] + (at - i) * (values[i + 1] - values[i]);
+  }
+
+  /** Linear RGB of the albedo for a viewer's direction. */
+  rgb(alpha, wo) {
+    return this.withSeveral(alpha, wo[2], this.ofFacets(alpha, wo));
+  }
+
+  /** Adds what several bounces return to linear RGB of the facets' albedo for a viewer's height. */
+  withSeveral(alpha, z, rgb) {
+    if (!this.compensated) return rgb;
+    const loss = this.lossAt(alpha, z);
+    return this.several(alpha).map((returned, c) => rgb[c] + loss * returned);
+  }
+
+  /**
+   * Linear RGB of the albedo of the facets alone for a viewer's direction; with `through`, of the light that goes
+   * straight on.
+   */
+  ofFacets(alpha, wo, count = ALBEDO_LOOKS[0], through = false) {
     const sum = [0, 0, 0];
     const list = through ? this.tau : this.rho;
     this.each(alpha, wo, count, (cosine, share, seen) => {
@@ -167,7 +238,7 @@ class Finish {
   }
 
   /**
-   * A table of the albedo in linear RGB, `[cos² φ][cos θ]`, and of what a sheet lets through; over φ in place of cos² φ
+   * A table of the facets' albedo in linear RGB, `[cos² φ][cos θ]`, and of what a sheet lets through; over φ in place of cos² φ
    * for tabulated facets, and over cos θ alone for equally rough ones.
    */
   albedo(alpha) {
@@ -181,7 +252,7 @@ class Finish {
   }
 
   integrated(alpha) {
-    const equal = alpha === TABULATED ? this.facets.views[1] === 1 : alpha[0] === alpha[1];
+    const equal = this.isEqual(alpha);
     const steps = ALBEDO_STEPS[alpha === TABULATED ? 2 : 1];
     const [columns, rows] = [ALBEDO_STEPS[0] + 1, equal ? 1 : steps + 1];
     const [values, through] = [0, 1].map(() => new Float32Array(3 * columns * rows));
@@ -193,8 +264,8 @@ class Finish {
         const wo = [sin * Math.cos(phi), sin * Math.sin(phi), z];
         const at = 3 * (row * columns + column);
         const count = ALBEDO_LOOKS[equal ? 0 : 1];
-        values.set(this.rgb(alpha, wo, count), at);
-        if (this.tau) through.set(this.rgb(alpha, wo, count, true), at);
+        values.set(this.ofFacets(alpha, wo, count), at);
+        if (this.tau) through.set(this.ofFacets(alpha, wo, count, true), at);
       }
     }
     return { columns, rows, values, through };

@@ -81,10 +81,27 @@ class MirrorTable {
     if (alpha) finish.each(alpha, sphere(theta, phi), ALBEDO_LOOKS[0], (cosine, share) => add(degrees(Math.acos(cosine)), share));
     else add(theta, 1);
     const width = this.wavelength.length;
-    const curve = (of) => this.wavelength.map((_, i) => shares.reduce((sum, share, row) => sum + share * of[row * width + i], 0));
+    const loss = alpha && finish.compensated ? finish.lossAt(alpha, Math.cos(radians(theta))) : 0;
+    const weights = loss > 0 ? this.hemisphere() : [];
+    const mixed = (of, i, parts) => parts.reduce((sum, share, row) => sum + share * of[row * width + i], 0);
+    const mean = (i) => 0.5 * (mixed(this.s, i, weights) + mixed(this.p, i, weights));
+    const curve = (of) => this.wavelength.map((_, i) => mixed(of, i, shares) + (loss > 0 ? loss * finish.severalOf(alpha, mean(i)) : 0));
     const [s, p] = [curve(this.s), curve(this.p)];
-    const mean = { name: "mean", values: s.map((value, i) => 0.5 * (value + p[i])) };
-    return alpha ? [mean] : [mean, { name: "s", values: s }, { name: "p", values: p }];
+    const both = { name: "mean", values: s.map((value, i) => 0.5 * (value + p[i])) };
+    return alpha ? [both] : [both, { name: "s", values: s }, { name: "p", values: p }];
+  }
+
+  /** Weights of the table's angles in a mean over the hemisphere by the cosine. */
+  hemisphere() {
+    const weights = new Float64Array(this.theta.length);
+    const count = 256;
+    for (let i = 0; i < count; i += 1) {
+      const cosine = (i + 0.5) / count;
+      const [low, high, weight] = place(degrees(Math.acos(cosine)), this.theta);
+      weights[low] += (2 * cosine * (1 - weight)) / count;
+      weights[high] += (2 * cosine * weight) / count;
+    }
+    return weights;
   }
 
   /** Linear RGB over the directions of the disc, whatever the direction of the reading. */
@@ -96,7 +113,8 @@ class MirrorTable {
       const [left, below] = [Math.min(Math.floor(x), columns - 2), Math.max(Math.min(Math.floor(y), rows - 2), 0)];
       const at = (column, row, c) => values[3 * (Math.min(row, rows - 1) * columns + column) + c];
       const along = (row, c) => at(left, row, c) + (x - left) * (at(left + 1, row, c) - at(left, row, c));
-      return [0, 1, 2].map((c) => along(below, c) + (y - below) * (along(below + 1, c) - along(below, c)));
+      const rgb = [0, 1, 2].map((c) => along(below, c) + (y - below) * (along(below + 1, c) - along(below, c)));
+      return this.finish.withSeveral(this.alpha, Math.cos(radians(theta)), rgb);
     };
   }
 }

@@ -11,6 +11,10 @@ uniform sampler2D table; // ρ in equal steps of cos θ_d
 // Light that is reflected, and that goes through, over cos θ and cos² φ; for tabulated facets over cos θ and φ.
 uniform sampler2D albedo, through;
 uniform sampler2D seenFacets; // squared roughness of facets of which directions see as much, over azimuth and √cos θ
+// With energy compensation: what facets lose over √cos θ, what several bounces return of it, and the mean of the light
+// that they lose around each normal.
+uniform sampler2D losses, returnedLight;
+uniform vec3 several;
 uniform int part; // 0 for reflected light, 1 for what goes through, 2 for the light straight ahead
 uniform vec2 alpha; // roughness along tangent and binormal
 // Cosine and sine of the azimuth on the cap, height over it; how many looks it stands for. Of tabulated facets, x and y
@@ -109,7 +113,12 @@ void main() {
     float turnSquare = wo.x * wo.x / max(dot(wo.xy, wo.xy), 1e-12);
     vec2 place = vec2(wo.z, TABULATED ? fract(atan(wo.y, wo.x) / TAU) : turnSquare);
     colour = vec4(SHEET && part == 1 ? between(through, place) : between(albedo, place), 1.0);
-    if (light == 0 || (SHEET && part == 1)) return;
+    if (SHEET && part == 1) return;
+    vec3 returned = COMPENSATED ? several * between(losses, vec2(sqrt(wo.z), 0.0)).r : vec3(0.0);
+    if (light == 0) {
+        colour.rgb += returned;
+        return;
+    }
     back = mat3(turned(local[0]), turned(local[1]), turned(local[2]));
     viewer = vec3(alpha * wo.xy, wo.z);
     float size = length(viewer);
@@ -121,4 +130,8 @@ void main() {
     float scale = areaDrawn / float(LOOKS);
     vec3 rest = colour.rgb - scale * even;
     colour.rgb = scale * sum + rest * mean.rgb / max(mean.a, 1e-12);
+    if (COMPENSATED) {
+        vec2 texelOf = (1.0 + RETURNED_SIDE * unfolded(back[2])) / (RETURNED_SIDE + 2.0);
+        colour.rgb += returned * textureLod(returnedLight, texelOf, 0.0).rgb;
+    }
 }

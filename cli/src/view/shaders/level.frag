@@ -6,15 +6,6 @@ const int FINE = 2; // parts of a texel along each side
 const int COUNT = 64; // directions of a blur
 const float GOLDEN_ANGLE = 2.39996323;
 
-// The direction of a place from −1 to 1. Beyond an edge the square goes on as the octahedron does: mirrored.
-vec3 folded(vec2 at) {
-    if (abs(at.x) > 1.0) at = vec2(sign(at.x) * 2.0 - at.x, -at.y);
-    if (abs(at.y) > 1.0) at = vec2(-at.x, sign(at.y) * 2.0 - at.y);
-    float up = 1.0 - abs(at.x) - abs(at.y);
-    vec2 aside = up < 0.0 ? (1.0 - abs(at.yx)) * vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0) : at;
-    return normalize(vec3(aside, up));
-}
-
 void main() {
     float size = side * exp2(-level);
     vec3 sum = vec3(0.0);

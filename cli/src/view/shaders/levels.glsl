@@ -11,6 +11,15 @@ vec2 unfolded(vec3 d) {
     return 0.5 + 0.5 * (d.z < 0.0 ? folded : d.xy);
 }
 
+// The direction of a place from −1 to 1. Beyond an edge the square goes on as the octahedron does: mirrored.
+vec3 folded(vec2 at) {
+    if (abs(at.x) > 1.0) at = vec2(sign(at.x) * 2.0 - at.x, -at.y);
+    if (abs(at.y) > 1.0) at = vec2(-at.x, sign(at.y) * 2.0 - at.y);
+    float up = 1.0 - abs(at.x) - abs(at.y);
+    vec2 aside = up < 0.0 ? (1.0 - abs(at.yx)) * vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0) : at;
+    return normalize(vec3(aside, up));
+}
+
 // Lower corner of a level without its border.
 vec2 cornerOf(float level, float size) { return vec2(1.0, 2.0 * (side - size + level) + 1.0); }
 
