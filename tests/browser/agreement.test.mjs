@@ -8,7 +8,7 @@ import { SMALL, at, difference, fileUrl, launch, picture, run, skyHdr, visit } f
 /**
  * Largest mean difference of 8-bit values on the body. Scattering bodies and facets see light that is blurred a little.
  */
-const MEAN = { "beetle-pits": 3, "silicon-pyramids": 3, satin: 3, brushed: 3, gold: 3, facets: 3, frosted: 3 };
+const MEAN = { "beetle-pits": 3, "silicon-pyramids": 3, satin: 3, brushed: 3, gold: 3, facets: 3, frosted: 3, matt: 3 };
 const MEAN_OTHERS = 2;
 /**
  * Pixels of a side, number of pictures that the page sums, rays of `render`. Mirrors and orders need many only to
@@ -19,18 +19,18 @@ const SCATTERING = [96, 16, 64];
 const FACETS = [128, 32, 32];
 const SIZE = {
   "beetle-pits": SCATTERING, "silicon-pyramids": SCATTERING,
-  satin: FACETS, brushed: FACETS, gold: FACETS, facets: FACETS, frosted: [64, 32, 32],
+  satin: FACETS, brushed: FACETS, gold: FACETS, facets: FACETS, matt: FACETS, frosted: [64, 32, 32],
   disc: [128, 32, 32], soft: [128, 32, 32],
 };
 const SIZE_OTHERS = [192, 32, 32];
 /** Options of `render` for a page. */
-const OPTIONS = { soft: ["--spread=5"], satin: ["--roughness=0.1"], brushed: ["--roughness=0.1,0.4"], frosted: ["--roughness=0.2"] };
+const OPTIONS = { soft: ["--spread=5"], satin: ["--roughness=0.1"], brushed: ["--roughness=0.1,0.4"], frosted: ["--roughness=0.2"], matt: ["--roughness=0.8", "--energy-compensation"] };
 /** The thickness of a film in nm. */
 const THICKNESS = { soap: 333, frosted: 333 };
 /** How a page's film varies over the body. */
 const MAPS = { draining: "drain", swirls: "noise" };
 /** The table of a page. */
-const TABLE = { draining: "soap", swirls: "soap", soft: "disc", satin: "beetle", brushed: "beetle", frosted: "soap" };
+const TABLE = { draining: "soap", swirls: "soap", soft: "disc", satin: "beetle", brushed: "beetle", frosted: "soap", matt: "gold" };
 
 /** One page for each table. */
 const pages = {};
@@ -77,7 +77,7 @@ for (const [shape, light] of [["sphere", "white"], ["sphere", "studio"], ["spher
 }
 test("sheet, draining, sphere, studio", () => compare("draining", "sphere", "studio"));
 test("sheet, swirls, teapot, studio", () => compare("swirls", "teapot", "studio"));
-for (const [table, lights] of [["satin", ["white", "studio", "image", "lamp"]], ["brushed", ["lamp"]], ["gold", ["studio"]], ["facets", ["studio", "lamp"]]]) {
+for (const [table, lights] of [["satin", ["white", "studio", "image", "lamp"]], ["brushed", ["lamp"]], ["gold", ["studio"]], ["facets", ["studio", "lamp"]], ["matt", ["studio", "lamp"]]]) {
   for (const light of lights) {
     test(`rough facets, ${table}, teapot, ${light}`, () => compare(table, "teapot", light));
   }

@@ -1,9 +1,9 @@
 //! The texture of a soap film with a finish, and its shader functions, in the folder of the first argument; the others
 //! are the distribution (ggx, beckmann, or tabulated, which is a coarse table of Beckmann's), the masking (correlated,
 //! separable), the roughness along x and y, and `compensated` for energy compensation. Tabulated facets go into
-//! facets.exr of that folder, compensation into compensation.exr. Then reads lines of eight numbers: wi, a parameter, then wo and 0, or two numbers, 0 and 1. For the first it prints f and
-//! the density by the library, for the second the direction that it draws and its density: the truth for the shader
-//! functions. Four more numbers bound the difference.
+//! facets.exr of that folder, compensation into compensation.exr. Then reads lines of eight numbers: wi, a parameter,
+//! then wo and 0, or two numbers, 0 and 1. For the first it prints f and the density by the library, for the second the
+//! direction that it draws and its density: the truth for the shader functions. Four more numbers bound the difference.
 
 use std::error::Error;
 use std::f32::consts::TAU;

@@ -182,9 +182,9 @@ impl Lut {
         returned(&finish, &theta_deg, &rho, 3).as_chunks().0.to_vec()
     }
 
-    /// The bytes of an OpenEXR file of a finish's energy compensation, for the shader functions: half floats. Columns are
-    /// the nodes of [`Compensation`], rows those of the texture; A is the loss, and R, G and B are what several bounces
-    /// return. `None` without compensation.
+    /// The bytes of an OpenEXR file of a finish's energy compensation, for the shader functions: half floats. Columns
+    /// are the nodes of [`Compensation`], rows those of the texture; A is the loss, and R, G and B are what several
+    /// bounces return. `None` without compensation.
     ///
     /// # Errors
     /// What the OpenEXR encoder refuses.

@@ -1,7 +1,8 @@
 //! What several bounces among facets return.
 //!
-//! Facets of reflectance 1 reflect E(cos θ) of the light of a direction, and lose the rest to other facets. Kulla & Conty
-//! ("Revisiting physically based shading at Imageworks", 2017) return it in proportion to what both directions lose:
+//! Facets of reflectance 1 reflect E(cos θ) of the light of a direction, and lose the rest to other facets. Kulla &
+//! Conty ("Revisiting physically based shading at Imageworks", 2017) return it in proportion to what both directions
+//! lose:
 //!
 //! f_ms(wi, wo) = F_ms (1 − E(cos θ_i)) (1 − E(cos θ_o))/(π (1 − E_avg))
 //!
@@ -58,7 +59,7 @@ impl<'a> Compensation<'a> {
 
     /// Looks up the loss 1 − E of a direction by its cosine, which is clamped to [0, 1]; NaN counts as 0.
     #[must_use]
-    #[inline]
+    #[inline(never)]
     pub fn loss(&self, cos_theta: f32) -> f32 {
         const STEPS: usize = LOSSES - 1;
         let positive = cos_theta.max(0.0);
@@ -85,8 +86,8 @@ impl<'a> Compensation<'a> {
     }
 
     /// F_ms/(π (1 − E_avg)) in 1/sr, by which [`Lobe::multiple`](super::Lobe::multiple) is multiplied, for the mean
-    /// reflectance F_avg of the smooth surface ([`mean_reflectance`]) in a channel. F_avg is clamped to [0, 1]; channels
-    /// of colours may be beyond.
+    /// reflectance F_avg of the smooth surface ([`mean_reflectance`]) in a channel. F_avg is clamped to [0, 1];
+    /// channels of colours may be beyond.
     #[must_use]
     pub fn returned(&self, mean_reflectance: f64) -> f32 {
         let loss = self.mean_loss();

@@ -1,7 +1,7 @@
 //! What facets of a finish lose, computed when a compensation is made.
 //!
-//! E(wi) = ∫ D G₂/(cos θ_i cos θ_o) cos θ_o (wi·m) dω_m over the normals m that reflect above the horizon. In slopes p of
-//! m, over the roughness, in polar coordinates, this is wi.z + 2 wi·p − wi.z p² > 0: a range of radii from 0 on.
+//! E(wi) = ∫ D G₂/(cos θ_i cos θ_o) cos θ_o (wi·m) dω_m over the normals m that reflect above the horizon. For slopes
+//! p of m, that is where wi.z + 2 wi·p − wi.z p² > 0: at each azimuth, a range of radii from 0 on.
 
 use super::compensation::Compensation;
 use super::error::FinishError;

@@ -189,7 +189,11 @@ impl Dimensions {
         let values = self.count()?.checked_mul(self.value_bytes.into())?.checked_next_multiple_of(4)?;
         let numbers = match self.kind {
             MIRROR => 0,
-            FILM => FinishField::of(self.sides[3])?.numbers([self.sides[1], self.channels])?.checked_add(columns)?,
+            FILM => {
+                let finish = FinishField::of(self.sides[3])?;
+                let returned = if finish.is_compensated() { columns.checked_mul(self.channels.into())? } else { 0 };
+                returned.checked_add(columns + finish.numbers() as u64)?
+            }
             // Sums of products of 32 bits.
             ORDERS => 2 * u64::from(self.channels) + 5 * third,
             _ => {
@@ -417,9 +421,15 @@ fn contents(dimensions: Dimensions, payload: &[u8]) -> Result<Contents<'_>, Blob
             let of_one = if third == 1 { values.len() } else { values.len() / 2 };
             let quantities = [values.part(0, of_one), values.part(of_one, values.len() - of_one)];
             let columns = columns as usize;
+            let of_finish = numbers.part(columns, finish.numbers());
             let thickness_nm = numbers.part(0, columns);
-            let table = FilmTable::of(quantities, thickness_nm, channels, f64::from_bits(extent), None)?;
-            Ok(Contents::Film(finish.on(table, numbers.part(columns, numbers.len() - columns))?))
+            let surface = finish.finish(of_finish)?;
+            let mut table = FilmTable::of(quantities, thickness_nm, channels, f64::from_bits(extent), surface)?;
+            if finish.is_compensated() {
+                let before = columns + of_finish.len();
+                table.set_returned(numbers.part(before, numbers.len() - before))?;
+            }
+            Ok(Contents::Film(table))
         }
         SCATTER => {
             let layout = ScatterLayout::new([rows, columns], [third, fourth], dimensions.lobes() as u32)?;

@@ -1,7 +1,6 @@
 //! The finish of a film in a blob: a field of the header, and numbers.
 
 use super::error::TableError;
-use super::film::FilmTable;
 use crate::microfacet::{Compensation, Distribution, FacetTable, Finish, Masking};
 use crate::values::Values;
 
@@ -57,15 +56,14 @@ impl FinishField {
         }
     }
 
-    /// Number of its losses there.
-    fn of_losses(self) -> usize {
-        if matches!(self, Self::Rough { is_compensated: true, .. }) { Compensation::LEN } else { 0 }
+    /// Whether the light of several bounces is returned.
+    pub fn is_compensated(self) -> bool {
+        matches!(self, Self::Rough { is_compensated: true, .. })
     }
 
-    /// Number of its numbers there, for a table of so many thicknesses and channels.
-    pub fn numbers(self, [thicknesses, channels]: [u32; 2]) -> Option<u64> {
-        let returned = if self.of_losses() > 0 { u64::from(thicknesses).checked_mul(channels.into())? } else { 0 };
-        returned.checked_add((self.of_facets() + self.of_losses()) as u64)
+    /// Number of its numbers there, without what several bounces return.
+    pub fn numbers(self) -> usize {
+        self.of_facets() + if self.is_compensated() { Compensation::LEN } else { 0 }
     }
 
     /// The field of a finish.
@@ -79,21 +77,19 @@ impl FinishField {
         (rings as u32) << 16 | (sectors as u32) << 8 | (number + more)
     }
 
-    /// The table of a film with the finish, by all numbers of the finish.
-    pub fn on<'a>(self, film: FilmTable<'a>, numbers: Values<'a>) -> Result<FilmTable<'a>, TableError> {
-        let Self::Rough { facets, masking, .. } = self else { return Ok(film) };
+    /// The finish, with its numbers.
+    pub fn finish(self, numbers: Values<'_>) -> Result<Option<Finish<'_>>, TableError> {
+        let Self::Rough { facets, masking, is_compensated } = self else { return Ok(None) };
         let finish = match facets {
             FacetField::Analytic(distribution) => Finish::new(distribution, masking, [numbers.at(0), numbers.at(1)]),
             FacetField::Tabulated(size) => FacetTable::of_values(size, numbers.part(0, self.of_facets()))
                 .map(|facets| Finish::tabulated(facets, masking)),
         };
-        let finish = finish.map_err(|_| TableError::Finish)?;
-        if self.of_losses() == 0 {
-            return Ok(film.finished(finish));
+        let mut finish = finish.map_err(|_| TableError::Finish)?;
+        if is_compensated {
+            let losses = Compensation::of_values(numbers.part(self.of_facets(), Compensation::LEN));
+            finish = finish.with_compensation(losses.map_err(|_| TableError::Finish)?);
         }
-        let losses = Compensation::of_values(numbers.part(self.of_facets(), self.of_losses()));
-        let finish = finish.with_compensation(losses.map_err(|_| TableError::Finish)?);
-        let before = self.of_facets() + self.of_losses();
-        film.finished(finish).returning(numbers.part(before, numbers.len() - before))
+        Ok(Some(finish))
     }
 }

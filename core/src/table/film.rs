@@ -4,7 +4,7 @@ use super::angle_axis::AngleAxis;
 use super::angles::angle_of_cosine;
 use super::error::{MAX_MAGNITUDE, TableError};
 use super::mirror::MirrorTable;
-use crate::microfacet::{Finish, Lobe};
+use crate::microfacet::Finish;
 use crate::values::Values;
 use glam::Vec3;
 
@@ -112,17 +112,13 @@ impl<'a> FilmTable<'a> {
     /// # Errors
     /// [`TableError::Finish`] for a surface without compensation, [`TableError::Shape`] unless there is a number for
     /// each thickness and channel, [`TableError::NotFinite`] for a number that is NaN or beyond [`MAX_MAGNITUDE`].
-    pub fn with_returned(self, returned: &'a [f32]) -> Result<Self, TableError> {
-        self.returning(Values::Numbers(returned))
+    pub fn with_returned(mut self, returned: &'a [f32]) -> Result<Self, TableError> {
+        self.set_returned(Values::Numbers(returned))?;
+        Ok(self)
     }
 
-    /// The table of a surface with a finish.
-    pub(super) fn finished(self, finish: Finish<'a>) -> Self {
-        Self { finish: Some(finish), ..self }
-    }
-
-    pub(super) fn returning(self, returned: Values<'a>) -> Result<Self, TableError> {
-        if self.finish.and_then(|finish| finish.compensation()).is_none() {
+    pub(super) fn set_returned(&mut self, returned: Values<'a>) -> Result<(), TableError> {
+        if self.finish.as_ref().and_then(Finish::compensation).is_none() {
             return Err(TableError::Finish);
         }
         if returned.len() != self.channels * self.thicknesses() {
@@ -130,7 +126,10 @@ impl<'a> FilmTable<'a> {
         }
         match returned.first_beyond(MAX_MAGNITUDE) {
             Some(index) => Err(TableError::NotFinite { index }),
-            None => Ok(Self { returned, ..self }),
+            None => {
+                self.returned = returned;
+                Ok(())
+            }
         }
     }
 
@@ -220,19 +219,13 @@ impl<'a> FilmTable<'a> {
     fn look_up(&self, xi: f32, yi: f32, zi: f32, xo: f32, yo: f32, zo: f32, thickness_nm: f32) -> ([f32; 3], f32) {
         let (wi, wo) = (Vec3::new(xi, yi, zi), Vec3::new(xo, yo, zo));
         let Some(lobe) = self.finish.as_ref().and_then(|finish| finish.lobe(wi, wo)) else { return ([0.0; 3], 0.0) };
-        (self.reflected(&lobe, thickness_nm), lobe.pdf)
-    }
-
-    /// RGB of f for a pair of directions.
-    #[inline]
-    fn reflected(&self, lobe: &Lobe, thickness_nm: f32) -> [f32; 3] {
         let mut rgb = self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm).map(|rho| rho * lobe.value);
-        if self.returned.len() > 0 {
+        if lobe.multiple > 0.0 {
             let returned = self.returned(thickness_nm);
             rgb = core::array::from_fn(|c| rgb[c] + returned[c] * lobe.multiple);
         }
         // Directions near the horizon may reflect more than single precision holds.
-        rgb.map(|f| f.clamp(f32::MIN, f32::MAX))
+        (rgb.map(|f| f.clamp(f32::MIN, f32::MAX)), lobe.pdf)
     }
 
     /// RGB of what several bounces return, for a thickness in nm.
@@ -257,19 +250,20 @@ impl<'a> FilmTable<'a> {
             return above.then(|| FilmSample { wo, pdf: None, weight: self.reflectance(wi.z, thickness_nm) });
         };
         let wo = finish.sample(wi, u)?;
+        if finish.compensation().is_some() {
+            let (f, pdf) = self.eval_and_pdf(wi, wo, thickness_nm);
+            let weight = f.map(|f| f * (wo.z / pdf));
+            return (pdf > 0.0).then_some(FilmSample { wo, pdf: Some(pdf), weight });
+        }
         let lobe = finish.lobe(wi, wo)?;
         let pdf = lobe.pdf;
-        let weight = if finish.compensation().is_some() {
-            self.reflected(&lobe, thickness_nm).map(|f| f * (wo.z / pdf))
-        } else {
-            // f cos θ_o over the density; where it is that of visible normals without D, as both may be too small for
-            // single precision.
-            let share = match finish.distribution() {
-                Some(_) => 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z,
-                None => lobe.value * wo.z / pdf,
-            };
-            self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm).map(|rho| rho * share)
+        // f cos θ_o over the density; where it is that of visible normals without D, as both may be too small for
+        // single precision.
+        let share = match finish.distribution() {
+            Some(_) => 4.0 * finish.visible_area(wi) * finish.shadowing(wi, wo) * wo.z,
+            None => lobe.value * wo.z / pdf,
         };
+        let weight = self.rgb(self.reflectance, angle_of_cosine(lobe.cos_d), thickness_nm).map(|rho| rho * share);
         (pdf > 0.0).then_some(FilmSample { wo, pdf: Some(pdf), weight })
     }
 

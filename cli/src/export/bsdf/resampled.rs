@@ -23,8 +23,8 @@ use crate::support::parallel;
 #[derive(Clone, Copy, Debug)]
 struct FileFacets<'f> {
     finish: Finish<'f>,
-    /// With energy compensation, a density that all directions have: light of several bounces over D alone would have no
-    /// bound.
+    /// Density that all normals have besides, with energy compensation: light of several bounces over D alone would
+    /// have no bound.
     even: f64,
 }
 

@@ -162,7 +162,8 @@ class Finish {
   /** What facets lose to others in equal steps of √cos θ, and the mean of it. */
   losses(alpha) {
     if (this.lost?.alpha === alpha.join()) return this.lost;
-    const [azimuths, turn] = this.isEqual(alpha) ? [1, 0] : [LOSS_AZIMUTHS, (alpha === TABULATED ? 2 : 0.5) * Math.PI];
+    const [azimuths, turn] =
+      this.isEqual(alpha) ? [1, 0] : [LOSS_AZIMUTHS, (alpha === TABULATED ? 2 : 0.5) * Math.PI];
     const values = Float32Array.from({ length: LOSS_STEPS + 1 }, (_, i) => {
       const z = Math.max((i / LOSS_STEPS) ** 2, 1e-5);
       const sin = Math.sqrt(1 - z * z);
@@ -238,8 +239,8 @@ class Finish {
   }
 
   /**
-   * A table of the facets' albedo in linear RGB, `[cos² φ][cos θ]`, and of what a sheet lets through; over φ in place of cos² φ
-   * for tabulated facets, and over cos θ alone for equally rough ones.
+   * A table of the facets' albedo in linear RGB, `[cos² φ][cos θ]`, and of what a sheet lets through; over φ in place
+   * of cos² φ for tabulated facets, and over cos θ alone for equally rough ones.
    */
   albedo(alpha) {
     if (this.kept?.alpha !== alpha.join()) this.kept = { alpha: alpha.join(), ...this.integrated(alpha) };

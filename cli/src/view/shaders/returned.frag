@@ -1,5 +1,5 @@
-// Draws the light that facets around each normal lose, on an octahedron with a border of one texel: its mean, weighted by
-// what a direction loses and by its cosine. In light of radiance 1 it is 1.
+// Draws the light that facets around each normal lose, on an octahedron with a border of one texel: its mean, weighted
+// by what a direction loses and by its cosine. In light of radiance 1 it is 1.
 uniform sampler2D losses; // over √cos θ
 out vec4 colour;
 
