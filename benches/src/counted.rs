@@ -156,6 +156,7 @@ impl<const PRECISE: bool> Lanes for Counted<PRECISE> {
 impl<const PRECISE: bool> RayLanes for Counted<PRECISE> {
     type Wavevector = Counted<true>;
     type Direction = Self;
+    type Light = Self;
 
     fn wavevector(index: Counted<true>) -> Counted<true> {
         index
@@ -165,6 +166,12 @@ impl<const PRECISE: bool> RayLanes for Counted<PRECISE> {
     }
     fn spread(direction: Self) -> Self {
         direction
+    }
+    fn light(number: Self) -> Self {
+        number
+    }
+    fn each(light: Self) -> Self {
+        light
     }
 }
 

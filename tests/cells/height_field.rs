@@ -142,7 +142,7 @@ impl<'a> Paths<F64> for Measured<'a> {
     }
 
     fn scale_power(light: &Self::Light, by: f64) -> Self::Light {
-        IncoherentMesh::scale_power(light, by)
+        IncoherentMesh::<F64>::scale_power(light, by)
     }
 
     fn split(&mut self, state: &Self::State, light: &Self::Light) -> [Option<(Self::Branch, Self::Light)>; 2] {

@@ -128,7 +128,7 @@ pub fn orders(
     in_lanes!(request.precision, V => run::<V>(mesh_scene, wi, wavelength_nm, request, progress))
 }
 
-fn run<V: RayLanes>(
+fn run<V: RayLanes<Light = V>>(
     mesh_scene: &MeshScene<'_>,
     wi: DVec3,
     wavelength_nm: &[f64],
@@ -158,7 +158,7 @@ fn run<V: RayLanes>(
 }
 
 /// Light from one direction at one group of wavelengths.
-struct OrderLight<'l, V: RayLanes> {
+struct OrderLight<'l, V: RayLanes<Light = V>> {
     cell: MeshCell<'l>,
     media: MediaLanes<'l, V>,
     wavelengths: &'l [f64],
@@ -168,13 +168,13 @@ struct OrderLight<'l, V: RayLanes> {
 }
 
 /// Sums over the starting rays of one batch.
-struct OrderSums<V: RayLanes> {
+struct OrderSums<V: RayLanes<Light = V>> {
     orders: Vec<Order<V>>,
     lost: V,
     in_flight: V,
 }
 
-impl<V: RayLanes> OrderLight<'_, V> {
+impl<V: RayLanes<Light = V>> OrderLight<'_, V> {
     /// Traces all batches and adds their orders to `found`.
     fn add(&self, request: &OrdersRequest, progress: &(dyn Fn() + Sync), found: &mut Diffraction) -> Result<()> {
         let blank = self.blank(request)?;
@@ -260,7 +260,12 @@ impl<V: RayLanes> OrderLight<'_, V> {
 
 /// Adds to `found` the efficiencies of the coherent sum over all batches, with standard errors from the spread of the
 /// batches.
-fn summarise<V: RayLanes>(batches: &[OrderSums<V>], wavelengths: &[f64], rays: f64, found: &mut Vec<Diffracted>) {
+fn summarise<V: RayLanes<Light = V>>(
+    batches: &[OrderSums<V>],
+    wavelengths: &[f64],
+    rays: f64,
+    found: &mut Vec<Diffracted>,
+) {
     for (place, first) in batches[0].orders.iter().enumerate() {
         let mut whole = *first;
         for batch in &batches[1..] {

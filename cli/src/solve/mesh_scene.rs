@@ -110,27 +110,31 @@ impl<'s> MeshScene<'s> {
         })
     }
 
-    /// Whether light of these wavelengths needs paths of its own at each: a medium on either side of an interface has
-    /// indices that differ by more than would show over twice the height of the mesh, as those of air do not. Media in
-    /// coatings do not count: they turn no ray.
+    /// The height of the mesh.
     #[must_use]
-    pub fn disperses(&self, wavelength_nm: &[f64]) -> bool {
-        /// Largest difference of an optical path, in wavelengths: phases differ by 6e-3 at most.
-        const MAX_TURNS: f64 = 1e-3;
-        let height = |of: fn(f64, f64) -> f64| self.vertices.iter().map(|v| v.z).reduce(of).unwrap_or(0.0);
-        let shortest = wavelength_nm.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = MAX_TURNS * shortest / (2.0 * (height(f64::max) - height(f64::min)));
-        let media = self.media();
-        let below =
-            |interface: &Interface| if let Below::Medium(medium) = interface.below { Some(medium) } else { None };
-        let mut sides =
-            self.interfaces.iter().flat_map(|interface| [Some(interface.above), below(interface)]).flatten();
-        sides.any(|medium| {
-            let index = |nm: f64| media[usize::from(medium)].eta(nm);
-            let middle = index(wavelength_nm[wavelength_nm.len() / 2]);
-            let agrees = |nm: &f64| matches!((&middle, index(*nm)), (Ok(a), Ok(b)) if (a - b).norm() <= most);
-            !wavelength_nm.iter().all(agrees)
+    pub fn height_nm(&self) -> f64 {
+        let extreme = |of: fn(f64, f64) -> f64| self.vertices.iter().map(|v| v.z).reduce(of).unwrap_or(0.0);
+        extreme(f64::max) - extreme(f64::min)
+    }
+
+    /// The media on either side of the interfaces, some several times. Those of coatings do not count.
+    pub fn sides(&self) -> impl Iterator<Item = MediumIndex> + '_ {
+        self.interfaces.iter().flat_map(|interface| {
+            let below = if let Below::Medium(medium) = interface.below { Some(medium) } else { None };
+            [Some(interface.above), below].into_iter().flatten()
         })
+    }
+
+    /// Whether a facet has films.
+    #[must_use]
+    pub fn is_coated(&self) -> bool {
+        self.facets.iter().any(|facet| !self.coatings[usize::from(facet.interface)].is_empty())
+    }
+
+    /// The facets.
+    #[must_use]
+    pub fn facets(&self) -> &[Facet] {
+        &self.facets
     }
 
     /// The period in x and in y.

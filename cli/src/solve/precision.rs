@@ -39,28 +39,3 @@ macro_rules! in_lanes {
     };
 }
 pub(crate) use in_lanes;
-
-/// Like `in_lanes!`, with lanes for the rays of a mesh: where none of its media disperses at these wavelengths, one
-/// path serves up to 48 of them.
-macro_rules! in_ray_lanes {
-    ($precision:expr, $mesh_scene:expr, $wavelength_nm:expr, $lanes:ident => $run:expr) => {
-        $crate::solve::precision::in_lanes!($precision, Register => {
-            use goniochrome::simd::{lanes::Lanes, registers::Registers};
-            match ($mesh_scene.disperses($wavelength_nm), $wavelength_nm.len() <= <Register as Lanes>::WIDTH) {
-                (true, _) => {
-                    type $lanes = Register;
-                    $run
-                }
-                (false, true) => {
-                    type $lanes = Registers<Register, 1>;
-                    $run
-                }
-                (false, false) => {
-                    type $lanes = Registers<Register, { 48 / <Register as Lanes>::WIDTH }>;
-                    $run
-                }
-            }
-        })
-    };
-}
-pub(crate) use in_ray_lanes;

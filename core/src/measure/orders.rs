@@ -106,7 +106,7 @@ impl<'m, V: Lanes> Orders<'m, V> {
     }
 }
 
-impl<V: RayLanes> Sink<ExitWave<V>, WaveField<V>> for Orders<'_, V> {
+impl<V: RayLanes<Light = V>> Sink<ExitWave<V>, WaveField<V>> for Orders<'_, V> {
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V>) {
         if wave.side == Side::Below {
             return;

@@ -5,10 +5,15 @@ use core::array::from_fn;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// The lanes of `N` registers, at most 64 lanes in all.
+///
+/// `ALIKE` changes no number, but what [`RayLanes`](crate::simd::ray_lanes::RayLanes) take to be one for all lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Registers<V, const N: usize>([V; N]);
+pub struct Registers<V, const N: usize, const ALIKE: bool = false>([V; N]);
 
-impl<V: Lanes, const N: usize> Registers<V, N> {
+/// Registers of wavelengths whose light differs in phase alone.
+pub type Alike<V, const N: usize> = Registers<V, N, true>;
+
+impl<V: Lanes, const N: usize, const ALIKE: bool> Registers<V, N, ALIKE> {
     #[inline]
     fn map(self, f: impl Fn(V) -> V) -> Self {
         let mut out = self;
@@ -34,7 +39,7 @@ impl<V: Lanes, const N: usize> Registers<V, N> {
 /// Implements operators of [`Registers`] register by register.
 macro_rules! operators {
     ($($operator:ident $method:ident),*) => {$(
-        impl<V: Lanes, const N: usize> $operator for Registers<V, N> {
+        impl<V: Lanes, const N: usize, const ALIKE: bool> $operator for Registers<V, N, ALIKE> {
             type Output = Self;
             #[inline]
             fn $method(self, other: Self) -> Self {
@@ -46,7 +51,7 @@ macro_rules! operators {
 
 operators!(Add add, Sub sub, Mul mul, Div div);
 
-impl<V: Lanes, const N: usize> Neg for Registers<V, N> {
+impl<V: Lanes, const N: usize, const ALIKE: bool> Neg for Registers<V, N, ALIKE> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
@@ -54,15 +59,15 @@ impl<V: Lanes, const N: usize> Neg for Registers<V, N> {
     }
 }
 
-impl<V: Lanes, const N: usize> AddAssign for Registers<V, N> {
+impl<V: Lanes, const N: usize, const ALIKE: bool> AddAssign for Registers<V, N, ALIKE> {
     #[inline]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<V: Lanes, const N: usize> Lanes for Registers<V, N> {
-    type Precise = Registers<V::Precise, N>;
+impl<V: Lanes, const N: usize, const ALIKE: bool> Lanes for Registers<V, N, ALIKE> {
+    type Precise = Registers<V::Precise, N, ALIKE>;
     const WIDTH: usize = N * V::WIDTH;
     const UNIT_ROUNDOFF: f64 = V::UNIT_ROUNDOFF;
 

@@ -3,9 +3,10 @@
 //!
 //! A ray is a plane wave with its own wavevector in each lane, or with one for all where no medium disperses
 //! ([`RayLanes`]); one hero lane decides which facet it meets. It carries the electric field, a complex vector for each
-//! incident polarisation, at the ray's own point of the facet. Two rays of one facet, side and wavevector are one plane
-//! wave: the field of the second is propagated to the point of the first by exp(i k₀ q·Δx) and added. The field is
-//! referred to a point of the path and not to a distant anchor: this keeps strongly absorbing waves, which grow
+//! incident polarisation, at the ray's own point of the facet. Where all wavelengths have one amplitude, the field
+//! lacks the phase, and the ray carries its optical path instead. Two rays of one facet, side and wavevector are one
+//! plane wave: the field of the second is propagated to the point of the first by exp(i k₀ q·Δx) and added. The field
+//! is referred to a point of the path and not to a distant anchor: this keeps strongly absorbing waves, which grow
 //! sideways as fast as they decay, within range.
 //!
 //! At a facet the field is split along ŝ = N × q/|q_t| and p̂ = ŝ × q/η. Fresnel's formulas act on each part, and the
@@ -17,14 +18,16 @@ use crate::optics::coating::coated;
 use crate::optics::interface::{Below, Wave, fresnel};
 use crate::optics::medium::{MediaLanes, MediumIndex};
 use crate::optics::stack::Response;
+use crate::simd::common::Common;
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
-use crate::simd::phase::{propagate, propagate_real};
+use crate::simd::phase::{attenuation, propagate, propagate_real};
 use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::VectorLanes;
 use crate::trace::plane_of_incidence::s_axis_of_wave;
 use crate::trace::waves::{Propagated, Slot, Split, Target, Waves};
 use glam::DVec3;
+use num_complex::Complex64;
 
 /// Electric field of a ray, for incident light polarised in s and in p.
 pub type WaveField<V> = Polarised<VectorLanes<V>>;
@@ -38,6 +41,8 @@ pub struct WaveState<V: RayLanes> {
     pub(crate) wavevector: VectorLanes<V::Wavevector>,
     /// J, cross-section of the ray's tube in units of the incident one.
     pub(crate) tube_area: V::Direction,
+    /// Optical path from the first facet, where the field does not have its phase.
+    pub(crate) path_nm: Complex64,
 }
 
 /// Ray that leaves the cell. Its field is referred to `point_nm`.
@@ -56,7 +61,9 @@ pub struct ExitWave<V: RayLanes> {
     /// Index of the medium in which the ray leaves.
     pub medium: MediumIndex,
     /// Power of the ray for each incident polarisation, in units of the incident power.
-    pub power: Polarised<V>,
+    pub power: Polarised<V::Light>,
+    /// Optical path from the first facet where all wavelengths have one field, which does not have its phase; else 0.
+    pub path_nm: Complex64,
 }
 
 /// Polygon mesh in which waves interfere, at one group of wavelengths and one direction of the light.
@@ -66,8 +73,8 @@ pub struct CoherentMesh<'a, V: RayLanes> {
     media: MediaLanes<'a, V>,
     per_wavelength: V::Precise,
     incident: IncidentWave<V>,
-    lost: V,
-    absorbed: Polarised<V>,
+    lost: V::Light,
+    absorbed: Polarised<V::Light>,
 }
 
 /// Incident light: a plane wave of unit amplitude in each polarisation.
@@ -78,7 +85,7 @@ pub struct IncidentWave<V: RayLanes> {
     /// ŝ, the normal of the macroscopic plane of incidence.
     pub(crate) s_axis: DVec3,
     wavevector: VectorLanes<V::Wavevector>,
-    field: WaveField<V>,
+    field: WaveField<V::Light>,
     index: V::Direction,
 }
 
@@ -95,7 +102,7 @@ impl<V: RayLanes> IncidentWave<V> {
         let eta = eta.map(V::wavevector);
         let s = DVec3::Z.cross(wi).try_normalize().unwrap_or(DVec3::Y);
         let mut wavevector = VectorLanes::<V::Wavevector>::splat(-wi).scale(ComplexLanes::real(eta.re));
-        let mut p = VectorLanes::<V>::splat(s.cross(-wi));
+        let mut p = VectorLanes::<V::Light>::splat(s.cross(-wi));
         if eta.im.any_above(0.0) {
             let tangential = eta.re * V::Wavevector::splat(wi.truncate().length());
             wavevector.z = -(eta.square() - ComplexLanes::real(tangential * tangential)).sqrt_outgoing();
@@ -116,10 +123,10 @@ impl<V: RayLanes> IncidentWave<V> {
     /// `eta`.
     pub fn tube_power(
         &self,
-        field: &WaveField<V>,
+        field: &WaveField<V::Light>,
         tube_area: V::Direction,
         eta: ComplexLanes<V::Wavevector>,
-    ) -> Polarised<V> {
+    ) -> Polarised<V::Light> {
         let per = V::spread(tube_area * V::Direction::narrow(eta.re) / self.index);
         field.map(|e| e.norm_sqr() * per)
     }
@@ -153,51 +160,58 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
     /// Mesh of a cell, with its media and the incident light.
     pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
         let per_wavelength = V::Precise::one() / media.wavelength_nm();
-        let none = Polarised::both(V::zero());
-        Self { cell, media, per_wavelength, incident, lost: V::zero(), absorbed: none }
+        let none = V::Light::zero();
+        Self { cell, media, per_wavelength, incident, lost: none, absorbed: Polarised::both(none) }
     }
 
     /// State and field of a ray that starts over the point (u, v) of the period, in [0, 1)², where it meets its first
     /// facet. `None` if it meets none.
-    pub fn start(&self, u: f64, v: f64) -> Option<(WaveState<V>, WaveField<V>)> {
+    pub fn start(&self, u: f64, v: f64) -> Option<(WaveState<V>, WaveField<V::Light>)> {
         self.cell.first_hit(u, v, -self.incident.wi).map(|at| self.start_at(at))
     }
 
     /// State and field of a ray whose first hit is known: see [`CoherentMesh::start`].
-    pub fn start_at(&self, at: FacetHit) -> (WaveState<V>, WaveField<V>) {
-        (WaveState { at, wavevector: self.incident.wavevector, tube_area: V::Direction::one() }, self.incident.field)
+    pub fn start_at(&self, at: FacetHit) -> (WaveState<V>, WaveField<V::Light>) {
+        let (wavevector, tube_area) = (self.incident.wavevector, V::Direction::one());
+        (WaveState { at, wavevector, tube_area, path_nm: Complex64::ZERO }, self.incident.field)
     }
 
     /// Power of rays that were lost in holes of the mesh or after too many periods. It adds up over calls of `split`.
-    pub fn lost(&self) -> V {
+    pub fn lost(&self) -> V::Light {
         self.lost
     }
 
     /// Power that media between facets, and films on facets, have absorbed. It adds up over calls of `split`.
-    pub fn absorbed(&self) -> Polarised<V> {
+    pub fn absorbed(&self) -> Polarised<V::Light> {
         self.absorbed
     }
 
     /// Takes back what was lost and absorbed since `before` in lanes in which `kept` is 0.
-    pub fn keep_lanes(&mut self, kept: V, before: &Self) {
-        let zero = V::zero();
+    pub fn keep_lanes(&mut self, kept: V::Light, before: &Self) {
+        let zero = V::Light::zero();
         self.lost = zero.select_lt(kept, self.lost, before.lost);
         self.absorbed = self.absorbed.zip(before.absorbed, |now, before| zero.select_lt(kept, now, before));
     }
 
     /// Phase factor exp(i k₀ q·Δx) of a step.
     #[inline]
-    fn phase_factor(&self, wavevector: &VectorLanes<V::Wavevector>, step_nm: DVec3) -> ComplexLanes<V> {
+    fn phase_factor(&self, wavevector: &VectorLanes<V::Wavevector>, step_nm: DVec3) -> ComplexLanes<V::Light> {
         let path = wavevector.dot_real(step_nm);
-        if path.im.any_above(0.0) {
+        let factor: ComplexLanes<V> = if path.im.any_above(0.0) {
             propagate(path.map(V::precise).scale(self.per_wavelength))
         } else {
             propagate_real(V::precise(path.re) * self.per_wavelength)
-        }
+        };
+        factor.map(V::light)
     }
 
     /// Power of a field in a tube in a medium, for each polarisation.
-    fn tube_power(&self, field: &WaveField<V>, tube_area: V::Direction, medium: MediumIndex) -> Polarised<V> {
+    fn tube_power(
+        &self,
+        field: &WaveField<V::Light>,
+        tube_area: V::Direction,
+        medium: MediumIndex,
+    ) -> Polarised<V::Light> {
         self.incident.tube_power(field, tube_area, self.index_of(medium))
     }
 
@@ -214,12 +228,15 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
         near: (MediumIndex, ComplexLanes<V::Wavevector>),
         far: Option<(MediumIndex, ComplexLanes<V::Wavevector>)>,
         tangential_squared: ComplexLanes<V::Wavevector>,
-    ) -> Response<V> {
+    ) -> Response<V::Light> {
         let wave = |(medium, normal): (MediumIndex, ComplexLanes<V::Wavevector>)| {
             Wave::<V>::with_normal(self.media.eta_of(medium), normal.map(V::precise))
         };
         let (near, far) = (wave(near), far.map(wave));
-        coated(&near, self.cell.films(at), far.as_ref(), &self.media, tangential_squared.map(V::precise))
+        let tangential_squared = tangential_squared.map(V::precise);
+        let response = coated(&near, self.cell.films(at), far.as_ref(), &self.media, tangential_squared);
+        let light = |x: Polarised<ComplexLanes<V>>| x.map(|c| c.map(V::light));
+        Response { reflection: light(response.reflection), transmission: light(response.transmission) }
     }
 
     /// Propagates a ray from a facet to the next one, or out of the cell.
@@ -227,36 +244,46 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
         &mut self,
         from: &WaveState<V>,
         outgoing: Outgoing<V>,
-    ) -> Propagated<WaveState<V>, ExitWave<V>, WaveField<V>> {
+    ) -> Propagated<WaveState<V>, ExitWave<V>, WaveField<V::Light>> {
         let Outgoing { wavevector, field, medium, normal, tube_area, power } = outgoing;
         let evanescent = is_evanescent(&wavevector, normal);
         let direction = if evanescent { normal } else { wavevector.direction(hero::<V::Wavevector>()) };
         match self.cell.next_event(from.at.point_nm, direction, medium, Some(from.at.facet)) {
             NextEvent::Facet(at) => {
-                let factor = self.phase_factor(&wavevector, at.point_nm - from.at.point_nm);
+                let step_nm = at.point_nm - from.at.point_nm;
                 // An evanescent wave crosses only gaps between parallel facets: towards a tilted one it might grow.
-                let parallel = self.cell.facet(at.facet).normal.dot(normal).abs() > MIN_PARALLEL_COSINE;
-                if evanescent
-                    && !(parallel && factor.norm_sqr().any_above(MIN_EVANESCENT_FACTOR * MIN_EVANESCENT_FACTOR))
-                {
+                let crosses = |factor: ComplexLanes<V::Light>| {
+                    self.cell.facet(at.facet).normal.dot(normal).abs() > MIN_PARALLEL_COSINE
+                        && factor.norm_sqr().any_above(MIN_EVANESCENT_FACTOR * MIN_EVANESCENT_FACTOR)
+                };
+                if V::IS_ALIKE {
+                    if evanescent && !crosses(self.phase_factor(&wavevector, step_nm)) {
+                        return None;
+                    }
+                    let path_nm = from.path_nm + wavevector.dot_real(step_nm).lane(0);
+                    return Some((Target::State(WaveState { at, wavevector, tube_area, path_nm }), field));
+                }
+                let factor = self.phase_factor(&wavevector, step_nm);
+                if evanescent && !crosses(factor) {
                     return None;
                 }
                 let arriving = field.map(|e| e.scale(factor));
                 if !evanescent {
-                    let left = power.zip(factor_power(factor), |power, factor| power * factor);
+                    let left = power.map(|power| power * factor.norm_sqr());
                     self.absorbed = self.absorbed.zip(power.zip(left, |a, b| a - b), |sum, lost| sum + lost);
                 }
-                Some((Target::State(WaveState { at, wavevector, tube_area }), arriving))
+                Some((Target::State(WaveState { at, wavevector, tube_area, path_nm: from.path_nm }), arriving))
             }
             _ if evanescent => None,
             NextEvent::Lost => {
                 // A wave that decays across its direction may carry power backwards; it is an error bar all the same.
-                self.lost += (power.s.abs() + power.p.abs()) * V::splat(0.5);
+                self.lost += (power.s.abs() + power.p.abs()) * V::Light::splat(0.5);
                 None
             }
             up_or_down => {
                 let side = if up_or_down == NextEvent::Above { Side::Above } else { Side::Below };
-                let wave = ExitWave { side, wavevector, point_nm: from.at.point_nm, normal, tube_area, medium, power };
+                let (point_nm, path_nm) = (from.at.point_nm, from.path_nm);
+                let wave = ExitWave { side, wavevector, point_nm, normal, tube_area, medium, power, path_nm };
                 Some((Target::Exit(wave), field))
             }
         }
@@ -266,22 +293,17 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
 /// Ray that leaves a facet.
 struct Outgoing<V: RayLanes> {
     wavevector: VectorLanes<V::Wavevector>,
-    field: WaveField<V>,
+    field: WaveField<V::Light>,
     medium: MediumIndex,
     /// Normal of the facet, towards the side on which the ray leaves.
     normal: DVec3,
     tube_area: V::Direction,
-    power: Polarised<V>,
+    power: Polarised<V::Light>,
 }
 
-/// |factor|², for both polarisations.
-fn factor_power<V: RayLanes>(factor: ComplexLanes<V>) -> Polarised<V> {
-    Polarised::both(factor.norm_sqr())
-}
-
-impl<V: RayLanes> Waves<V> for CoherentMesh<'_, V> {
+impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
     type State = WaveState<V>;
-    type Field = WaveField<V>;
+    type Field = WaveField<V::Light>;
     type Exit = ExitWave<V>;
     const MAX_PROBES: usize = usize::MAX;
 
@@ -297,20 +319,42 @@ impl<V: RayLanes> Waves<V> for CoherentMesh<'_, V> {
             && a.at.front == b.at.front
             && difference.length_squared() < MAX_WAVEVECTOR_DIFFERENCE * MAX_WAVEVECTOR_DIFFERENCE
             && distance.abs() < MAX_PLANE_DISTANCE_NM
+            && (!V::IS_ALIKE || has_same_path(a, b))
     }
 
-    fn merge(&self, into: &WaveState<V>, field: WaveField<V>, from: &WaveState<V>, more: WaveField<V>) -> WaveField<V> {
+    fn merge(
+        &self,
+        into: &WaveState<V>,
+        field: WaveField<V::Light>,
+        from: &WaveState<V>,
+        more: WaveField<V::Light>,
+    ) -> WaveField<V::Light> {
+        if V::IS_ALIKE {
+            return field.zip(more, |a, b| a + b);
+        }
         let factor = self.phase_factor(&into.wavevector, into.at.point_nm - from.at.point_nm);
         field.zip(more, |a, b| a + b.scale(factor))
     }
 
-    fn power(&self, state: &WaveState<V>, field: &WaveField<V>) -> V {
-        let Some(Sides { near, .. }) = self.cell.sides(&state.at) else { return V::zero() };
+    fn power(&self, state: &WaveState<V>, field: &WaveField<V::Light>) -> V::Light {
+        let Some(Sides { near, .. }) = self.cell.sides(&state.at) else { return V::Light::zero() };
         let Polarised { s, p } = self.tube_power(field, state.tube_area, near);
-        (s + p) * V::splat(0.5)
+        let power = (s + p) * V::Light::splat(0.5);
+        // Behind an evanescent gap the optical path holds a decay, least at the longest wavelength.
+        if state.path_nm.im > 0.0 {
+            let per_wavelength = (0..V::WIDTH).map(|lane| self.per_wavelength.lane(lane)).fold(f64::INFINITY, f64::min);
+            let turns = Common::splat(state.path_nm.im * per_wavelength);
+            let amplitude = attenuation::<Common>(ComplexLanes { re: Common::zero(), im: turns }).lane(0);
+            return power * V::Light::splat(amplitude * amplitude);
+        }
+        power
     }
 
-    fn split(&mut self, state: &WaveState<V>, field: &WaveField<V>) -> Split<WaveState<V>, ExitWave<V>, WaveField<V>> {
+    fn split(
+        &mut self,
+        state: &WaveState<V>,
+        field: &WaveField<V::Light>,
+    ) -> Split<WaveState<V>, ExitWave<V>, WaveField<V::Light>> {
         let Some(Sides { normal, near, far }) = self.cell.sides(&state.at) else { return [None, None] };
 
         let q = state.wavevector;
@@ -382,12 +426,18 @@ impl<V: RayLanes> Waves<V> for CoherentMesh<'_, V> {
         });
         if !films.is_empty() && !is_evanescent(&q, normal) {
             let arrived = self.tube_power(field, state.tube_area, near);
-            let through = refracted.as_ref().map_or(Polarised::both(V::zero()), |refracted| refracted.power);
+            let through = refracted.as_ref().map_or(Polarised::both(V::Light::zero()), |refracted| refracted.power);
             let kept = arrived.zip(reflected.power, |a, b| a - b).zip(through, |a, b| a - b);
             self.absorbed = self.absorbed.zip(kept, |sum, kept| sum + kept);
         }
         [self.propagate(state, reflected), refracted.and_then(|refracted| self.propagate(state, refracted))]
     }
+}
+
+/// Whether two rays of one facet and wavevector have travelled as far.
+fn has_same_path<V: RayLanes>(a: &WaveState<V>, b: &WaveState<V>) -> bool {
+    let apart_nm = a.wavevector.dot_real(a.at.point_nm - b.at.point_nm).lane(0);
+    (a.path_nm - b.path_nm - apart_nm).norm() < MAX_PLANE_DISTANCE_NM
 }
 
 /// Whether the hero lane's wave is evanescent: it decays faster along the normal than it travels, as beyond a facet
@@ -420,7 +470,8 @@ impl<V: RayLanes> WaveState<V> {
 
 /// Slot in which no ray waits.
 #[must_use]
-pub fn free_slot<V: RayLanes>() -> Slot<WaveState<V>, WaveField<V>> {
-    let state = WaveState { at: FacetHit::NONE, wavevector: VectorLanes::zero(), tube_area: V::Direction::zero() };
+pub fn free_slot<V: RayLanes>() -> Slot<WaveState<V>, WaveField<V::Light>> {
+    let (wavevector, tube_area) = (VectorLanes::zero(), V::Direction::zero());
+    let state = WaveState { at: FacetHit::NONE, wavevector, tube_area, path_nm: Complex64::ZERO };
     Slot::free(state, Polarised::both(VectorLanes::zero()))
 }

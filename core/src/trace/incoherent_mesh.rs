@@ -115,8 +115,8 @@ pub struct IncoherentMesh<'a, V: RayLanes> {
     cell: MeshCell<'a>,
     media: MediaLanes<'a, V>,
     incident: IncidentWave<V>,
-    lost: V,
-    absorbed: V,
+    lost: V::Light,
+    absorbed: V::Light,
 }
 
 /// Largest normal component of a wavevector beyond a facet, relative to its length, of a wave that only decays.
@@ -125,15 +125,15 @@ const MAX_EVANESCENT_COSINE: f64 = 1e-9;
 impl<'a, V: RayLanes> IncoherentMesh<'a, V> {
     /// Mesh of a cell, with its media and the incident light.
     pub fn new(cell: MeshCell<'a>, media: MediaLanes<'a, V>, incident: IncidentWave<V>) -> Self {
-        Self { cell, media, incident, lost: V::zero(), absorbed: V::zero() }
+        Self { cell, media, incident, lost: V::Light::zero(), absorbed: V::Light::zero() }
     }
 
     /// Path that starts over the point (u, v) of the period, in [0, 1)², and its light. `None` if the path meets no
     /// facet.
-    pub fn start(&self, u: f64, v: f64) -> Option<(Path<V>, Coherency<V>)> {
+    pub fn start(&self, u: f64, v: f64) -> Option<(Path<V>, Coherency<V::Light>)> {
         let IncidentWave { wi, s_axis, .. } = self.incident;
         let at = self.cell.first_hit(u, v, -wi)?;
-        let half = V::splat(0.5);
+        let half = V::Light::splat(0.5);
         let path = Path {
             at,
             direction: RealLanes::<V::Direction>::splat(-wi),
@@ -144,19 +144,19 @@ impl<'a, V: RayLanes> IncoherentMesh<'a, V> {
 
     /// Power of paths that were lost in holes of the mesh or after too many periods. It adds up over calls of
     /// `propagate`.
-    pub fn lost(&self) -> V {
+    pub fn lost(&self) -> V::Light {
         self.lost
     }
 
     /// Power that media between facets, and films on facets, have absorbed. It adds up over calls of `split` and
     /// `propagate`.
-    pub fn absorbed(&self) -> V {
+    pub fn absorbed(&self) -> V::Light {
         self.absorbed
     }
 
     /// Takes back what was lost and absorbed since `before` in lanes in which `kept` is 0.
-    pub fn keep_lanes(&mut self, kept: V, before: &Self) {
-        let zero = V::zero();
+    pub fn keep_lanes(&mut self, kept: V::Light, before: &Self) {
+        let zero = V::Light::zero();
         self.lost = zero.select_lt(kept, self.lost, before.lost);
         self.absorbed = zero.select_lt(kept, self.absorbed, before.absorbed);
     }
@@ -168,22 +168,24 @@ impl<'a, V: RayLanes> IncoherentMesh<'a, V> {
         near: MediumIndex,
         far: Option<&Far<V::Direction>>,
         tangential_squared: V::Direction,
-    ) -> Response<V> {
+    ) -> Response<V::Light> {
         let films = self.cell.films(&path.at);
         let tangential_squared = ComplexLanes::real(V::precise(tangential_squared.widen()));
         let wave = |medium| Wave::<V>::new(self.media.eta_of(medium), tangential_squared);
         let (near, far) = (wave(near), far.map(|far| wave(far.medium)));
-        coated(&near, films, far.as_ref(), &self.media, tangential_squared)
+        let response = coated(&near, films, far.as_ref(), &self.media, tangential_squared);
+        let light = |x: Polarised<ComplexLanes<V>>| x.map(|c| c.map(V::light));
+        Response { reflection: light(response.reflection), transmission: light(response.transmission) }
     }
 
     /// Light after a path of this length through a medium.
-    fn absorb(&mut self, medium: MediumIndex, length_nm: f64, light: Coherency<V>) -> Coherency<V> {
+    fn absorb(&mut self, medium: MediumIndex, length_nm: f64, light: Coherency<V::Light>) -> Coherency<V::Light> {
         let k = self.media.eta_of(medium).im;
         if !k.any_above(0.0) {
             return light;
         }
         let attenuation_turns = k * V::Precise::splat(length_nm) / self.media.wavelength_nm();
-        let amplitude = attenuation::<V>(ComplexLanes::new(V::Precise::zero(), attenuation_turns));
+        let amplitude = V::light(attenuation(ComplexLanes::new(V::Precise::zero(), attenuation_turns)));
         let remaining = light.scale(amplitude * amplitude);
         self.absorbed += light.power() - remaining.power();
         remaining
@@ -224,26 +226,26 @@ pub struct Branch<V: RayLanes> {
     medium: MediumIndex,
 }
 
-impl<V: RayLanes> Paths<V> for IncoherentMesh<'_, V> {
+impl<V: RayLanes> Paths<V::Light> for IncoherentMesh<'_, V> {
     type State = Path<V>;
     type Branch = Branch<V>;
-    type Light = Coherency<V>;
+    type Light = Coherency<V::Light>;
     type Exit = ExitPath<V>;
 
-    fn power(light: &Coherency<V>) -> V {
+    fn power(light: &Coherency<V::Light>) -> V::Light {
         light.power()
     }
 
-    fn scale_power(light: &Coherency<V>, factor: f64) -> Coherency<V> {
-        light.scale(V::splat(factor))
+    fn scale_power(light: &Coherency<V::Light>, factor: f64) -> Coherency<V::Light> {
+        light.scale(V::Light::splat(factor))
     }
 
     fn propagate(
         &mut self,
         from: &Path<V>,
         &Branch { direction, s_axis, medium }: &Branch<V>,
-        &light: &Coherency<V>,
-    ) -> Propagated<Path<V>, ExitPath<V>, Coherency<V>> {
+        &light: &Coherency<V::Light>,
+    ) -> Propagated<Path<V>, ExitPath<V>, Coherency<V::Light>> {
         let leave = |side| Some((Target::Exit(ExitPath { side, direction }), light));
         match self.cell.next_event(
             from.at.point_nm,
@@ -264,10 +266,10 @@ impl<V: RayLanes> Paths<V> for IncoherentMesh<'_, V> {
         }
     }
 
-    fn split(&mut self, path: &Path<V>, light: &Coherency<V>) -> [Option<(Branch<V>, Coherency<V>)>; 2] {
+    fn split(&mut self, path: &Path<V>, light: &Coherency<V::Light>) -> [Option<(Branch<V>, Coherency<V::Light>)>; 2] {
         let Some(Sides { normal, near, far }) = self.cell.sides(&path.at) else { return [None, None] };
         let films = self.cell.coating(path.at.facet);
-        let (zero, one) = (V::zero(), ComplexLanes::one());
+        let (zero, one) = (V::Light::zero(), ComplexLanes::one());
         let index_of = |medium| ComplexLanes::<V::Direction>::narrow(self.media.eta_of(medium).map(V::wavevector));
 
         let n = RealLanes::<V::Direction>::splat(normal);
@@ -335,8 +337,8 @@ impl<V: RayLanes> Paths<V> for IncoherentMesh<'_, V> {
     }
 }
 
-impl<V: RayLanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
-    fn path(&self, state: &WaveState<V>, field: &WaveField<V>) -> Option<(Path<V>, Coherency<V>)> {
+impl<V: RayLanes> AsPath<V::Light, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
+    fn path(&self, state: &WaveState<V>, field: &WaveField<V::Light>) -> Option<(Path<V>, Coherency<V::Light>)> {
         let Sides { normal, near, .. } = self.cell.sides(&state.at)?;
         if is_evanescent(&state.wavevector, normal) {
             return None;
@@ -344,7 +346,7 @@ impl<V: RayLanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
         let direction = state.wavevector.map(|q| V::Direction::narrow(q.re)).normalize_or_zero();
         let (s, _) = s_axis_of_path(normal, direction);
         let [s_lanes, p_lanes] = [s, s.cross(direction)].map(|axis| axis.map(V::spread));
-        let light = |e: VectorLanes<V>| {
+        let light = |e: VectorLanes<V::Light>| {
             let (along_s, along_p) = (e.dot_lanes(s_lanes), e.dot_lanes(p_lanes));
             Coherency { s: along_s.norm_sqr(), p: along_p.norm_sqr(), cross: along_s * along_p.conj() }
         };
@@ -353,7 +355,7 @@ impl<V: RayLanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
         // In an absorbing medium a field has a component along its direction, outside s and p: the power is that of all
         // three components.
         let whole = self.incident.tube_power(field, state.tube_area, self.media.eta_of(near).map(V::wavevector));
-        let power = (whole.s + whole.p) * V::splat(0.5);
+        let power = (whole.s + whole.p) * V::Light::splat(0.5);
         let path = Path { at: state.at, direction, s_axis: s };
         Some((path, both.with_power(power)))
     }
@@ -361,10 +363,10 @@ impl<V: RayLanes> AsPath<V, CoherentMesh<'_, V>> for IncoherentMesh<'_, V> {
 
 /// Slot in which no path waits.
 #[must_use]
-pub fn free_slot<V: RayLanes>() -> Slot<Path<V>, Coherency<V>> {
+pub fn free_slot<V: RayLanes>() -> Slot<Path<V>, Coherency<V::Light>> {
     let zero = RealLanes::<V::Direction>::splat(DVec3::ZERO);
     let path = Path { at: FacetHit::NONE, direction: zero, s_axis: zero };
-    Slot::free(path, Coherency { s: V::zero(), p: V::zero(), cross: ComplexLanes::zero() })
+    Slot::free(path, Coherency { s: V::Light::zero(), p: V::Light::zero(), cross: ComplexLanes::zero() })
 }
 
 #[cfg(test)]

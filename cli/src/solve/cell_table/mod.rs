@@ -23,8 +23,7 @@ use goniochrome::table::{HalfVectorWarp, ScatterLayout};
 use crate::solve::checkpoint::Checkpoint;
 use crate::solve::groups::Groups;
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::precision::in_ray_lanes;
-use crate::solve::scatter::{BinLight, Workspace};
+use crate::solve::scatter::{BinLight, Likeness, Workspace, in_ray_lanes};
 use crate::solve::wave_limits::slots_without_fallback;
 use crate::support::error::{Error, Result};
 use crate::support::memory::filled;
@@ -61,7 +60,8 @@ pub fn estimate(
     checkpoint: Option<&Checkpoint>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<ScatterTable> {
-    let mut table = in_ray_lanes!(request.tracing.precision, mesh_scene, wavelength_nm, V => {
+    let likeness = Likeness::of(mesh_scene, wavelength_nm, request.tracing.coherence.adding());
+    let mut table = in_ray_lanes!(request.tracing.precision, likeness, wavelength_nm, V => {
         traced::<V>(mesh_scene, wavelength_nm, request, checkpoint, progress)
     })?;
     share_normal_incidence(&mut table);

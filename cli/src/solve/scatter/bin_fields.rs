@@ -5,6 +5,7 @@ use goniochrome::geometry::mesh_cell::MeshCell;
 use goniochrome::measure::bins::{BinFields, DirectionGrid};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
+use goniochrome::simd::lanes::Lanes;
 use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::simd::vector::VectorLanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
@@ -126,7 +127,7 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
         &self,
         media: MediaLanes<'_, V>,
         batch: u32,
-        slots: &mut [Slot<WaveState<V>, WaveField<V>>],
+        slots: &mut [Slot<WaveState<V>, WaveField<V::Light>>],
         BinSums { fields, truncated, absorbed }: &mut BinSums<V>,
     ) {
         let incident = IncidentWave::new(self.wi, media.eta()[usize::from(self.cell.above())]);
@@ -137,14 +138,15 @@ impl<'c, G: DirectionGrid + Sync> BinLight<'c, G> {
             match coherent.start(u, v) {
                 Some((state, field)) => {
                     sink.begin(state.point_nm());
-                    *truncated += trace(&mut coherent, state, field, slots, WAVE_LIMITS, &mut sink).truncated;
+                    let done = trace(&mut coherent, state, field, slots, WAVE_LIMITS, &mut sink);
+                    *truncated += V::each(done.truncated);
                 }
                 None => *truncated += V::one(),
             }
         }
-        *truncated += coherent.lost();
+        *truncated += V::each(coherent.lost());
         let Polarised { s, p } = coherent.absorbed();
-        *absorbed = (s + p) * V::splat(0.5);
+        *absorbed = V::each((s + p) * V::Light::splat(0.5));
     }
 }
 

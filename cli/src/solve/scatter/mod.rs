@@ -2,6 +2,7 @@
 //! errors.
 
 mod coherence;
+mod likeness;
 mod request;
 mod tally;
 mod powers;
@@ -16,13 +17,14 @@ use goniochrome::simd::ray_lanes::RayLanes;
 use crate::solve::batches::BATCHES;
 use crate::solve::groups::{Group, Groups, group_count};
 use crate::solve::mesh_scene::MeshScene;
-use crate::solve::precision::{in_lanes, in_ray_lanes};
+use crate::solve::precision::in_lanes;
 use crate::support::error::Result;
 use crate::support::memory::expect_list;
 
 pub(crate) use bin_fields::BinLight;
 pub use coherence::Coherence;
 pub(crate) use coherence::{Adding, Paths};
+pub(crate) use likeness::{Likeness, in_ray_lanes};
 pub(crate) use powers::{RayLight, Unseen, Workspace, trace_rays};
 pub use request::{ScatterRequest, Scattered, Tracing};
 pub(crate) use tally::Tally;
@@ -43,8 +45,10 @@ pub fn scatter<G: DirectionGrid + Copy + Sync>(
 ) -> Result<Vec<Scattered>> {
     let tallies = [BATCHES as usize, wavelength_nm.len(), request.bins.count()];
     expect_list::<f64>(&tallies, "all --bins at all --wavelengths")?;
-    match request.coherence.adding() {
-        Adding::Powers(paths) => in_ray_lanes!(request.precision, mesh_scene, wavelength_nm, V => {
+    let adding = request.coherence.adding();
+    let likeness = Likeness::of(mesh_scene, wavelength_nm, adding);
+    match adding {
+        Adding::Powers(paths) => in_ray_lanes!(request.precision, likeness, wavelength_nm, V => {
             summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
                 Ok(powers::powers(mesh_scene, cell, groups, wi, paths, request, progress))
             })

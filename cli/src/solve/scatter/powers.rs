@@ -8,7 +8,7 @@ use goniochrome::geometry::side::Side;
 use goniochrome::measure::bins::{DirectionGrid, ExitBuffer, ExitRecord, Histogram};
 use goniochrome::optics::medium::MediaLanes;
 use goniochrome::simd::complex::Polarised;
-use goniochrome::simd::lanes::{F32, F64};
+use goniochrome::simd::lanes::{F32, F64, Lanes};
 use goniochrome::simd::ray_lanes::RayLanes;
 use goniochrome::trace::coherent_mesh::{CoherentMesh, IncidentWave, WaveField, WaveState, free_slot};
 use goniochrome::trace::incoherent_mesh::{self, Coherency, IncoherentMesh, Path};
@@ -35,8 +35,8 @@ const MAX_WAITING: usize = 36;
 
 /// Memory of one thread for the tracer.
 pub(crate) struct Workspace<V: RayLanes> {
-    waves: Vec<Slot<WaveState<V>, WaveField<V>>>,
-    paths: Vec<Slot<Path<V>, Coherency<V>>>,
+    waves: Vec<Slot<WaveState<V>, WaveField<V::Light>>>,
+    paths: Vec<Slot<Path<V>, Coherency<V::Light>>>,
     exits: Vec<ExitRecord<V>>,
 }
 
@@ -165,11 +165,12 @@ pub(crate) fn trace_rays<V: RayLanes>(
     let (mut coherent, mut incoherent) =
         (CoherentMesh::new(cell, media, incident), IncoherentMesh::new(cell, media, incident));
     let mut exits = ExitBuffer::new(exits, grid, &media);
-    let mut truncated = V::zero();
-    let mut without_interference = V::zero();
+    let none = V::Light::zero();
+    let (mut truncated, mut without_interference) = (none, none);
+    let mut dropped = V::zero();
     for (ray, [u, v]) in starts {
         let Some((path, light)) = incoherent.start(u, v) else {
-            truncated += V::one(); // a hole from top to bottom
+            truncated += V::Light::one(); // a hole from top to bottom
             continue;
         };
         exits.begin();
@@ -181,9 +182,10 @@ pub(crate) fn trace_rays<V: RayLanes>(
             let fallback = IncoherentFallback::new(&mut incoherent, paths, PATH_LIMITS, &mut random);
             let done = trace_with_fallback(&mut coherent, state, field, waves, ray_limits::<V>(), fallback, &mut exits);
             // Lanes in which the waves of this starting ray converge. The others are traced again without interference.
-            let kept = done.truncated.select_lt(V::splat(MAX_TRUNCATED), V::one(), V::zero());
-            truncated += V::zero().select_lt(kept, done.truncated, V::zero()) + exits.flush_lanes(kept, histogram);
-            let again = V::one() - kept;
+            let kept = done.truncated.select_lt(V::Light::splat(MAX_TRUNCATED), V::Light::one(), none);
+            truncated += none.select_lt(kept, done.truncated, none);
+            dropped += exits.flush_lanes(V::each(kept), histogram);
+            let again = V::Light::one() - kept;
             if !again.any_above(0.0) {
                 continue;
             }
@@ -194,10 +196,11 @@ pub(crate) fn trace_rays<V: RayLanes>(
             exits.begin();
         }
         let done = follow_paths(&mut incoherent, path, light, paths, PATH_LIMITS, &mut random, &mut exits);
-        truncated += done.truncated + exits.flush(histogram);
+        truncated += done.truncated;
+        dropped += exits.flush(histogram);
     }
     truncated += coherent.lost() + incoherent.lost();
     let Polarised { s, p } = coherent.absorbed();
-    let absorbed = (s + p) * V::splat(0.5) + incoherent.absorbed();
-    Unseen { truncated, absorbed, without_interference }
+    let absorbed = V::each((s + p) * V::Light::splat(0.5) + incoherent.absorbed());
+    Unseen { truncated: V::each(truncated) + dropped, absorbed, without_interference: V::each(without_interference) }
 }
