@@ -101,6 +101,12 @@ impl<'a> Finish<'a> {
         self.compensation
     }
 
+    /// Whether it has energy compensation.
+    #[inline]
+    pub(crate) fn is_compensated(&self) -> bool {
+        self.compensation.is_some()
+    }
+
     /// The distribution; `None` if it is tabulated.
     #[must_use]
     pub fn distribution(&self) -> Option<Distribution> {
@@ -219,6 +225,29 @@ impl<'a> Finish<'a> {
     #[must_use]
     #[inline]
     pub fn lobe(&self, wi: Vec3, wo: Vec3) -> Option<Lobe> {
+        let lobe = self.lobe_of_facets(wi, wo)?;
+        if !self.is_compensated() {
+            return Some(lobe);
+        }
+        let [multiple, pdf] = self.several(wi.z, wo.z, lobe.pdf);
+        Some(Lobe { pdf, multiple, ..lobe })
+    }
+
+    /// [`Lobe::multiple`], and [`Lobe::pdf`] by that of the facets alone, of directions of these cosines.
+    #[inline(never)]
+    pub(crate) fn several(&self, cos_i: f32, cos_o: f32, pdf: f32) -> [f32; 2] {
+        match &self.compensation {
+            Some(compensation) if cos_i > LEAST_COS && cos_o > LEAST_COS => {
+                let [loss_i, loss_o] = [cos_i, cos_o].map(|cos| compensation.loss(cos));
+                [loss_i * loss_o, (1.0 - loss_i) * pdf + loss_i * FRAC_1_PI * cos_o]
+            }
+            _ => [0.0, pdf],
+        }
+    }
+
+    /// [`Finish::lobe`] without compensation.
+    #[inline]
+    pub(crate) fn lobe_of_facets(&self, wi: Vec3, wo: Vec3) -> Option<Lobe> {
         let above = wi.z > LEAST_COS && wo.z > LEAST_COS;
         if !above {
             return None;
@@ -236,15 +265,7 @@ impl<'a> Finish<'a> {
                 (cos_d, density, areas, pdf)
             }
         };
-        let lobe = Lobe { cos_d, value: density * self.shadowing_of(wi, wo, areas), pdf, multiple: 0.0 };
-        Some(match &self.compensation {
-            None => lobe,
-            Some(compensation) => {
-                let [loss_i, loss_o] = [wi.z, wo.z].map(|cos| compensation.loss(cos));
-                let pdf = (1.0 - loss_i) * pdf + loss_i * FRAC_1_PI * wo.z;
-                Lobe { pdf, multiple: loss_i * loss_o, ..lobe }
-            }
-        })
+        Some(Lobe { cos_d, value: density * self.shadowing_of(wi, wo, areas), pdf, multiple: 0.0 })
     }
 
     /// Draws wo for light from `wi` by `u` uniform in [0, 1)²: the mirror direction at a facet from
