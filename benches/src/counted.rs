@@ -98,9 +98,16 @@ impl<const PRECISE: bool> AddAssign for Counted<PRECISE> {
 
 impl<const PRECISE: bool> Lanes for Counted<PRECISE> {
     type Precise = Counted<true>;
+    type Register = Self;
     const WIDTH: usize = 1;
     const UNIT_ROUNDOFF: f64 = if PRECISE { f64::EPSILON / 2.0 } else { f32::EPSILON as f64 / 2.0 };
 
+    fn register(&self, _: usize) -> Self {
+        *self
+    }
+    fn set_register(&mut self, _: usize, register: Self) {
+        *self = register;
+    }
     fn splat(x: f64) -> Self {
         Self(x)
     }
@@ -165,6 +172,9 @@ impl<const PRECISE: bool> RayLanes for Counted<PRECISE> {
         wavevector
     }
     fn spread(direction: Self) -> Self {
+        direction
+    }
+    fn spread_register(direction: Self, _: usize) -> Self {
         direction
     }
     fn light(number: Self) -> Self {

@@ -1,6 +1,6 @@
 //! One number for all wavelengths, where lanes would repeat it.
 
-use crate::simd::lanes::{Lanes, sqrt};
+use crate::simd::lanes::{Lanes, one_register, sqrt};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// Lanes that all hold the same number, in double precision: the directions of light in media that do not disperse.
@@ -41,6 +41,7 @@ impl AddAssign for Common {
 
 impl Lanes for Common {
     type Precise = Self;
+    one_register!();
     const WIDTH: usize = 1;
     const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 

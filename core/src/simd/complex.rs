@@ -62,6 +62,19 @@ impl<V: Lanes> ComplexLanes<V> {
         ComplexLanes { re: f(self.re), im: f(self.im) }
     }
 
+    /// A part of the lanes: see [`Lanes::register`].
+    #[inline]
+    pub fn register(&self, index: usize) -> ComplexLanes<V::Register> {
+        ComplexLanes { re: self.re.register(index), im: self.im.register(index) }
+    }
+
+    /// Replaces a part of the lanes.
+    #[inline]
+    pub fn set_register(&mut self, index: usize, register: ComplexLanes<V::Register>) {
+        self.re.set_register(index, register.re);
+        self.im.set_register(index, register.im);
+    }
+
     /// The complex conjugate.
     #[inline]
     pub fn conj(self) -> Self {

@@ -11,7 +11,7 @@
 use core::f64::consts::LN_2;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use crate::simd::lanes::{F64, Lanes};
+use crate::simd::lanes::{F64, Lanes, one_register};
 
 /// Lanes of the width of [`F64`] whose numbers have about 100 bits and the range of doubles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,6 +142,7 @@ impl AddAssign for DoubleDouble {
 
 impl Lanes for DoubleDouble {
     type Precise = Self;
+    one_register!();
     const WIDTH: usize = F64::WIDTH;
     /// 2⁻⁸⁰, the accuracy of the series in [`crate::simd::phase`], the least accurate operation. Sums and products keep
     /// 2⁻¹⁰⁴.

@@ -21,41 +21,6 @@ pub type F32 = width::Single;
 /// Double precision lanes: half as many wavelengths as [`F32`].
 pub type F64 = width::Double;
 
-/// One number for each of the eight boxes of a node of the bounding volume hierarchy.
-pub(crate) type BoxLanes = wide::f32x8;
-
-/// Keys of eight non-negative numbers that compare as integers do, each with its lane in the last three bits: the
-/// smallest key also says where its number is.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) struct OrderedKeys(wide::u32x8);
-
-impl OrderedKeys {
-    /// Keys of no numbers.
-    pub(crate) const MAX: Self = Self(wide::u32x8::MAX);
-    /// Bits of a key that hold its lane.
-    const LANE: u32 = 7;
-
-    /// Keys of the numbers in the lanes that the mask `valid` selects.
-    #[inline]
-    pub(crate) fn new(numbers: BoxLanes, valid: BoxLanes) -> Self {
-        let [bits, valid]: [wide::u32x8; 2] = [numbers, valid].map(wide::bytemuck::cast);
-        Self((bits & wide::u32x8::splat(!Self::LANE)) | wide::u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]) | !valid)
-    }
-
-    /// The largest key of a number in any lane; 0 if it is negative or NaN.
-    #[inline]
-    pub(crate) fn key(number: f32) -> u32 {
-        if number >= 0.0 { number.to_bits() | Self::LANE } else { 0 }
-    }
-
-    /// Takes the smallest key, `u32::MAX` if there is none, and returns it with the others.
-    #[inline]
-    pub(crate) fn take_min(self) -> (u32, Self) {
-        let min = self.0.reduce_min();
-        (min, Self(self.0 | self.0.simd_eq(wide::u32x8::splat(min))))
-    }
-}
-
 /// √x, correctly rounded. `libm` has an instruction for it that takes hundreds of cycles beside wide registers, since
 /// it keeps their upper halves.
 #[inline]
@@ -117,11 +82,19 @@ pub trait Lanes:
 {
     /// Lanes of equal width with at least double precision.
     type Precise: Lanes<Precise = Self::Precise>;
+    /// Lanes that stay in registers through a computation: all of these, or those of a part.
+    type Register: Lanes;
+    /// Number of parts.
+    const REGISTERS: usize = 1;
     /// Number of lanes.
     const WIDTH: usize;
     /// Half the distance from 1 to the next number, which bounds the relative error of one rounding.
     const UNIT_ROUNDOFF: f64;
 
+    /// A part of the lanes.
+    fn register(&self, index: usize) -> Self::Register;
+    /// Replaces a part of the lanes.
+    fn set_register(&mut self, index: usize, register: Self::Register);
     /// Copies a number to every lane.
     fn splat(x: f64) -> Self;
     /// Fills each lane `i` with `f(i)`.
@@ -180,6 +153,23 @@ pub trait Lanes:
 }
 
 /// The methods that [`F32`] and [`F64`] take from the SIMD crate unchanged.
+/// Lanes that are one register.
+macro_rules! one_register {
+    () => {
+        type Register = Self;
+
+        #[inline]
+        fn register(&self, _: usize) -> Self {
+            *self
+        }
+        #[inline]
+        fn set_register(&mut self, _: usize, register: Self) {
+            *self = register;
+        }
+    };
+}
+pub(crate) use one_register;
+
 macro_rules! delegate_to_wide {
     ($scalar:ty, $width:expr) => {
         const WIDTH: usize = $width;
@@ -260,6 +250,7 @@ macro_rules! delegate_to_wide {
 )]
 impl Lanes for F32 {
     type Precise = F64Pair;
+    one_register!();
     delegate_to_wide!(f32, 2 * F64::WIDTH);
 
     #[inline]
@@ -287,6 +278,7 @@ impl Lanes for F32 {
 )]
 impl Lanes for F64 {
     type Precise = Self;
+    one_register!();
     delegate_to_wide!(f64, size_of::<F64>() / size_of::<f64>());
 
     #[inline]
@@ -342,6 +334,7 @@ impl AddAssign for F64Pair {
 
 impl Lanes for F64Pair {
     type Precise = Self;
+    one_register!();
     const WIDTH: usize = F32::WIDTH;
     const UNIT_ROUNDOFF: f64 = F64::UNIT_ROUNDOFF;
 

@@ -67,6 +67,16 @@ fn tau<V: Lanes>() -> V {
 /// The phase factor cos 2πx + i sin 2πx for x in [−½, ½], each part to within [`CIS_ERROR`] unit roundoffs.
 #[inline]
 pub fn cis<V: Lanes>(turn: V) -> ComplexLanes<V> {
+    let mut out = ComplexLanes::zero();
+    for index in 0..V::REGISTERS {
+        out.set_register(index, cis_of_register(turn.register(index)));
+    }
+    out
+}
+
+/// [`cis`] of lanes that stay in registers.
+#[inline]
+fn cis_of_register<V: Lanes>(turn: V) -> ComplexLanes<V> {
     // The nearest number of quarter turns, −2 … 2, and the angle y that is left, at most π/4.
     let quarters = (turn * V::splat(4.0)).round();
     let y = quarters.neg_mul_add(V::splat(0.25), turn) * tau();

@@ -26,6 +26,8 @@ pub trait RayLanes: Lanes {
     fn precise(wavevector: Self::Wavevector) -> Self::Precise;
     /// A direction's lanes for the light of each wavelength.
     fn spread(direction: Self::Direction) -> Self::Light;
+    /// A part of [`RayLanes::spread`]: see [`Lanes::register`].
+    fn spread_register(direction: Self::Direction, index: usize) -> <Self::Light as Lanes>::Register;
     /// Light's lanes of a number for each wavelength. Where one lane stands for all, it is the middle one.
     fn light(number: Self) -> Self::Light;
     /// Light's lanes for each wavelength.
@@ -56,6 +58,10 @@ impl RayLanes for F32 {
         direction
     }
     #[inline]
+    fn spread_register(direction: Self, _: usize) -> Self {
+        direction
+    }
+    #[inline]
     fn light(number: Self) -> Self {
         number
     }
@@ -80,6 +86,10 @@ impl RayLanes for F64 {
     }
     #[inline]
     fn spread(direction: Self) -> Self {
+        direction
+    }
+    #[inline]
+    fn spread_register(direction: Self, _: usize) -> Self {
         direction
     }
     #[inline]
@@ -118,6 +128,10 @@ impl<V: Lanes, const N: usize> RayLanes for Registers<V, N> {
         Self::splat(direction.lane(0))
     }
     #[inline]
+    fn spread_register(direction: Common, _: usize) -> V {
+        V::splat(direction.lane(0))
+    }
+    #[inline]
     fn light(number: Self) -> Self {
         number
     }
@@ -134,6 +148,10 @@ impl<V: Lanes, const N: usize> RayLanes for Alike<V, N> {
 
     #[inline]
     fn spread(direction: Common) -> Common {
+        direction
+    }
+    #[inline]
+    fn spread_register(direction: Common, _: usize) -> Common {
         direction
     }
     #[inline]

@@ -68,9 +68,21 @@ impl<V: Lanes, const N: usize, const ALIKE: bool> AddAssign for Registers<V, N, 
 
 impl<V: Lanes, const N: usize, const ALIKE: bool> Lanes for Registers<V, N, ALIKE> {
     type Precise = Registers<V::Precise, N, ALIKE>;
+    type Register = V;
+    const REGISTERS: usize = N;
     const WIDTH: usize = N * V::WIDTH;
     const UNIT_ROUNDOFF: f64 = V::UNIT_ROUNDOFF;
 
+    #[inline]
+    fn register(&self, index: usize) -> V {
+        self.0.get(index).copied().unwrap_or(V::zero())
+    }
+    #[inline]
+    fn set_register(&mut self, index: usize, register: V) {
+        if let Some(own) = self.0.get_mut(index) {
+            *own = register;
+        }
+    }
     #[inline]
     fn splat(x: f64) -> Self {
         Self([V::splat(x); N])

@@ -144,7 +144,37 @@ impl<V: Lanes> VectorLanes<V> {
     /// The squared norm Σ |aᵢ|².
     #[inline]
     pub fn norm_sqr(self) -> V {
-        self.x.norm_sqr() + self.y.norm_sqr() + self.z.norm_sqr()
+        let mut out = V::zero();
+        for index in 0..V::REGISTERS {
+            let Vector { x, y, z } = self.register(index);
+            out.set_register(index, x.norm_sqr() + y.norm_sqr() + z.norm_sqr());
+        }
+        out
+    }
+
+    /// The vector with each component multiplied by a complex number.
+    #[inline]
+    pub fn times(self, factor: ComplexLanes<V>) -> Self {
+        Self::from_registers(|index| self.register(index).scale(factor.register(index)))
+    }
+
+    /// A part of the lanes: see [`Lanes::register`].
+    #[inline]
+    pub fn register(&self, index: usize) -> VectorLanes<V::Register> {
+        Vector { x: self.x.register(index), y: self.y.register(index), z: self.z.register(index) }
+    }
+
+    /// Vector of the parts `of` its lanes.
+    #[inline]
+    pub fn from_registers(of: impl Fn(usize) -> VectorLanes<V::Register>) -> Self {
+        let mut out = Self::zero();
+        for index in 0..V::REGISTERS {
+            let Vector { x, y, z } = of(index);
+            out.x.set_register(index, x);
+            out.y.set_register(index, y);
+            out.z.set_register(index, z);
+        }
+        out
     }
 
     /// The real part of the vector in one lane.

@@ -24,8 +24,9 @@ use crate::simd::lanes::Lanes;
 use crate::simd::phase::{attenuation, propagate, propagate_real};
 use crate::simd::ray_lanes::RayLanes;
 use crate::simd::vector::VectorLanes;
+use crate::trace::field_axes::Axes;
 use crate::trace::plane_of_incidence::s_axis_of_wave;
-use crate::trace::waves::{Propagated, Slot, Split, Target, Waves};
+use crate::trace::waves::{Slot, Target, Waves};
 use glam::DVec3;
 use num_complex::Complex64;
 
@@ -193,10 +194,9 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
         self.absorbed = self.absorbed.zip(before.absorbed, |now, before| zero.select_lt(kept, now, before));
     }
 
-    /// Phase factor exp(i k₀ q·Δx) of a step.
+    /// Phase factor exp(i k₀ q·Δx) of an optical path q·Δx.
     #[inline]
-    fn phase_factor(&self, wavevector: &VectorLanes<V::Wavevector>, step_nm: DVec3) -> ComplexLanes<V::Light> {
-        let path = wavevector.dot_real(step_nm);
+    fn phase_factor(&self, path: ComplexLanes<V::Wavevector>) -> ComplexLanes<V::Light> {
         let factor: ComplexLanes<V> = if path.im.any_above(0.0) {
             propagate(path.map(V::precise).scale(self.per_wavelength))
         } else {
@@ -239,52 +239,52 @@ impl<'a, V: RayLanes> CoherentMesh<'a, V> {
         Response { reflection: light(response.reflection), transmission: light(response.transmission) }
     }
 
-    /// Propagates a ray from a facet to the next one, or out of the cell.
+    /// Propagates a ray from a facet to the next one, or out of the cell, and passes it on there.
     fn propagate(
         &mut self,
         from: &WaveState<V>,
-        outgoing: Outgoing<V>,
-    ) -> Propagated<WaveState<V>, ExitWave<V>, WaveField<V::Light>> {
-        let Outgoing { wavevector, field, medium, normal, tube_area, power } = outgoing;
+        outgoing: &Outgoing<V>,
+        emit: &mut impl FnMut(&Self, Target<WaveState<V>, ExitWave<V>>, &WaveField<V::Light>),
+    ) {
+        let &Outgoing { wavevector, ref field, medium, normal, tube_area, power } = outgoing;
+        let (point_nm, mut path_nm) = (from.at.point_nm, from.path_nm);
         let evanescent = is_evanescent(&wavevector, normal);
         let direction = if evanescent { normal } else { wavevector.direction(hero::<V::Wavevector>()) };
-        match self.cell.next_event(from.at.point_nm, direction, medium, Some(from.at.facet)) {
+        match self.cell.next_event(point_nm, direction, medium, Some(from.at.facet)) {
             NextEvent::Facet(at) => {
-                let step_nm = at.point_nm - from.at.point_nm;
+                let step_nm = at.point_nm - point_nm;
+                let path = wavevector.dot_real(step_nm);
+                // Without loss all wavelengths of one amplitude keep it.
+                let factor = (evanescent || !V::IS_ALIKE).then(|| self.phase_factor(path));
                 // An evanescent wave crosses only gaps between parallel facets: towards a tilted one it might grow.
                 let crosses = |factor: ComplexLanes<V::Light>| {
                     self.cell.facet(at.facet).normal.dot(normal).abs() > MIN_PARALLEL_COSINE
                         && factor.norm_sqr().any_above(MIN_EVANESCENT_FACTOR * MIN_EVANESCENT_FACTOR)
                 };
+                if evanescent && !factor.is_some_and(crosses) {
+                    return;
+                }
                 if V::IS_ALIKE {
-                    if evanescent && !crosses(self.phase_factor(&wavevector, step_nm)) {
-                        return None;
+                    path_nm += path.lane(0);
+                    emit(self, Target::State(WaveState { at, wavevector, tube_area, path_nm }), field);
+                } else if let Some(factor) = factor {
+                    let arriving = field.map(|e| e.times(factor));
+                    if !evanescent && path.im.any_above(0.0) {
+                        let left = power.map(|power| power * factor.norm_sqr());
+                        self.absorbed = self.absorbed.zip(power.zip(left, |a, b| a - b), |sum, lost| sum + lost);
                     }
-                    let path_nm = from.path_nm + wavevector.dot_real(step_nm).lane(0);
-                    return Some((Target::State(WaveState { at, wavevector, tube_area, path_nm }), field));
+                    emit(self, Target::State(WaveState { at, wavevector, tube_area, path_nm }), &arriving);
                 }
-                let factor = self.phase_factor(&wavevector, step_nm);
-                if evanescent && !crosses(factor) {
-                    return None;
-                }
-                let arriving = field.map(|e| e.scale(factor));
-                if !evanescent {
-                    let left = power.map(|power| power * factor.norm_sqr());
-                    self.absorbed = self.absorbed.zip(power.zip(left, |a, b| a - b), |sum, lost| sum + lost);
-                }
-                Some((Target::State(WaveState { at, wavevector, tube_area, path_nm: from.path_nm }), arriving))
             }
-            _ if evanescent => None,
+            _ if evanescent => {}
             NextEvent::Lost => {
                 // A wave that decays across its direction may carry power backwards; it is an error bar all the same.
                 self.lost += (power.s.abs() + power.p.abs()) * V::Light::splat(0.5);
-                None
             }
             up_or_down => {
                 let side = if up_or_down == NextEvent::Above { Side::Above } else { Side::Below };
-                let (point_nm, path_nm) = (from.at.point_nm, from.path_nm);
                 let wave = ExitWave { side, wavevector, point_nm, normal, tube_area, medium, power, path_nm };
-                Some((Target::Exit(wave), field))
+                emit(self, Target::Exit(wave), field);
             }
         }
     }
@@ -325,15 +325,16 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
     fn merge(
         &self,
         into: &WaveState<V>,
-        field: WaveField<V::Light>,
+        field: &mut WaveField<V::Light>,
         from: &WaveState<V>,
-        more: WaveField<V::Light>,
-    ) -> WaveField<V::Light> {
+        more: &WaveField<V::Light>,
+    ) {
         if V::IS_ALIKE {
-            return field.zip(more, |a, b| a + b);
+            *field = field.zip(*more, |a, b| a + b);
+            return;
         }
-        let factor = self.phase_factor(&into.wavevector, into.at.point_nm - from.at.point_nm);
-        field.zip(more, |a, b| a + b.scale(factor))
+        let factor = self.phase_factor(into.wavevector.dot_real(into.at.point_nm - from.at.point_nm));
+        *field = field.zip(*more, |a, b| a + b.times(factor));
     }
 
     fn power(&self, state: &WaveState<V>, field: &WaveField<V::Light>) -> V::Light {
@@ -354,8 +355,9 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
         &mut self,
         state: &WaveState<V>,
         field: &WaveField<V::Light>,
-    ) -> Split<WaveState<V>, ExitWave<V>, WaveField<V::Light>> {
-        let Some(Sides { normal, near, far }) = self.cell.sides(&state.at) else { return [None, None] };
+        emit: &mut impl FnMut(&Self, Target<WaveState<V>, ExitWave<V>>, &WaveField<V::Light>),
+    ) {
+        let Some(Sides { normal, near, far }) = self.cell.sides(&state.at) else { return };
 
         let q = state.wavevector;
         let q_n = -q.dot_real(normal);
@@ -364,14 +366,12 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
         let tangential_squared = tangential.dot(tangential);
         let near_wave = Wave::<V::Direction>::with_normal(near_eta, q_n);
 
-        let narrowed = |v: VectorLanes<V::Wavevector>| v.map(|c| c.map(V::narrowed));
         let s = s_axis_of_wave(normal, &q);
-        let s_hat = narrowed(s);
-        let p_of = |q: VectorLanes<V::Wavevector>, eta: ComplexLanes<V::Wavevector>| {
-            narrowed(s.cross(q).scale(ComplexLanes::one().div_or_zero(eta)))
+        let axes_of = |q: VectorLanes<V::Wavevector>, eta: ComplexLanes<V::Wavevector>| {
+            Axes::<V>::new(s, s.cross(q).scale(ComplexLanes::one().div_or_zero(eta)))
         };
-        let p_in = p_of(q, near_eta);
-        let parts = field.map(|e| (e.dot(s_hat), e.dot(p_in)));
+        let axes = axes_of(q, near_eta);
+        let parts = Polarised { s: axes.components(&field.s), p: axes.components(&field.p) };
 
         let far_wave = match far {
             Below::Medium(far) => Some((far, Wave::<V::Direction>::new(self.index_of(far), tangential_squared))),
@@ -388,8 +388,8 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
         };
 
         let reflected_wavevector = tangential.add_scaled(normal, q_n);
-        let p_out = p_of(reflected_wavevector, near_eta);
-        let field_out = parts.map(|(along_s, along_p)| s_hat.scale(r.s * along_s) + p_out.scale(r.p * along_p));
+        let axes = axes_of(reflected_wavevector, near_eta);
+        let field_out = Polarised { s: axes.field(&parts.s, &r), p: axes.field(&parts.p, &r) };
         let reflected = Outgoing {
             wavevector: reflected_wavevector,
             field: field_out,
@@ -401,9 +401,9 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
         let refracted = far_wave.map(|(far, wave)| {
             let far_eta = self.index_of(far);
             let wavevector = tangential.add_scaled(normal, -wave.normal);
-            let p_through = p_of(wavevector, far_eta);
+            let axes = axes_of(wavevector, far_eta);
             // t_p relates magnetic fields; for electric ones it has the further factor η_near/η_far.
-            let (t_s, t_p) = (t.s, t.p * near_eta.div_or_zero(far_eta).map(V::narrowed));
+            let of_fields = Polarised { s: t.s, p: t.p * near_eta.div_or_zero(far_eta).map(V::narrowed) };
             // |cos θ_t/cos θ_i| with cos θ = q_n/η. Moduli make its product 1 again behind an evanescent gap.
             let cosine = |normal: ComplexLanes<V::Wavevector>, eta: ComplexLanes<V::Wavevector>| {
                 V::Direction::narrow((normal.norm_sqr() / eta.norm_sqr()).sqrt())
@@ -412,12 +412,11 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
             let area = state.tube_area / (cosine(q_n, near_eta) * self.incident.index);
             let per_s = V::spread(wave.admittance.s.re * area);
             let per_p = V::spread(wave.admittance.p.re * V::Direction::narrow(near_eta.norm_sqr()) * area);
-            let power = parts.map(|(along_s, along_p)| {
-                t.s.norm_sqr() * along_s.norm_sqr() * per_s + t.p.norm_sqr() * along_p.norm_sqr() * per_p
-            });
+            let [per_s, per_p] = [t.s.norm_sqr() * per_s, t.p.norm_sqr() * per_p];
+            let power = parts.map(|along| along.s.norm_sqr() * per_s + along.p.norm_sqr() * per_p);
             Outgoing {
                 wavevector,
-                field: parts.map(|(along_s, along_p)| s_hat.scale(t_s * along_s) + p_through.scale(t_p * along_p)),
+                field: Polarised { s: axes.field(&parts.s, &of_fields), p: axes.field(&parts.p, &of_fields) },
                 medium: far,
                 normal: -normal,
                 tube_area: state.tube_area * cosine(wave.normal, far_eta) / cosine(q_n, near_eta),
@@ -430,7 +429,10 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
             let kept = arrived.zip(reflected.power, |a, b| a - b).zip(through, |a, b| a - b);
             self.absorbed = self.absorbed.zip(kept, |sum, kept| sum + kept);
         }
-        [self.propagate(state, reflected), refracted.and_then(|refracted| self.propagate(state, refracted))]
+        self.propagate(state, &reflected, emit);
+        if let Some(refracted) = &refracted {
+            self.propagate(state, refracted, emit);
+        }
     }
 }
 

@@ -421,7 +421,13 @@ mod tests {
 
         let (state, field) = waves.start(0.4, 0.3).unwrap();
         let (path, light) = paths.start(0.4, 0.3).unwrap();
-        let [_, Some((Target::State(state), field))] = waves.split(&state, &field) else { panic!("it refracts") };
+        let mut inside = None;
+        waves.split(&state, &field, &mut |_, target, field| {
+            if let Target::State(state) = target {
+                inside = Some((state, *field));
+            }
+        });
+        let (state, field) = inside.expect("it refracts");
         let [Some((_, reflected)), Some((branch, refracted))] = paths.split(&path, &light) else { panic!("it splits") };
         let Some((Target::State(path), light)) = paths.propagate(&path, &branch, &refracted) else {
             panic!("it goes on")

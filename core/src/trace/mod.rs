@@ -11,5 +11,6 @@ pub mod paths;
 pub mod ledger;
 pub mod planar;
 mod plane_of_incidence;
+mod field_axes;
 pub mod coherent_mesh;
 pub mod incoherent_mesh;

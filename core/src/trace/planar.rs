@@ -23,7 +23,7 @@ use crate::optics::stack::{PreparedStack, Response};
 use crate::simd::complex::{ComplexLanes, Polarised};
 use crate::simd::lanes::Lanes;
 use crate::trace::ledger::{Ledger, Specular};
-use crate::trace::waves::{Limits, OnFull, Sink, Slot, Split, Target, Trace, Waves, trace_generations};
+use crate::trace::waves::{Limits, OnFull, Sink, Slot, Target, Trace, Waves, trace_generations};
 
 /// Amplitudes of s and p. They do not mix, since all facets share the plane of incidence.
 pub type PlanarField<V> = Polarised<ComplexLanes<V>>;
@@ -322,8 +322,8 @@ impl<V: Lanes> Waves<V> for PlanarTracer<'_, '_, V> {
         a == b
     }
 
-    fn merge(&self, _: &PlanarState, a: PlanarField<V>, _: &PlanarState, b: PlanarField<V>) -> PlanarField<V> {
-        a.zip(b, |a, b| a + b)
+    fn merge(&self, _: &PlanarState, field: &mut PlanarField<V>, _: &PlanarState, &more: &PlanarField<V>) {
+        *field = field.zip(more, |a, b| a + b);
     }
 
     fn power(&self, state: &PlanarState, field: &PlanarField<V>) -> V {
@@ -340,7 +340,12 @@ impl<V: Lanes> Waves<V> for PlanarTracer<'_, '_, V> {
         of(here.s, incident.s, field.s).max(of(here.p, incident.p, field.p))
     }
 
-    fn split(&mut self, state: &PlanarState, &field: &PlanarField<V>) -> Split<PlanarState, Side, PlanarField<V>> {
+    fn split(
+        &mut self,
+        state: &PlanarState,
+        &field: &PlanarField<V>,
+        emit: &mut impl FnMut(&Self, Target<PlanarState, Side>, &PlanarField<V>),
+    ) {
         let j = state.facet as usize;
         if let Some(total) = self.totals.get_mut(j) {
             let total = if state.side == Side::Above { &mut total.down } else { &mut total.up };
@@ -371,7 +376,9 @@ impl<V: Lanes> Waves<V> for PlanarTracer<'_, '_, V> {
             let e = self.prepared.propagator_below(j);
             (Target::State(PlanarState { facet: state.facet + 1, side: Side::Above }), down.map(|a| a * e))
         };
-        [Some(upwards), Some(downwards)]
+        for (target, field) in [upwards, downwards] {
+            emit(self, target, &field);
+        }
     }
 }
 

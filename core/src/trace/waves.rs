@@ -42,19 +42,23 @@ pub trait Waves<V: Lanes> {
     fn bucket(&self, state: &Self::State) -> usize;
     /// Whether two rays are one plane wave about to meet the same facet from the same side.
     fn is_same_wave(&self, a: &Self::State, b: &Self::State) -> bool;
-    /// Sum of the fields of two rays that are one plane wave ([`Waves::is_same_wave`]), referred to the state `into`.
-    fn merge(&self, into: &Self::State, field: Self::Field, from: &Self::State, more: Self::Field) -> Self::Field;
+    /// Adds to `field`, at the state `into`, the field `more` of another ray of the same plane wave
+    /// ([`Waves::is_same_wave`]).
+    fn merge(&self, into: &Self::State, field: &mut Self::Field, from: &Self::State, more: &Self::Field);
     /// Power of a ray in each lane, in units of the incident power; an upper bound if the wave is evanescent.
     fn power(&self, state: &Self::State, field: &Self::Field) -> V;
-    /// Splits a ray at its facet into the reflected and the refracted ray, and propagates both.
-    fn split(&mut self, state: &Self::State, field: &Self::Field) -> Split<Self::State, Self::Exit, Self::Field>;
+    /// Splits a ray at its facet into the reflected and the refracted ray, propagates both, and passes each to `emit`
+    /// with its field where it arrives; one that is lost or fades away is not passed.
+    fn split(
+        &mut self,
+        state: &Self::State,
+        field: &Self::Field,
+        emit: &mut impl FnMut(&Self, Target<Self::State, Self::Exit>, &Self::Field),
+    );
 }
 
 /// Destination of a ray that leaves a facet, and its field or light there; `None` if it is lost or fades away.
 pub type Propagated<S, X, F> = Option<(Target<S, X>, F)>;
-
-/// Reflected and refracted ray of a hit.
-pub type Split<S, X, F> = [Propagated<S, X, F>; 2];
 
 /// Receiver of the rays that leave a cell. It decides how they add: see [`crate::trace::ledger`] and
 /// [`crate::measure`].
@@ -168,7 +172,7 @@ pub(crate) fn trace_generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field
     let mut dropped = V::zero();
     let mut visits = 0;
     let mut generation = 1;
-    if !insert_or_merge(cell, slots, generation, start, field) {
+    if !insert_or_merge(cell, slots, generation, start, &field) {
         return Trace { truncated: cell.power(&start, &field), visits, generations: 0 };
     }
     loop {
@@ -177,20 +181,18 @@ pub(crate) fn trace_generations<V: Lanes, W: Waves<V>, K: Sink<W::Exit, W::Field
             slot.generation = 0;
             let Slot { state, field, .. } = *slot;
             visits += 1;
-            for (target, field) in cell.split(&state, &field).into_iter().flatten() {
-                match target {
-                    Target::Exit(exit) => sink.exit(exit, field),
-                    Target::State(state) => {
-                        let power = cell.power(&state, &field);
-                        let may_wait = !on_full.prefers(power.sum() / V::WIDTH as f64);
-                        if !(may_wait && insert_or_merge(cell, slots, generation + 1, state, field)) {
-                            let (lost, hits) = on_full.handle(&state, &field, power, visits, sink);
-                            dropped += lost;
-                            visits += hits;
-                        }
+            cell.split(&state, &field, &mut |cell, target, field| match target {
+                Target::Exit(exit) => sink.exit(exit, *field),
+                Target::State(state) => {
+                    let power = cell.power(&state, field);
+                    let may_wait = !on_full.prefers(power.sum() / V::WIDTH as f64);
+                    if !(may_wait && insert_or_merge(cell, slots, generation + 1, state, field)) {
+                        let (lost, hits) = on_full.handle(&state, field, power, visits, sink);
+                        dropped += lost;
+                        visits += hits;
                     }
                 }
-            }
+            });
         }
         let next = generation + 1;
         let in_flight = slots
@@ -215,7 +217,7 @@ fn insert_or_merge<V: Lanes, W: Waves<V>>(
     slots: &mut [Slot<W::State, W::Field>],
     generation: u32,
     state: W::State,
-    field: W::Field,
+    field: &W::Field,
 ) -> bool {
     if slots.is_empty() {
         return false;
@@ -227,7 +229,7 @@ fn insert_or_merge<V: Lanes, W: Waves<V>>(
         let index = (bucket + probe) % len;
         let Some(slot) = slots.get_mut(index) else { break };
         if slot.generation == generation && cell.is_same_wave(&slot.state, &state) {
-            slot.field = cell.merge(&slot.state, slot.field, &state, field);
+            cell.merge(&slot.state, &mut slot.field, &state, field);
             return true;
         }
         if slot.generation == 0 && vacant.is_none() {
@@ -235,7 +237,7 @@ fn insert_or_merge<V: Lanes, W: Waves<V>>(
         }
     }
     match vacant.and_then(|index| slots.get_mut(index)) {
-        Some(slot) => *slot = Slot { generation, state, field },
+        Some(slot) => *slot = Slot { generation, state, field: *field },
         None => return false,
     }
     true

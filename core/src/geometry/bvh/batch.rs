@@ -3,11 +3,12 @@
 
 use super::beam::{Beam, common_entry};
 use super::boxes::Slabs;
+use super::keys::OrderedKeys;
 use super::leaf::{Leaf, Shear, TERMS};
 use super::node::{COUNTS, Child, Frame, MAX_DEPTH, Node, WIDTH};
 use super::ray::{Hit, Ray};
 use super::tree::Bvh;
-use crate::simd::lanes::{OrderedKeys, prefetch};
+use crate::simd::lanes::prefetch;
 use core::ops::Range;
 use glam::DVec3;
 

@@ -8,10 +8,10 @@
 //! Source: Reshetov, Soupikov & Hurley, "Multi-level ray tracing algorithm" (2005), for the common entry.
 
 use super::boxes::{BOX_SLACK, ORIGIN_SLACK};
+use super::keys::BoxLanes;
 use super::node::{Child, Frame, Node, WIDTH};
 use super::ray::Ray;
 use super::tree::Bvh;
-use crate::simd::lanes::BoxLanes;
 use glam::DVec3;
 
 /// Minimum number of rays for which a common entry pays.

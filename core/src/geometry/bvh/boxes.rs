@@ -1,9 +1,9 @@
 //! The box test: a ray prepared for it, and the children of a node that the ray enters.
 
+use super::keys::{BoxLanes, OrderedKeys};
 use super::node::{Child, Frame, Node, WIDTH};
 use super::ray::Ray;
 use super::stack::{Entry, EntryStack};
-use crate::simd::lanes::{BoxLanes, OrderedKeys};
 
 /// Half the distance from 1 to the next number in single precision.
 const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;

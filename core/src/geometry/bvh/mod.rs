@@ -11,6 +11,7 @@
 
 mod ray;
 mod node;
+mod keys;
 mod stack;
 mod boxes;
 mod leaf;
