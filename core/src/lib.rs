@@ -45,7 +45,7 @@
 //! | [`measure`] | [`bins`](measure::bins) | directions in which rays leave | |
 //! | | [`orders`](measure::orders) | diffraction by a periodic cell, by rays | F_m = ⟨w J E(x) exp(−i k_m·x)⟩ |
 //! | [`colour`] | | observer, illuminant, RGB | XYZ = Σ wᵢρ(λᵢ) |
-//! | [`microfacet`] | | finishes: rough mirror-like surfaces | f = ρ(θ_d) D G₂/(4 cos θ_i cos θ_o) |
+//! | [`microfacet`] | | finishes: rough mirror-like surfaces, energy compensation | f = ρ(θ_d) D G₂/(4 cos θ_i cos θ_o) |
 //! | [`table`] | | BRDF tables, tables of diffraction orders | f = ρ(θ) δ(wo − mirror(wi))/cos θ, L = Σ e L(wi) |
 //! | | [`blob`](table::blob) | tables in bytes | |
 //!

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use glam::Vec3;
-use goniochrome::microfacet::{Distribution, FacetTable, Finish, Masking};
+use goniochrome::microfacet::{Compensation, Distribution, FacetTable, Finish, Masking};
 use goniochrome::table::{
     FilmArrays, FilmTable, HalfVectorWarp, MirrorTable, OrderArrays, OrderLayout, OrderTable, Periodicity,
     ScatterLayout, ScatterSampler, ScatterTable,
@@ -96,6 +96,9 @@ pub fn table(visit: Visit<'_>) {
         finished(name, finish, &pairs, visit);
     }
     let ggx = Finish::new(Distribution::Ggx, Masking::Correlated, [0.25; 2]).expect("a good roughness");
+    let mut losses = [0.0; Compensation::LEN];
+    let compensated = ggx.compensated(&mut losses).expect("memory of the right length");
+    finished("finish, GGX, compensated", compensated, &pairs, visit);
     for (name, size) in [("finish, tabulated", [RINGS, 1]), ("finish, tabulated, azimuth", GRID)] {
         let density: Vec<f32> = (0..(size[0] + 1) * size[1])
             .map(|node| (FacetTable::sin_square(size[0], node / size[1]) as f32).min(0.999_999))
@@ -112,7 +115,10 @@ pub fn table(visit: Visit<'_>) {
 fn finished(name: &'static str, finish: Finish<'_>, pairs: &[(Vec3, Vec3)], visit: Visit<'_>) {
     let values: Vec<f32> = (0..3 * ROWS).map(|i| i as f32 / (3 * ROWS) as f32).collect();
     let arrays = FilmArrays { reflectance: &values, transmittance: &[], thickness_nm: &[0.0] };
-    let table = FilmTable::new(&arrays, 3, 1.55, Some(finish)).expect("a good table");
+    let mut table = FilmTable::new(&arrays, 3, 1.55, Some(finish)).expect("a good table");
+    if finish.compensation().is_some() {
+        table = table.with_returned(&[0.5; 3]).expect("a finish with compensation");
+    }
     let eval = |wi, wo| table.eval_and_pdf(wi, wo, 0.0);
     let (rgb, pdf) = eval(Vec3::Z, Vec3::Z);
     assert!(rgb[2] > rgb[1] && pdf > 0.0);

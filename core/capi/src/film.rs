@@ -103,7 +103,8 @@ pub unsafe extern "C" fn gonio_film_transmittance(
 
 /// Looks up the RGB BRDF in 1/sr, without the cosine, of a mirror-like surface with a finish, for a thickness in nm
 /// from 0 to 1e9. Directions are in the surface's frame, whose z is the normal; both leave the surface. The result is 0
-/// if either is below it, and without a finish. gonio_table_pdf gives the density of gonio_film_sample.
+/// if either is below it, and without a finish. A finish with energy compensation returns the light of several bounces
+/// too. gonio_table_pdf gives the density of gonio_film_sample.
 ///
 /// # Safety
 /// Pointers that are neither NULL nor misaligned point to objects of their types; `wi`, `wo` and `rgb` to three floats.

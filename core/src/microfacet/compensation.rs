@@ -59,14 +59,14 @@ impl<'a> Compensation<'a> {
 
     /// Looks up the loss 1 − E of a direction by its cosine, which is clamped to [0, 1]; NaN counts as 0.
     #[must_use]
-    #[inline(never)]
+    #[inline]
     pub fn loss(&self, cos_theta: f32) -> f32 {
         const STEPS: usize = LOSSES - 1;
         let positive = cos_theta.max(0.0);
         let at = sqrtf(positive.min(1.0)) * STEPS as f32;
         let before = (at as u32 as usize).min(STEPS - 1);
         let [[low, high]] = self.losses.arrays([before]);
-        low + (at - before as f32) * (high - low)
+        low + (at - before as u32 as f32) * (high - low)
     }
 
     /// Mean loss 1 − E_avg = 2 ∫ (1 − E) μ dμ, the integral of what [`Compensation::loss`] interpolates.

@@ -229,19 +229,19 @@ impl<'a> Finish<'a> {
         if !self.is_compensated() {
             return Some(lobe);
         }
-        let [multiple, pdf] = self.several(wi.z, wo.z, lobe.pdf);
+        let (multiple, pdf) = self.several(wi.z, wo.z, lobe.pdf);
         Some(Lobe { pdf, multiple, ..lobe })
     }
 
     /// [`Lobe::multiple`], and [`Lobe::pdf`] by that of the facets alone, of directions of these cosines.
     #[inline(never)]
-    pub(crate) fn several(&self, cos_i: f32, cos_o: f32, pdf: f32) -> [f32; 2] {
+    pub(crate) fn several(&self, cos_i: f32, cos_o: f32, pdf: f32) -> (f32, f32) {
         match &self.compensation {
             Some(compensation) if cos_i > LEAST_COS && cos_o > LEAST_COS => {
-                let [loss_i, loss_o] = [cos_i, cos_o].map(|cos| compensation.loss(cos));
-                [loss_i * loss_o, (1.0 - loss_i) * pdf + loss_i * FRAC_1_PI * cos_o]
+                let (loss_i, loss_o) = (compensation.loss(cos_i), compensation.loss(cos_o));
+                (loss_i * loss_o, (1.0 - loss_i) * pdf + loss_i * FRAC_1_PI * cos_o)
             }
-            _ => [0.0, pdf],
+            _ => (0.0, pdf),
         }
     }
 

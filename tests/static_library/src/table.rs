@@ -59,14 +59,21 @@ pub extern "C" fn orders_write(
     })
 }
 
-/// Makes a film table and writes it as a blob. Returns whether it succeeded.
+/// Makes a film table and writes it as a blob, of a finish whose losses are computed in memory. Returns whether it
+/// succeeded.
 #[unsafe(no_mangle)]
-pub extern "C" fn film_write(arrays: &[&[f32]; 3], alpha: &[f32; 2], bytes: &mut &mut [u8]) -> bool {
-    let [reflectance, transmittance, thickness_nm] = *arrays;
+pub extern "C" fn film_write(
+    arrays: &[&[f32]; 4],
+    alpha: &[f32; 2],
+    losses: &mut &mut [f32],
+    bytes: &mut &mut [u8],
+) -> bool {
+    let [reflectance, transmittance, thickness_nm, returned] = *arrays;
     let arrays = FilmArrays { reflectance, transmittance, thickness_nm };
-    let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, *alpha).ok();
-    FilmTable::new(&arrays, 3, 1.5, finish)
-        .is_ok_and(|table| Blob { space: None, contents: Contents::Film(table) }.write(Precision::Half, bytes).is_ok())
+    let finish = Finish::new(Distribution::Beckmann, Masking::Correlated, *alpha);
+    let Ok(finish) = finish.and_then(|finish| finish.compensated(losses)) else { return false };
+    let table = FilmTable::new(&arrays, 3, 1.5, Some(finish)).and_then(|table| table.with_returned(returned));
+    table.is_ok_and(|table| Blob { space: None, contents: Contents::Film(table) }.write(Precision::Half, bytes).is_ok())
 }
 
 /// Makes a mirror-like or scattering table and writes it as a blob. Returns whether it succeeded.
