@@ -118,8 +118,16 @@ fn wrong_questions_are_refused_with_the_remedy() {
         ("lookup film.exr --wi 30,0 --wo 30,0 --spread 2", 2, ["--spread is for", "leave it out"]),
         ("lookup film.exr --wi 30,0 --pairs short.csv", 2, ["--pairs", "cannot be used"]),
         ("lookup bumpy.exr --wi 30,0", 2, ["--wo is missing", "--wo 45,180"]),
-        ("lookup bumpy.exr --wi 30,0 --wo 30,0 --roughness 0.2", 2, ["--roughness is for", "leave it out"]),
-        ("lookup cd.exr --wi 30,0 --wo 30,0 --roughness 0.2", 2, ["--roughness is for", "--spread 2"]),
+        (
+            "lookup bumpy.exr --wi 30,0 --wo 30,0 --roughness 0.2",
+            2,
+            ["--roughness, --energy-compensation: are for", "leave it out"],
+        ),
+        (
+            "lookup cd.exr --wi 30,0 --wo 30,0 --roughness 0.2",
+            2,
+            ["--roughness, --energy-compensation: are for", "--spread 2"],
+        ),
         ("lookup bumpy.exr --pairs short.csv", 1, ["short.csv, line 1", "four numbers"]),
         ("lookup bumpy.exr --pairs word.csv", 1, ["word.csv, line 2", "four numbers"]),
         ("lookup bumpy.exr --pairs below.csv", 1, ["below.csv, line 2", "[0, 90)"]),

@@ -96,7 +96,11 @@ fn exports_that_cannot_hold_orders_are_refused_with_the_remedy() {
     save(&user, "one.exr", table(vec![550.0], 1, strength));
     for (line, code, says) in [
         ("export cd.exr --to bsdf -o a.bsdf", 2, ["--spread is missing", "degrees"]),
-        ("export cd.exr --to bsdf --roughness 0.1 -o a.bsdf", 2, ["--roughness is for mirror-like", "--spread 2"]),
+        (
+            "export cd.exr --to bsdf --roughness 0.1 -o a.bsdf",
+            2,
+            ["--energy-compensation: are for mirror-like", "--spread 2"],
+        ),
         ("export cd.exr --to bsdf --spread 0 -o a.bsdf", 2, ["--spread", "[0.5, 30]"]),
         ("export film.exr --to bsdf --spread 2 -o a.bsdf", 2, ["--spread is for", "leave it out"]),
         ("export cd.exr --to merl --spread 2 -o a.binary", 1, ["diffraction orders", "bsdf with --spread"]),

@@ -61,13 +61,15 @@ fn a_page_opens_with_the_finish_of_its_table_or_of_the_options() {
         let start = page.find("\"finish\":{").expect("the page has a finish");
         page[start..].split_inclusive('}').next().expect("the finish ends").to_owned()
     };
-    let expected = |distribution: bool, roughness: &str| {
-        format!("\"finish\":{{\"beckmann\":{distribution},\"roughness\":{roughness},\"separable\":false}}")
+    let expected = |[beckmann, compensated]: [bool; 2], roughness: &str| {
+        let kind = format!("\"beckmann\":{beckmann},\"compensated\":{compensated}");
+        format!("\"finish\":{{{kind},\"roughness\":{roughness},\"separable\":false}}")
     };
-    assert_eq!(finish(""), expected(false, "[0.125,0.5]"));
-    assert_eq!(finish("--distribution beckmann"), expected(true, "[0.125,0.5]"));
-    assert_eq!(finish("--roughness 0.25"), expected(false, "[0.25,0.25]"));
-    assert_eq!(finish("--roughness 0"), expected(false, "[0.0,0.0]"));
+    assert_eq!(finish(""), expected([false; 2], "[0.125,0.5]"));
+    assert_eq!(finish("--distribution beckmann"), expected([true, false], "[0.125,0.5]"));
+    assert_eq!(finish("--energy-compensation"), expected([false, true], "[0.125,0.5]"));
+    assert_eq!(finish("--roughness 0.25"), expected([false; 2], "[0.25,0.25]"));
+    assert_eq!(finish("--roughness 0"), expected([false; 2], "[0.0,0.0]"));
     user.refused("view t.exr -o view.html --roughness 2", 2, &["--roughness", "(0, 1]"]);
     file::write(&user.at("cd.exr"), &compact_disc().into(), 1).unwrap();
     user.refused("view cd.exr -o view.html --roughness 0.2", 2, &["--roughness", "mirror-like"]);
