@@ -48,7 +48,13 @@ fn differences(name: &str) -> Vec<[f64; 2]> {
     let weights = visible_weights(&WAVELENGTH_NM, Illuminant::D65, Quadrature::Interpolated).unwrap();
     let Sides { incident, half_vectors } = default_sides(&mesh_scene);
     let (coherence, precision) = (Coherence::None, Precision::F32);
-    let tracing = Tracing { coherence, rays: default_rays(&mesh_scene), seed: 0, precision, threads: 2 };
+    let tracing = Tracing {
+        coherence,
+        rays: default_rays(&mesh_scene, &WAVELENGTH_NM, coherence),
+        seed: 0,
+        precision,
+        threads: 2,
+    };
     let (target_error, weights, space) = (None, &weights[..], RgbSpace::Srgb);
     let request =
         TableRequest { incident, half_vectors, tracing, target_error, weights, space, share: None, reciprocal: false };

@@ -128,8 +128,8 @@ pub struct CellSampling {
     /// What sized tables of versions before 0.2
     #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--half-vectors"))]
     pub bins: Option<String>,
-    /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096, between
-    /// interfaces 1024]
+    /// Cells: number of starting rays for each incident direction, spread over the period [default: 4096; between
+    /// interfaces 1024, unless wavelengths differ in phase alone]
     #[arg(long, value_parser = clap::value_parser!(u32).range(32..=1 << 28))]
     pub rays: Option<u32>,
     /// Cells: which light interferes where it leaves [default: cell for scenes that name their periods, else ray]

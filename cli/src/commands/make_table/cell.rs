@@ -54,7 +54,7 @@ pub(super) fn scatter_table(
     let weights = visible_weights(wavelength_nm, args.colouring.illuminant.into(), Quadrature::Interpolated)?;
     let tracing = Tracing {
         coherence,
-        rays: cell.rays.unwrap_or_else(|| default_rays(&mesh_scene)),
+        rays: cell.rays.unwrap_or_else(|| default_rays(&mesh_scene, wavelength_nm, coherence)),
         seed: cell.seed.unwrap_or(0),
         precision: args.computing.precision,
         threads: args.computing.request().threads,

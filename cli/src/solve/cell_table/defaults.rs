@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::solve::cell_table::flat::{are_parallel, flat_normals, is_of_lines};
 use crate::solve::mesh_scene::MeshScene;
+use crate::solve::scatter::{Coherence, Likeness};
 
 /// Sides of a table: incident directions in θ_i × φ_i, and half vectors outwards × around the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +33,8 @@ const MIN_FLAT: f64 = 0.9;
 
 /// Default number of starting rays of an incident direction: some for each box.
 const RAYS: u32 = 4096;
-/// Default number where waves pass between interfaces, each ray of which costs as much as ten others.
+/// Default number where waves of several wavelengths pass between interfaces one by one: each ray costs as much as ten
+/// others.
 const RAYS_BETWEEN: u32 = 1024;
 
 /// The default sides of the table of a cell. Together they hold at most 65 536 values in each channel, with
@@ -58,8 +60,9 @@ pub fn default_sides(mesh_scene: &MeshScene<'_>) -> Sides {
 
 /// The default number of starting rays of each incident direction.
 #[must_use]
-pub fn default_rays(mesh_scene: &MeshScene<'_>) -> u32 {
-    if mesh_scene.scene().shape.polygons().is_some_and(|cell| cell.interfaces().len() > 1) {
+pub fn default_rays(mesh_scene: &MeshScene<'_>, wavelength_nm: &[f64], coherence: Coherence) -> u32 {
+    let pass_between = mesh_scene.scene().shape.polygons().is_some_and(|cell| cell.interfaces().len() > 1);
+    if pass_between && Likeness::of(mesh_scene, wavelength_nm, coherence.adding()) != Likeness::Light {
         RAYS_BETWEEN
     } else {
         RAYS
