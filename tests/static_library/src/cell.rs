@@ -69,7 +69,7 @@ pub extern "C" fn cell_power(scene: &Scene<'_>, memory: &mut Memory<'_>) -> f64 
     single + power::<F64>(scene, memory).unwrap_or(f64::NAN)
 }
 
-fn power<V: RayLanes>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
+fn power<V: RayLanes<Light = V>>(scene: &Scene<'_>, memory: &mut Memory<'_>) -> Option<f64> {
     let bvh = Bvh::build(scene.vertices_nm, scene.triangles, memory.nodes, memory.order, memory.corners).ok()?;
     bvh.intersect_batch(scene.straight, memory.hits, |_, hit| hit.front);
     let cell =

@@ -48,6 +48,12 @@ pub fn scatter<G: DirectionGrid + Copy + Sync>(
     let adding = request.coherence.adding();
     let likeness = Likeness::of(mesh_scene, wavelength_nm, adding);
     match adding {
+        // Powers have no phase, so nothing differs.
+        Adding::Powers(Paths::Alone) if likeness == Likeness::Light && wavelength_nm.len() > 1 => {
+            let middle = wavelength_nm[wavelength_nm.len() / 2];
+            let found = scatter(mesh_scene, wi, &[middle], request, progress)?;
+            Ok(found.into_iter().cycle().take(wavelength_nm.len()).collect())
+        }
         Adding::Powers(paths) => in_ray_lanes!(request.precision, likeness, wavelength_nm, V => {
             summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
                 Ok(powers::powers(mesh_scene, cell, groups, wi, paths, request, progress))
