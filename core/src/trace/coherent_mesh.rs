@@ -341,14 +341,7 @@ impl<V: RayLanes> Waves<V::Light> for CoherentMesh<'_, V> {
         let Some(Sides { near, .. }) = self.cell.sides(&state.at) else { return V::Light::zero() };
         let Polarised { s, p } = self.tube_power(field, state.tube_area, near);
         let power = (s + p) * V::Light::splat(0.5);
-        // Behind an evanescent gap the optical path holds a decay, least at the longest wavelength.
-        if state.path_nm.im > 0.0 {
-            let per_wavelength = (0..V::WIDTH).map(|lane| self.per_wavelength.lane(lane)).fold(f64::INFINITY, f64::min);
-            let turns = Common::splat(state.path_nm.im * per_wavelength);
-            let amplitude = attenuation::<Common>(ComplexLanes { re: Common::zero(), im: turns }).lane(0);
-            return power * V::Light::splat(amplitude * amplitude);
-        }
-        power
+        if V::IS_ALIKE { power * V::Light::splat(state.least_decay(self.media.wavelength_nm())) } else { power }
     }
 
     fn split(
@@ -467,6 +460,19 @@ impl<V: RayLanes> WaveState<V> {
     /// Point where the ray meets its facet, not wrapped into the period.
     pub fn point_nm(&self) -> DVec3 {
         self.at.point_nm
+    }
+
+    /// Part of the power that is left behind evanescent gaps, whose decay the optical path holds, at the longest
+    /// wavelength.
+    pub(super) fn least_decay(&self, wavelength_nm: V::Precise) -> f64 {
+        if self.path_nm.im > 0.0 {
+            let longest = (0..V::WIDTH).map(|lane| wavelength_nm.lane(lane)).fold(0.0, f64::max);
+            let turns = ComplexLanes { re: Common::zero(), im: Common::splat(self.path_nm.im / longest) };
+            let amplitude = attenuation::<Common>(turns).lane(0);
+            amplitude * amplitude
+        } else {
+            1.0
+        }
     }
 }
 

@@ -355,7 +355,10 @@ impl<V: RayLanes> AsPath<V::Light, CoherentMesh<'_, V>> for IncoherentMesh<'_, V
         // In an absorbing medium a field has a component along its direction, outside s and p: the power is that of all
         // three components.
         let whole = self.incident.tube_power(field, state.tube_area, self.media.eta_of(near).map(V::wavevector));
-        let power = (whole.s + whole.p) * V::Light::splat(0.5);
+        let mut power = (whole.s + whole.p) * V::Light::splat(0.5);
+        if V::IS_ALIKE {
+            power = power * V::Light::splat(state.least_decay(self.media.wavelength_nm()));
+        }
         let path = Path { at: state.at, direction, s_axis: s };
         Some((path, both.with_power(power)))
     }
