@@ -191,8 +191,7 @@ impl<V: RayLanes> ExitRecord<V> {
         let half_step = RealLanes::<V::Wavevector>::splat(0.5 * (other.point_nm - self.point_nm));
         let mut path = ComplexLanes::real((self.wavevector + other.wavevector).dot(half_step));
         if V::IS_ALIKE {
-            let Complex64 { re, im } = self.path_nm - other.path_nm.conj();
-            path += ComplexLanes { re: V::Wavevector::splat(re), im: V::Wavevector::splat(im) };
+            path += ComplexLanes::from_fn(|_| self.path_nm - other.path_nm.conj());
         }
         let phase = phase_factor::<V>(path, per_wavelength);
         // Unpolarised light is half s and half p: half of 2 Re(E_a·E_b*) for each.
@@ -328,7 +327,7 @@ impl<V: RayLanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V::Light>> for E
         if let Some(exit) = self.memory.iter_mut().take(self.count).find(same) {
             let path = ComplexLanes::real(wave.wavevector.dot_real(exit.point_nm - point_nm).re);
             let phase = phase_factor::<V>(path, self.per_wavelength).map(V::light);
-            let more = scaled_to_power::<V>(field, power).map(|e| e.scale(phase));
+            let more = scaled_to_power::<V>(field, power).map(|e| e.times(phase));
             exit.field = exit.field.zip(more, |a, b| a + b);
             return;
         }
@@ -394,8 +393,7 @@ impl<V: RayLanes, G: DirectionGrid> Sink<ExitWave<V>, WaveField<V::Light>> for B
     fn exit(&mut self, wave: ExitWave<V>, field: WaveField<V::Light>) {
         let mut path = ComplexLanes::real(wave.wavevector.dot_real(-wave.point_nm).re);
         if V::IS_ALIKE {
-            let Complex64 { re, im } = wave.path_nm;
-            path += ComplexLanes { re: V::Wavevector::splat(re), im: V::Wavevector::splat(im) };
+            path += ComplexLanes::from_fn(|_| wave.path_nm);
         }
         let phase = phase_factor::<V>(path, self.per_wavelength) * self.arrival;
         let field = scaled_to_power::<V>(field, wave.power);

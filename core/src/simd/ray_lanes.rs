@@ -40,67 +40,52 @@ pub trait RayLanes: Lanes {
     }
 }
 
-impl RayLanes for F32 {
-    type Wavevector = Self::Precise;
-    type Direction = Self;
-    type Light = Self;
+/// Implements the light of [`RayLanes`] where each wavelength has its own.
+macro_rules! own_light {
+    () => {
+        type Light = Self;
 
-    #[inline]
-    fn wavevector(index: Self::Precise) -> Self::Wavevector {
-        index
-    }
-    #[inline]
-    fn precise(wavevector: Self::Wavevector) -> Self::Precise {
-        wavevector
-    }
-    #[inline]
-    fn spread(direction: Self) -> Self {
-        direction
-    }
-    #[inline]
-    fn spread_register(direction: Self, _: usize) -> Self {
-        direction
-    }
-    #[inline]
-    fn light(number: Self) -> Self {
-        number
-    }
-    #[inline]
-    fn each(light: Self) -> Self {
-        light
-    }
+        #[inline]
+        fn light(number: Self) -> Self {
+            number
+        }
+        #[inline]
+        fn each(light: Self) -> Self {
+            light
+        }
+    };
 }
 
-impl RayLanes for F64 {
-    type Wavevector = Self;
-    type Direction = Self;
-    type Light = Self;
+/// Implements [`RayLanes`] of one register, in which each wavelength has a direction of its own.
+macro_rules! own_directions {
+    ($lanes:ty) => {
+        impl RayLanes for $lanes {
+            type Wavevector = Self::Precise;
+            type Direction = Self;
+            own_light!();
 
-    #[inline]
-    fn wavevector(index: Self) -> Self {
-        index
-    }
-    #[inline]
-    fn precise(wavevector: Self) -> Self {
-        wavevector
-    }
-    #[inline]
-    fn spread(direction: Self) -> Self {
-        direction
-    }
-    #[inline]
-    fn spread_register(direction: Self, _: usize) -> Self {
-        direction
-    }
-    #[inline]
-    fn light(number: Self) -> Self {
-        number
-    }
-    #[inline]
-    fn each(light: Self) -> Self {
-        light
-    }
+            #[inline]
+            fn wavevector(index: Self::Precise) -> Self::Wavevector {
+                index
+            }
+            #[inline]
+            fn precise(wavevector: Self::Wavevector) -> Self::Precise {
+                wavevector
+            }
+            #[inline]
+            fn spread(direction: Self) -> Self {
+                direction
+            }
+            #[inline]
+            fn spread_register(direction: Self, _: usize) -> Self {
+                direction
+            }
+        }
+    };
 }
+
+own_directions!(F32);
+own_directions!(F64);
 
 /// Implements [`RayLanes`] of registers with one wavevector.
 macro_rules! common_directions {
@@ -120,7 +105,7 @@ macro_rules! common_directions {
 }
 
 impl<V: Lanes, const N: usize> RayLanes for Registers<V, N> {
-    type Light = Self;
+    own_light!();
     common_directions!();
 
     #[inline]
@@ -130,14 +115,6 @@ impl<V: Lanes, const N: usize> RayLanes for Registers<V, N> {
     #[inline]
     fn spread_register(direction: Common, _: usize) -> V {
         V::splat(direction.lane(0))
-    }
-    #[inline]
-    fn light(number: Self) -> Self {
-        number
-    }
-    #[inline]
-    fn each(light: Self) -> Self {
-        light
     }
 }
 

@@ -46,19 +46,21 @@ pub fn scatter<G: DirectionGrid + Copy + Sync>(
     let tallies = [BATCHES as usize, wavelength_nm.len(), request.bins.count()];
     expect_list::<f64>(&tallies, "all --bins at all --wavelengths")?;
     let adding = request.coherence.adding();
-    let likeness = Likeness::of(mesh_scene, wavelength_nm, adding);
     match adding {
-        // Powers have no phase, so nothing differs.
-        Adding::Powers(Paths::Alone) if likeness == Likeness::Light && wavelength_nm.len() > 1 => {
-            let middle = wavelength_nm[wavelength_nm.len() / 2];
-            let found = scatter(mesh_scene, wi, &[middle], request, progress)?;
-            Ok(found.into_iter().cycle().take(wavelength_nm.len()).collect())
-        }
-        Adding::Powers(paths) => in_ray_lanes!(request.precision, likeness, wavelength_nm, V => {
-            summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
-                Ok(powers::powers(mesh_scene, cell, groups, wi, paths, request, progress))
+        Adding::Powers(paths) => {
+            let likeness = Likeness::of(mesh_scene, wavelength_nm, adding);
+            if (paths, likeness) == (Paths::Alone, Likeness::Light) && wavelength_nm.len() > 1 {
+                // Powers have no phase, so nothing differs.
+                let middle = wavelength_nm[wavelength_nm.len() / 2];
+                let found = scatter(mesh_scene, wi, &[middle], request, progress)?;
+                return Ok(found.into_iter().cycle().take(wavelength_nm.len()).collect());
+            }
+            in_ray_lanes!(request.precision, likeness, wavelength_nm, V => {
+                summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
+                    Ok(powers::powers(mesh_scene, cell, groups, wi, paths, request, progress))
+                })
             })
-        }),
+        }
         Adding::Fields => in_lanes!(request.precision, V => {
             summarised::<V, G>(mesh_scene, wavelength_nm, request, |cell, groups| {
                 BinLight::expect_room::<V>(&request.bins)?;
